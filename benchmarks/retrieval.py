@@ -161,14 +161,14 @@ def tree(table: SearchTable) -> Searcher:
 
 
 def nearest_cluster(table: SearchTable, count: int) -> Searcher:
-    """As in P09: the cluster of the nearest centroid, every frame of it; its answer may be another one."""
+    """As in P09: the cluster of the nearest centre, every frame of it; its answer may be another one."""
     made = map_of(table, count)
-    members = [table.rows[made.clusters == group] for group in range(len(made.centroids))]
+    members = [table.rows[made.clusters == group] for group in range(len(made.centres))]
 
     def searcher(query: Query) -> float:
         best = np.inf
         for pose in query.poses:
-            group = int(np.argmin(np.linalg.norm(made.centroids - unturned(pose[None]), axis=1)))
+            group = int(np.argmin(np.linalg.norm(made.centres - unturned(pose[None]), axis=1)))
             best = min(best, float(pose_distances(pose, members[group])[0].min()))
         return best
 

@@ -1,4 +1,4 @@
-"""Surfaces that a soak tries by seeds instead of spoilt files: a damaged catalogue, a recording, a body, short clips.
+"""Surfaces that a soak tries by seeds instead of spoilt files: a catalogue, a recording, a body, short clips, kills.
 
 Each trial raises where something is lost or goes wrong.
 """
@@ -11,9 +11,10 @@ from random import Random
 from studio.core.errors import StudioError
 from studio.live.osc import LARGEST_PACKET
 from studio.live.recording import read_recording, write_recording
+from tests.document.killed import CHECKS
 from tests.io.test_fuzz import bytes_changed
 from tests.library.damaged_catalogue import damage, make_catalogue, use
-from tests.live import hostile_bones, short_clips
+from tests.live import clip_commands, hostile_bones, short_clips
 
 Trial = Callable[[int, Path], object]
 
@@ -47,6 +48,14 @@ def try_recording(seed: int, folder: Path) -> None:
     assert recording.problem or len(recording.packets) >= 1 or path.stat().st_size == 8
 
 
+def try_kill(seed: int, folder: Path) -> None:
+    """Kill a child that edits, saves, exports, records or indexes; nothing that was whole is lost."""
+    what, own = sorted(CHECKS)[seed % len(CHECKS)], folder / f"killed {seed}"
+    own.mkdir()
+    assert CHECKS[what](own, 1, Random(seed)) == 0, f"{what} lost something"
+    shutil.rmtree(own)
+
+
 _labels = {}
 
 SURFACES: dict[str, Trial] = {
@@ -54,4 +63,6 @@ SURFACES: dict[str, Trial] = {
     "recording": try_recording,
     "bones": lambda seed, _folder: hostile_bones.play(seed),
     "clips": lambda seed, _folder: short_clips.play(seed, live=seed % 8 == 0),
+    "kills": try_kill,
+    "commands": lambda seed, _folder: clip_commands.play(seed, live=seed % 8 == 0),
 }

@@ -161,8 +161,8 @@ class MorphoLink:
         listening.setblocking(False)
         listening.bind(("127.0.0.1", armature.morpho_port))
         self.sockets[armature.name] = listening
-        if not bpy.app.timers.is_registered(self.read):
-            bpy.app.timers.register(self.read)
+        if not bpy.app.timers.is_registered(read_packets):
+            bpy.app.timers.register(read_packets, persistent=True)
 
     def stop(self, name: str) -> None:
         """Listen no more for an armature."""
@@ -192,6 +192,11 @@ class MorphoLink:
 
 
 LINK = MorphoLink()
+
+
+def read_packets() -> float | None:
+    """Blender's timer, which it knows by this one function: a method would be another object at each use."""
+    return LINK.read()
 
 
 class MorphoFollow(bpy.types.Operator):
@@ -250,6 +255,8 @@ def unregister() -> None:
     """Called by Blender."""
     for name in list(LINK.sockets):
         LINK.stop(name)
+    if bpy.app.timers.is_registered(read_packets):
+        bpy.app.timers.unregister(read_packets)
     bpy.utils.unregister_class(MorphoPanel)
     bpy.utils.unregister_class(MorphoFollow)
     del bpy.types.Object.morpho_port

@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Adapted:
-    """The F frames that a performer plays on the stage, adapted to its body."""
+    """F frames of a performer on the stage, adapted to its body."""
 
     project: Project
     performer_id: str
@@ -43,7 +43,7 @@ class Adapted:
         return timing.start + np.arange(self.performance.played.frame_count) / self.frame_rate
 
     def frame_at(self, time: float) -> int:
-        """The frame that is nearest to ``time``, in seconds of the stage."""
+        """Frame nearest to ``time``, in seconds of the stage."""
         return int(np.argmin(np.abs(self.times - time)))
 
     def place_of(self, point: BodyPoint) -> FloatArray:
@@ -53,10 +53,10 @@ class Adapted:
 
     @property
     def residuals(self) -> dict[str, FloatArray]:
-        """Residual of each constraint by its id, (F,) metres or radians, NaN where it is not active.
+        """Residual of each constraint by its id, (F,) metres or radians, NaN where it is inactive.
 
-        A constraint that applies to several clips of the performer, or to repeats of one, has the residual of the clip
-        that plays.
+        A constraint that applies to several clips of the performer, or to repeats of one, has the residual of the
+        playing clip.
         """
         found: dict[str, FloatArray] = {}
         for asked, row in zip(self.performance.asked, self.performance.played.residuals, strict=True):
@@ -66,7 +66,7 @@ class Adapted:
 
     @cached_property
     def report(self) -> dict[str, Any]:
-        """The figures that ``adapt`` writes to ``report.json``: foot slide, penetration, constraints held, ..."""
+        """Figures that ``adapt`` writes to ``report.json``: foot slide, penetration, constraints met, ..."""
         request, composite = self.performance.request, self.performance.composite
         source = played_on(composite.motion, request.actor or request.morphology.still)
         return figures(grounded(request), request, self.performance.played, source, by_frame=False)

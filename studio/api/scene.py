@@ -1,4 +1,4 @@
-"""A scene that a script edits: a project in a document, so that every change can be undone."""
+"""Scene that a script edits: a project in a document, so that every change can be undone."""
 
 import weakref
 from collections.abc import Iterator, Mapping, Sequence
@@ -45,32 +45,35 @@ class Scene:
     """Captures, characters, performers, constraints and contacts, edited by id."""
 
     def __init__(self, document: EditedProject | None = None) -> None:
-        """Edit ``document``, for example that of an open window, or an empty one."""
+        """Edit ``document``, for example that of an open window, or a new one."""
         self.document = document or _own_document(Project())
 
     @property
     def project(self) -> Project:
-        """All entities as they are now: an immutable value."""
+        """All entities at present: an immutable value."""
         return self.document.project
 
     # Edits
 
     @contextmanager
     def undo_step(self, text: str) -> Iterator[None]:
-        """Make all edits inside one undo step; an exception takes them back."""
+        """Context in which all edits are one undo step; an exception reverts them."""
         with self.document.group(text):
             yield
 
     def undo(self) -> None:
-        """Take back the last undo step."""
+        """Undo the last step."""
         self.document.undo_stack.undo()
 
     def redo(self) -> None:
-        """Repeat the undo step that was taken back last."""
+        """Redo the last undone step."""
         self.document.undo_stack.redo()
 
     def add(self, collection: str, entity: Entity) -> str:
-        """Add an entity, for example a ``Prop`` to ``props``; its id. Raises StudioError where it cannot stand."""
+        """Add an entity, for example a ``Prop`` to ``props``, and return its id.
+
+        Raises StudioError if it conflicts with others.
+        """
         return self.document.add(collection, entity, f"Add to {collection}")
 
     def change(self, collection: str, entity_id: str, **fields: Any) -> None:
@@ -81,13 +84,13 @@ class Scene:
         self.document.replace(collection, entity_id, replace(old, **fields), f"Change {', '.join(fields)}")
 
     def remove(self, collection: str, entity_id: str) -> None:
-        """Remove an entity, and what cannot be without it."""
+        """Remove an entity and its dependents."""
         self.document.remove(collection, entity_id, f"Remove from {collection}")
 
     def add_capture(self, path: Path | str, options: ImportOptions = GUESS_ALL) -> str:
-        """Import a capture with its contacts, constraints and labels; the id of its motion.
+        """Import a capture with its contacts, constraints and labels, and return the id of its motion.
 
-        Contacts are detected where the file has none. Raises StudioError for a file that cannot be read.
+        Contacts are detected if the file has none. Raises StudioError for a file that cannot be read.
         """
         read = read_capture(path, options)
         motion_id = new_id()
@@ -102,7 +105,7 @@ class Scene:
         return motion_id
 
     def add_character(self, character: Character | Path | str) -> str:
-        """Add a character: one that is given, a bundled one by name, or a file (glTF, VRM, FBX, ...); its id."""
+        """Add a character and return its id: an object, a bundled one by name, or a file (glTF, VRM, FBX, ...)."""
         if not isinstance(character, Character):
             [character] = chosen_characters([str(character)]).values()
         return self.document.add("characters", character, f"Add {character.name}")
@@ -115,7 +118,9 @@ class Scene:
         position: tuple[float, float] = (0.0, 0.0),
         heading: float = 0.0,
     ) -> str:
-        """Put a character on the stage, where it plays the whole motion, if one is given; the performer's id."""
+        """Put a character on the stage, with a clip of the whole motion if one is given, and return
+        the performer's id.
+        """
         character = self.project.characters.get(character_id)
         if character is None:
             raise StudioError(f"There is no character '{character_id}'. Add it first.")
@@ -124,7 +129,7 @@ class Scene:
         return self.document.add("performers", performer, f"Add {character.name}")
 
     def play(self, performer_id: str, *clips: Clip | str) -> None:
-        """Set the row of clips of a performer; the id of a motion stands for all of its frames."""
+        """Set the row of clips of a performer; the id of a motion stands for a clip of all its frames."""
         row = tuple(self._whole_clip(each) if isinstance(each, str) else each for each in clips)
         self.change("performers", performer_id, clips=row)
 
@@ -136,11 +141,11 @@ class Scene:
         return Clip(motion_id, capture.first_frame, capture.frame_count - 1, id=new_id())
 
     def add_constraint(self, constraint: Constraint) -> str:
-        """Add a constraint; its id."""
+        """Add a constraint and return its id."""
         return self.document.add("constraints", constraint, f"Add {constraint.name}")
 
     def add_contact(self, motion_id: str, point: ContactPoint | str, first: int, last: int) -> str:
-        """Let a point stand on the ground from frame ``first`` to ``last`` of a motion; the id of the contact."""
+        """Add a ground contact of a point from frame ``first`` to ``last`` of a motion, and return its id."""
         contact = ContactInterval(motion_id, ContactPoint(point), first, last)
         return self.document.add("contacts", contact, f"Add contact of {contact.point.words}")
 
@@ -153,11 +158,10 @@ class Scene:
         *,
         above: bool = False,
     ) -> str:
-        """Key a manual correction of a performer at ``time``, in seconds of the stage; the id of the correction.
-
-        ``turns`` has rotation vectors (radians, in the axes of the part), ``hips`` a displacement in leg lengths
-        (ahead, left, up). A new correction fades in and out within half a second; one that acts at that time
-        gets another key. With ``above`` it is applied after the constraints.
+        """Set a key of a manual correction of a performer at ``time``, in seconds of the stage; return the id of the
+        correction. ``turns`` has rotation vectors (radians, in the axes of the part), ``hips`` a displacement in leg
+        lengths (ahead, left, up). A new correction fades in and out within half a second; one that is active at that
+        time gets another key. With ``above`` it is applied after the constraints.
         """
         if performer_id not in self.project.performers:
             raise StudioError(f"There is no performer '{performer_id}'. Add it first.")
@@ -174,9 +178,9 @@ class Scene:
     # Results
 
     def adapt(self, *performer_ids: str) -> dict[str, Adapted]:
-        """Adapt the whole stage and return these performers, by default all that are visible and play something.
+        """Adapt the whole stage and return these performers, by default all visible ones with clips.
 
-        Raises StudioError where one of them cannot be adapted.
+        Raises StudioError if one of them cannot be adapted.
         """
         project = self.project
         staged = performances(project)
@@ -189,13 +193,13 @@ class Scene:
         return {key: Adapted(project, key, staged.performances[key]) for key in chosen}
 
     def export(self, performer_id: str, path: Path | str, options: ExportOptions = DEFAULT_EXPORT) -> None:
-        """Write what a performer plays to a file; its suffix says the format."""
+        """Write the motion of a performer to a file, in the format of its suffix."""
         self._write(self.adapt(performer_id)[performer_id], Path(path), options)
 
     def export_all(
         self, folder: Path | str, suffix: str = ".bvh", options: ExportOptions = DEFAULT_EXPORT
     ) -> list[Path]:
-        """Write a file for every performer that is visible and plays something; the files."""
+        """Write a file for every visible performer with clips; return the files."""
         make_folder(Path(folder))
         adapted = self.adapt()
         paths = [Path(folder) / file_name(self.project, key, suffix) for key in adapted]
@@ -232,7 +236,7 @@ class Scene:
         kinds: Sequence[Kind] = (),
         count: int = 8,
     ) -> list[Result]:
-        """The clips of a library that hit a target best, from the performer's pose at ``time``, the best first.
+        """Clips of a library that hit a target best, from the performer's pose at ``time``, the best first.
 
         ``target`` is metres ahead of the performer, to its left, and above the ground; ``library`` the folder of an
         indexed library, by default the bundled strikes.
@@ -251,21 +255,21 @@ class Scene:
 
 
 def new_scene() -> Scene:
-    """An empty scene."""
+    """Empty scene."""
     load_registered()
     return Scene()
 
 
 def open_scene(source: Path | str) -> Scene:
-    """The scene in a ``.studio`` file, or a bundled scene by name, such as ``fight-training``."""
+    """Scene in a ``.studio`` file, or a bundled scene by name, such as ``fight-training``."""
     load_registered()
     return Scene(_own_document(open_project(Path(source))))
 
 
 def _own_document(project: Project) -> EditedProject:
-    """A document without a window, whose undo stack is emptied before it is collected.
+    """Document without a window, whose undo stack is emptied before it is collected.
 
-    Qt crashes where Python collects undo commands before the stack that holds them.
+    Qt crashes if Python collects undo commands before their stack.
     """
     document = EditedProject(project)
     weakref.finalize(document, _empty, document.undo_stack)

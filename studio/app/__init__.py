@@ -1,1 +1,1 @@
-"""The window that puts the views together."""
+"""The window and the functions of its actions."""

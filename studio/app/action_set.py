@@ -1,6 +1,6 @@
-"""The table of actions as Qt's actions: made once, kept true, put into menus and toolbar."""
+"""Table of actions as Qt's actions: made once, kept up to date, added to menus and toolbar."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 
 from PySide6.QtCore import QObject, QTimer
 from PySide6.QtGui import QAction, QKeySequence
@@ -12,18 +12,35 @@ from studio.app.verbs import files
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.core.stage.saved_camera import CAMERA_SLOTS
+from studio.document.mnemonics import literal
 from studio.document.stored_cameras import camera_in_slot
 from studio.panels.message_strip import Lifetime
 
 
-def with_mnemonics(names: Iterable[str]) -> list[str]:
-    """The names with a letter of each marked, by which Alt opens it: the first that no name before has."""
-    taken: set[str] = set()
-    marked = []
-    for name in names:
-        place = next((place for place, letter in enumerate(name) if letter.lower() not in taken), 0)
-        taken.add(name[place].lower())
-        marked.append(f"{name[:place]}&{name[place:]}")
+def with_mnemonics(names: Sequence[str], shortcuts: Iterable[str] = ()) -> list[str]:
+    """Names with a mnemonic letter of each marked: an early one that is not used by anything else.
+
+    ``shortcuts`` are the keys of all actions. Qt answers keys that two things have with a warning and with neither, so
+    a name for which no letter is left stays unmarked. The letters are assigned by augmenting paths (Kuhn's matching).
+    """
+    taken = {keys.removeprefix("Alt+").lower() for keys in shortcuts if keys.startswith("Alt+")} | {" "}
+    index_of: dict[str, int] = {}  # of the name that is opened by a letter
+
+    def give(index: int, tried: set[str]) -> bool:
+        for letter in names[index].lower():
+            if letter not in taken | tried:
+                tried.add(letter)
+                if letter not in index_of or give(index_of[letter], tried):
+                    index_of[letter] = index
+                    return True
+        return False
+
+    for index in range(len(names)):
+        give(index, set())
+    marked = list(names)
+    for letter, index in index_of.items():
+        place = marked[index].lower().index(letter)
+        marked[index] = f"{marked[index][:place]}&{marked[index][place:]}"
     return marked
 
 
@@ -53,7 +70,7 @@ class ActionSet(QObject):
         bench.live.play.recording_changed.connect(self.refresh)
 
     def refresh(self, *_: object) -> None:
-        """Fetch what can be done now, what is switched on, and what undo would take back; after a drag, not in it."""
+        """Update which actions are enabled and checked, and the texts of undo; after a drag, not during it."""
         if self._bench.live.interactive:
             return
         for row in ACTIONS:
@@ -65,13 +82,13 @@ class ActionSet(QObject):
         for slot in CAMERA_SLOTS:
             camera_id = camera_in_slot(self._bench.document.project, slot)
             name = cameras[camera_id].name if camera_id else f"camera {slot}"
-            self.by_id[f"camera_{slot}"].setText(f"Look through {name}")
+            self.by_id[f"camera_{slot}"].setText(literal(f"Look through {name}"))
         stack = self._bench.document.undo_stack
-        self.by_id["undo"].setText(f"Undo {_uncapitalised(stack.undoText())}".strip())
-        self.by_id["redo"].setText(f"Redo {_uncapitalised(stack.redoText())}".strip())
+        self.by_id["undo"].setText(literal(f"Undo {_uncapitalised(stack.undoText())}".strip()))
+        self.by_id["redo"].setText(literal(f"Redo {_uncapitalised(stack.redoText())}".strip()))
 
     def apply_keys(self) -> None:
-        """Give every action its keys by the map and the user's own."""
+        """Give every action its keys by the key map and the user's own."""
         preferences = self._bench.preferences
         _, changed = key_maps().get(preferences.key_map, ("", {}))
         keys = keys_with({row.id: row.shortcuts for row in ACTIONS}, changed, preferences.own_keys)
@@ -79,14 +96,16 @@ class ActionSet(QObject):
             action = self.by_id[row.id]
             action.setShortcuts([QKeySequence(key) for key in keys[row.id]])
             action.setToolTip(_tooltip(row, keys[row.id]))
+        self._mark_menus()
 
     def keys_now(self) -> dict[str, tuple[str, ...]]:
         """Keys of each action by its id."""
         return {key: tuple(each.toString() for each in action.shortcuts()) for key, action in self.by_id.items()}
 
     def fill(self, bar: QMenuBar) -> None:
-        """Put all actions into their menus."""
-        self.menus = {name: bar.addMenu(text) for name, text in zip(MENUS, with_mnemonics(MENUS), strict=True)}
+        """Add all actions to their menus."""
+        self.menus = {name: bar.addMenu(name) for name in MENUS}
+        self._mark_menus()
         for row in ACTIONS:
             self.menus[row.menu].addAction(self.by_id[row.id])
             if row.id == "open":
@@ -96,17 +115,22 @@ class ActionSet(QObject):
                 self.menus[row.menu].addSeparator()
 
     def by_menu(self) -> dict[str, list[QAction]]:
-        """All actions by menu, for the sheet."""
+        """All actions by menu, for the shortcut sheet."""
         return {name: [self.by_id[row.id] for row in ACTIONS if row.menu == name] for name in MENUS}
 
     def tools(self) -> list[QAction]:
         """Actions of the tools in the top bar."""
         return [self.by_id[row.id] for row in ACTIONS if row.tool]
 
+    def _mark_menus(self) -> None:
+        shortcuts = [keys for of_action in self.keys_now().values() for keys in of_action]
+        for menu, text in zip(self.menus.values(), with_mnemonics(list(self.menus), shortcuts), strict=True):
+            menu.setTitle(text)
+
     def _fill_recent(self) -> None:
         self.recent.clear()
         for path in self._bench.settings.recent:
-            action = self.recent.addAction(path.name)
+            action = self.recent.addAction(literal(path.name))
             action.setToolTip(str(path))
             action.triggered.connect(lambda _=False, path=path: files.open_path(self._bench, path))
         if self.recent.isEmpty():

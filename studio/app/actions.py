@@ -92,7 +92,7 @@ def _clip_shared(bench: Workbench) -> bool:
 
 @dataclass(frozen=True)
 class Action:
-    """One thing the user can do. ``checked`` makes it a switch; ``tool`` puts it on the toolbar."""
+    """Action of the user. ``checked`` makes it a switch; ``tool`` adds it to the toolbar."""
 
     id: str
     menu: str
@@ -125,7 +125,7 @@ FILE = (
     ),
     Action("import", "File", "Import motion…", files.import_motion, ("Ctrl+I",), "Read a capture, or drop it here"),
     Action("add_sound", "File", "Add sound…", media.ask_sound,
-           tooltip="A sound or a film: heard in step, with its waveform and beats on the timeline"),
+           tooltip="Play a sound, or that of a film, in step, with its waveform and beats on the timeline"),
     Action("add_footage", "File", "Add footage…", media.ask_footage,
            tooltip="A film, or pictures with a running number, shown in step with the timeline"),
     Action("import_character", "File", "Import character…", files.import_character, ("Ctrl+Shift+I",),
@@ -135,7 +135,7 @@ FILE = (
            enabled=lambda bench: shown_capture(bench) is not None),
     Action(
         "export", "File", "Export…", files.export, ("Ctrl+E",),
-        "Write the selected bodies, or all that are shown; the motion itself; a film of the view", _performing,
+        "Export the selected or all visible characters, the motion itself, or a film of the view", _performing,
     ),
     Action("batch", "File", "Adapt a folder…", files.adapt_folder,
            tooltip="Adapt every capture of a folder, in several processes", ends_group=True),
@@ -148,23 +148,23 @@ EDIT = (
         lambda bench: bench.document.undo_stack.canUndo(), repeats=True,
     ),
     Action(
-        "redo", "Edit", "Redo", editing.redo, ("Ctrl+Shift+Z", "Ctrl+Y"), "Redo what was undone",
+        "redo", "Edit", "Redo", editing.redo, ("Ctrl+Shift+Z", "Ctrl+Y"), "Redo the last undone step",
         lambda bench: bench.document.undo_stack.canRedo(), repeats=True, ends_group=True,
     ),
-    Action("delete", "Edit", "Delete", editing.delete, ("Del", "Backspace"), "Remove what is selected", _any_selected),
+    Action("delete", "Edit", "Delete", editing.delete, ("Del", "Backspace"), "Delete the selection", _any_selected),
     Action("copy", "Edit", "Copy", editing.copy, ("Ctrl+C",),
-           "The selected keys, constraints and contacts, as text that other projects take too", _any_selected),
+           "Copy the selected keys, constraints and contacts as text for any project", _any_selected),
     Action("paste", "Edit", "Paste", editing.paste_copied, ("Ctrl+V",),
            "Keys from the playhead on; constraints and contacts on the motion or body that is selected"),
     Action("paste_mirrored", "Edit", "Paste mirrored", editing.paste_mirrored, ("Ctrl+Shift+V",),
-           "Paste with left for right", ends_group=True),
+           "Paste with left and right exchanged", ends_group=True),
     Action("set_key", "Edit", "Set key", editing.set_key, ("S",), "Key the selection at the playhead", _any_selected),
     Action("preferences", "Edit", "Preferences…", editing.preferences, ("Ctrl+,",),
            "Snapping steps, onion skins, activation, autosave, theme, scale, and keys"),
     Action("escape", "Edit", "Deselect", editing.escape, ("Esc",), "Cancel the current action"),
     Action(
         "report", "Edit", "Show import report", editing.select_capture,
-        tooltip="What was read and what was guessed from the file of this motion", enabled=_performing,
+        tooltip="Show what the file of this motion contains, and what was guessed", enabled=_performing,
     ),
     Action(
         "markers", "Edit", "Markers…", open_markers, tooltip="Markers of an optical capture, and its signals",
@@ -195,12 +195,12 @@ CLIP = (
     Action("duplicate_clip", "Clip", "Duplicate clip", clips.duplicate, tooltip="A copy that plays after it",
            enabled=_clip_chosen),
     Action("own_clip", "Clip", "Make clip unique", clips.make_own,
-           tooltip="Separate this body's clip from that of the others that play it", enabled=_clip_shared),
+           tooltip="Give this character its own copy of a shared clip", enabled=_clip_shared),
 )  # fmt: skip
 
 
 def _adding(kind: str, shown: KindInfo) -> Action:
-    """The action that adds a constraint of a kind; a position is what C adds."""
+    """Action that adds a constraint of a kind; C adds a position."""
     name, keys = ("add_constraint", ("C",)) if kind == "position" else (f"add_{kind}", ())
     return Action(name, "Constraint", shown.action, adder(kind), keys, shown.hint, _ready)
 
@@ -213,10 +213,10 @@ CONSTRAINT = (
            tooltip="The surface of an OBJ, STL or PLY file becomes the shape of the selected area",
            enabled=lambda bench: selected_area(bench) is not None, ends_group=True),
     Action("raise_priority", "Constraint", "Raise priority", shift(-1), ("Alt+Up",),
-           "The selected constraint goes before the one above it",
+           "The selected constraints go before the one above them",
            lambda bench: selected_constraint(bench) is not None),
     Action("lower_priority", "Constraint", "Lower priority", shift(1), ("Alt+Down",),
-           "The selected constraint goes after the one below it",
+           "The selected constraints go after the one below them",
            lambda bench: selected_constraint(bench) is not None, ends_group=True),
     Action("duplicate", "Constraint", "Duplicate", editing.duplicate, ("Ctrl+D",),
            "Copy the selected constraints, the clip, or the states of a behaviour", _copyable),
@@ -228,18 +228,18 @@ PROP = (
     Action("add_prop", "Prop", "Add prop…", props.choose,
            tooltip="A box, ball, stick, table, stairs or a mesh file in front of the body", enabled=_viewing),
     Action("hold_prop", "Prop", "Hold prop in both hands", props.hold,
-           tooltip="The active body carries the selected prop, a hand on either side, at any size",
+           tooltip="The active character carries the selected prop between both hands",
            enabled=lambda bench: _performing(bench) and props.selected_prop(bench) is not None),
     Action("pick_up_prop", "Prop", "Pick up prop at playhead", props.pick_up,
-           tooltip="From here on the active body has the selected prop in its hands",
+           tooltip="The active character holds the selected prop from the playhead on",
            enabled=lambda bench: _performing(bench) and props.selected_prop(bench) is not None),
     Action("put_down_prop", "Prop", "Put down prop at playhead", props.put_down,
-           tooltip="From here on the selected prop lies where it is", enabled=props.is_held),
+           tooltip="The selected prop stays at its position from the playhead on", enabled=props.is_held),
 )  # fmt: skip
 
 LIBRARY = (
     Action("find_strike", "Library", "Find a strike in the library…", show_strikes, ("Ctrl+F",),
-           "Which clip of the motion library hits a box best, and why", _performing),
+           "Find the clip of the motion library that hits a box best", _performing),
     Action("label_strike", "Library", "Label strike…", label_strike,
            tooltip="Confirm or correct the cut, hit, limb and kind of the chosen strike",
            enabled=strike_chosen),
@@ -249,7 +249,7 @@ LIBRARY = (
 
 BEHAVIOUR = (
     Action("behaviour", "Behaviour", "Edit behaviour", behaviours.show, ("Shift+B",),
-           "The states that the active body goes through while the stage runs live", ends_group=True),
+           "Edit the states of the active character during live play", ends_group=True),
     *(
         Action(key, "Behaviour", text, run, tooltip=tip, enabled=_with_bodies)
         for key, (text, tip, run) in behaviours.READY_MADE.items()
@@ -262,7 +262,7 @@ PLAY = (
            "The stage plays by itself: keys 1 to 9 start clips, everything can be edited meanwhile",
            _ready, lambda bench: bench.live.play.running),
     Action("record_take", "Play", "Record take", playing_live.record, ("Shift+R",),
-           "What is played live becomes clips and keyed targets", lambda bench: bench.live.play.running,
+           "Record live play as clips and keyed targets", lambda bench: bench.live.play.running,
            lambda bench: bench.live.play.recording, ends_group=True),
     Action("next_frame", "Play", "Next frame", playback.next_frame, ("Right",), repeats=True),
     Action("previous_frame", "Play", "Previous frame", playback.previous_frame, ("Left",), repeats=True),
@@ -273,7 +273,7 @@ PLAY = (
     Action("previous_event", "Play", "Previous contact or key", playback.previous_event, ("Up", ","), repeats=True,
            enabled=_keyed, ends_group=True),
     Action("next_problem", "Play", "Next problem", playback.next_problem, ("N",),
-           "The worst error, slide, penetration or peak of all bodies, then the next one", _ready, repeats=True),
+           "Go to the worst error, slide, penetration or peak, then to the next", _ready, repeats=True),
     Action("previous_problem", "Play", "Previous problem", playback.previous_problem, ("Shift+N",), enabled=_ready,
            repeats=True, ends_group=True),
     Action("add_label", "Play", "Add label", playback.add_label, ("M",),
@@ -290,7 +290,7 @@ PLAY = (
     Action("shuttle_on", "Play", "Play forwards", playback.shuttle_on, ("L",), "Press again to double the speed"),
     Action("loop", "Play", "Loop", playback.toggle_loop, ("Ctrl+L",), "Start over at the end of the range",
            checked=lambda bench: bench.document.playhead.loop),
-    Action("mute", "Play", "Mute sounds", media.toggle_muted, tooltip="Sounds stay on the timeline and are not heard",
+    Action("mute", "Play", "Mute sounds", media.toggle_muted, tooltip="Mute all sounds; they stay on the timeline",
            enabled=lambda bench: bool(bench.document.project.sounds),
            checked=lambda bench: bench.window.sound_playback.muted),
 )  # fmt: skip
@@ -298,7 +298,8 @@ PLAY = (
 LIVE_ACTIONS = (
     Action("live_panel", "Play", "Live input and output…", show_live, ("Ctrl+Shift+L",),
            "Bodies and trackers received by VMC, what they drive, and what is sent out"),
-    Action("stream", "Play", "Stream bodies as VMC", toggle_streaming, tooltip="To the address set in the Live panel",
+    Action("stream", "Play", "Stream bodies as VMC", toggle_streaming,
+           tooltip="Stream to the address set in the Live panel",
            checked=is_streaming, ends_group=True),
 )  # fmt: skip
 
@@ -308,14 +309,14 @@ VIEW = (
     Action("move_tool", "View", "Move tool", view.move_tool, ("W",), "Drag targets by their arrows", _viewing,
            _tool_is("move"), tool="W move"),
     Action("rotate_tool", "View", "Rotate tool", view.rotate_tool, ("E",),
-           "Turn targets, areas, props and bodies by their rings", _viewing, _tool_is("rotate"), tool="E rotate"),
+           "Rotate targets, areas, props and characters by their rings", _viewing, _tool_is("rotate"), tool="E rotate"),
     Action("scale_tool", "View", "Scale tool", view.scale_tool, ("R",), "Resize areas and props", _viewing,
            _tool_is("scale"), tool="R scale"),
     Action("correct_pose", "View", "Correct pose", view.toggle_correcting, ("P",),
            "Correct the pose on a layer above the motion: E rotates joints, W moves hand, foot, hips, head", _ready,
            lambda bench: _viewing(bench) and bench.viewport.correcting),
     Action("gizmo_axes", "View", "Cycle gizmo axes", view.next_gizmo_axes, ("T",),
-           "Move and turn along the axes of the world, the thing, its parent or the picture", _viewing,
+           "Use the axes of the world, the selection, its parent or the screen", _viewing,
            ends_group=True),
     Action("frame_selection", "View", "Frame selection", view.frame_selection, ("F",), enabled=_viewing),
     Action("frame_all", "View", "Frame all", view.frame_all, ("A",), enabled=_viewing),
@@ -326,19 +327,19 @@ VIEW = (
            ends_group=True),
     *(
         Action(f"camera_{slot}", "View", f"Look through camera {slot}", cameras.recall(slot), (f"F{slot + 4}",),
-               "The view that is stored under this key", _viewing)
+               "Look through the camera stored under this key", _viewing)
         for slot in CAMERA_SLOTS
     ),
     *(
         Action(f"store_camera_{slot}", "View", f"Store camera {slot}", cameras.store(slot),
-               (f"Shift+F{slot + 4}", f"Ctrl+F{slot + 4}"), "The view as it is, under this key", _viewing)
+               (f"Shift+F{slot + 4}", f"Ctrl+F{slot + 4}"), "Store the present view under this key", _viewing)
         for slot in CAMERA_SLOTS
     ),
     Action("add_camera", "View", "Add camera", cameras.add, (), "Save the view with a name", _viewing),
     Action("cameras", "View", "Cameras…", cameras.choose, ("Alt+C",), "Look through a saved camera, by its name",
            _viewing),
     Action("turntable", "View", "Turntable", cameras.toggle_turntable, ("Alt+T",),
-           "The camera goes round what it looks at; a click in the view stops it", _viewing,
+           "Orbit the camera about its target; a click in the view stops it", _viewing,
            lambda bench: _viewing(bench) and bench.viewport.turntable, ends_group=True),
     Action("follow", "View", "Camera follows character", view.toggle_following, ("Shift+F",),
            "Keep the camera on the selected character, or on the first one", _viewing,
@@ -350,7 +351,7 @@ VIEW = (
            tooltip="One picture for red and cyan glasses", enabled=_viewing,
            checked=lambda bench: _viewing(bench) and bench.viewport.sight.stereo is Stereo.ANAGLYPH),
     Action("head_tracked", "View", "Head-tracked camera", toggle_head_tracking,
-           tooltip="The screen is a window: the head that the Live panel follows looks through it", enabled=_viewing,
+           tooltip="Move the camera with the head tracked in the Live panel", enabled=_viewing,
            checked=is_head_tracked, ends_group=True),
     Action("ghost", "View", "Source ghost", view.toggle_ghost, ("G",), "The capture on its actor's own body",
            _viewing, lambda bench: _viewing(bench) and bench.viewport.ghost_shown),
@@ -358,7 +359,7 @@ VIEW = (
            "The selected body at frames before and after the playhead; how many is set in the preferences", _viewing,
            lambda bench: _viewing(bench) and bench.viewport.onion_shown),
     Action("keep_ghost", "View", "Keep ghost", view.keep_ghost, ("Alt+K",),
-           "The selected body as it is at the playhead stays in sight", _ready),
+           "Keep a ghost of the selected character at the playhead", _ready),
     Action("clear_ghosts", "View", "Clear ghosts", view.clear_ghosts, ("Alt+Shift+K",), "Remove all ghosts",
            lambda bench: _viewing(bench) and bool(bench.viewport.kept_ghosts)),
     Action("recorded_markers", "View", "Recorded markers", view.toggle_markers, ("Shift+G",),
@@ -375,9 +376,9 @@ VIEW = (
     Action("fold_rows", "View", "Collapse timeline rows", view.fold_rows, ("Shift+T",),
            "Show constraints and plot as single lines, or at full height", _keyed),
     Action("search_library", "View", "Search library panel", view.search_library, ("Ctrl+Shift+F",),
-           "List only the captures, characters, constraints and props whose names hold your words"),
+           "List only the captures, characters, constraints and props whose names contain your words"),
     Action("console", "View", "Python console", view.console, ("Ctrl+Shift+P",),
-           "Python on the open project; what it changes are undo steps", ends_group=True),
+           "Run Python on the open project; its changes are undo steps", ends_group=True),
     Action("problems", "View", "Problem table", view.problems,
            tooltip="Every constraint by body: error, slide, penetration and peak, sorted by a click"),
     Action("arrange", "View", "Unlock panels", view.arrange, tooltip="Show title bars, so that panels can be moved",
@@ -386,22 +387,22 @@ VIEW = (
 )  # fmt: skip
 
 HELP = (
-    Action("guide", "Help", "Guide", view.guide, ("F1",), "How everything is done, with pictures"),
+    Action("guide", "Help", "Guide", view.guide, ("F1",), "Read the guide, with pictures"),
     Action("tour", "Help", "Tour", view.tour, tooltip="A first edit in five steps, on the sample", enabled=_viewing),
-    Action("palette", "Help", "Search actions…", view.palette, ("Ctrl+K",), "Find anything by its name"),
+    Action("palette", "Help", "Search actions…", view.palette, ("Ctrl+K",), "Find any action by its name"),
     Action(
         "formats",
         "Help",
         "Supported file formats",
         view.formats,
-        tooltip="The kinds of files that can be read and written, and those that failed to load",
+        tooltip="List the file formats that can be read and written, and those that failed to load",
     ),
     Action(
         "plug_ins",
         "Help",
         "Plug-ins",
         view.plug_ins,
-        tooltip="What installed packages add: kinds of files, verbs, panels; and what failed to load",
+        tooltip="List the additions of installed packages, and those that failed to load",
     ),
     Action("shortcuts", "Help", "Shortcuts", view.shortcuts, ("?",), "All shortcuts on one sheet"),
 )

@@ -1,4 +1,4 @@
-"""The application: window first, then 3D and kernels, then the sample or the files that were named."""
+"""The application: the window first, then 3D and kernels, then the sample or the named files."""
 
 import gc
 import logging
@@ -23,6 +23,7 @@ from studio.app.workbench import Workbench
 from studio.document import colours
 from studio.document.document import Document
 from studio.document.file_lock import journal_folder
+from studio.document.length_units import use_lengths
 from studio.engine.background_tasks import TaskRunner
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.startup.kernel_warm_up import WarmUp
@@ -31,7 +32,7 @@ from studio.startup.kernel_warm_up import WarmUp
 def main(argv: Sequence[str] | None = None, warm_up: WarmUp | None = None) -> NoReturn:
     """Open the window with the files named in ``argv`` (without the program's name), else the sample.
 
-    The process ends when the window is closed. A ``warm_up`` that was begun before goes on.
+    The process ends when the window is closed. A ``warm_up`` that was started before continues.
     """
     names = list(sys.argv[1:] if argv is None else argv)
     gc.disable()  # what is loaded stays: looking for what is lost among it costs a tenth of the start
@@ -52,14 +53,17 @@ def main(argv: Sequence[str] | None = None, warm_up: WarmUp | None = None) -> No
 
 
 def apply_look(preferences: Preferences) -> None:
-    """Take theme and scale: before the application is made, as Qt reads the scale once."""
+    """Apply theme, units and scale before the application is made, because Qt reads the scale once."""
     colours.use_theme(preferences.theme)
+    use_lengths(preferences.lengths)
     if preferences.interface_scale != 100:
         os.environ.setdefault("QT_SCALE_FACTOR", str(preferences.interface_scale / 100.0))
 
 
 def end_process(code: int) -> NoReturn:
-    """At once, when all is written: a thread inside a compiler or an import would be waited for by the interpreter."""
+    """Exit at once, after everything is written; the interpreter would wait for threads inside a
+    compiler or an import.
+    """
     logging.shutdown()
     for stream in (sys.stdout, sys.stderr):
         if stream is not None:  # a window started from a desktop icon may have none
@@ -68,16 +72,16 @@ def end_process(code: int) -> NoReturn:
 
 
 def settle(window: MainWindow) -> None:
-    """Freeze what is loaded by now: the garbage collector, which would stop the window for 0.2 s, ignores it.
+    """Freeze all loaded objects, so that garbage collection ignores them, which would freeze the window for 0.2 s.
 
-    Hardly anything of it is lost by then: 3,500 objects of half a million.
+    Hardly any of them becomes garbage: 3,500 objects of half a million.
     """
     gc.freeze()
     Collector(window)
 
 
 def make_application() -> QApplication:
-    """The one QApplication, in the studio's look."""
+    """Single QApplication, in the studio's theme."""
     found = QApplication.instance()
     application = found if isinstance(found, QApplication) else QApplication(["Morpho Studio"])
     application.setApplicationName("Morpho Studio")
@@ -87,7 +91,7 @@ def make_application() -> QApplication:
 
 
 def make_window(settings: Settings, document: Document | None = None, warm_up: WarmUp | None = None) -> MainWindow:
-    """The window with its document and engine, still without the views of the motion."""
+    """Window with its document and engine, without the views of the motion."""
     document = document or Document()
     live = LiveAdaptation(document, warm_up=warm_up)
     return MainWindow(Workbench(document, live, TaskRunner(), settings))
@@ -96,7 +100,7 @@ def make_window(settings: Settings, document: Document | None = None, warm_up: W
 def fill_window(
     window: MainWindow, paths: list[Path], journals: Path | None = None, warm_up: WarmUp | None = None
 ) -> None:
-    """Begin what may take longer than a moment: offer recovery, open files, make the views."""
+    """Start what takes longer: offer recovery, open files, make the views."""
     bench = window.bench
     if journals is not None:
         recovery_offer.offer(bench, journals)
@@ -112,7 +116,7 @@ def fill_window(
 
 
 def show_first(window: MainWindow, warm_up: WarmUp | None) -> None:
-    """Put the 3D view into the window, and when it has drawn, let the rest be loaded."""
+    """Add the 3D view to the window, and load the rest after its first picture."""
     show_viewport(window)
 
     def drawn() -> None:
@@ -125,19 +129,19 @@ def show_first(window: MainWindow, warm_up: WarmUp | None) -> None:
 
 
 def show_last(window: MainWindow) -> None:
-    """Put the timeline into the window; nothing is missing then."""
+    """Add the timeline, which completes the window."""
     show_timeline(window)
     settle(window)
 
 
 def import_views() -> None:
-    """Load all that the views are made of."""
+    """Import all modules of the views."""
     import_viewport()
     import_timeline()
 
 
 def import_viewport(warm_up: WarmUp | None = None) -> None:
-    """Load what the 3D view is made of, and with what it draws bodies before the solver is there."""
+    """Import the modules of the 3D view, and those that draw bodies before the solver is compiled."""
     import_module("studio.viewport.widget")
     import_module("studio.viewport.stage_picture")  # VTK, which the first picture would load otherwise
     if warm_up is not None:
@@ -146,26 +150,26 @@ def import_viewport(warm_up: WarmUp | None = None) -> None:
 
 
 def import_timeline() -> None:
-    """Load what the timeline is made of, and with what the 3D view draws the first trail."""
+    """Import the modules of the timeline, and those that draw the first trail in the 3D view."""
     import_module("studio.timeline.timeline")
     import_module("scipy.interpolate")
 
 
 def show_views(window: MainWindow) -> None:
-    """Make the views and put them into the window."""
+    """Make the views and add them to the window."""
     show_timeline(window)
     show_viewport(window)
 
 
 def show_viewport(window: MainWindow) -> None:
-    """Make the 3D view and put it into the window."""
+    """Make the 3D view and add it to the window."""
     from studio.viewport.widget import Viewport
 
     window.show_viewport(Viewport(window.bench.document, window.bench.live))
 
 
 def show_timeline(window: MainWindow) -> None:
-    """Make the timeline and put it into the window."""
+    """Make the timeline and add it to the window."""
     from studio.timeline.timeline import Timeline
 
     window.show_timeline(Timeline(window.bench.document, window.bench.live))

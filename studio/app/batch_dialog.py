@@ -1,4 +1,4 @@
-"""Many files at once: a dialog over a batch, with its progress."""
+"""Dialog to adapt many files as a batch, with its progress."""
 
 from functools import partial
 from pathlib import Path
@@ -33,7 +33,7 @@ ACTOR_CHOICE = (ACTOR_WORD, "The body each capture was recorded from")
 
 
 class BatchDialog(QDialog):
-    """Not modal: the studio goes on beside it. Closed while a batch runs, it waits for its end out of sight."""
+    """Dialog that is not modal. Closed while a batch runs, it stays alive, hidden, until the end."""
 
     def __init__(self, bench: Workbench) -> None:
         super().__init__(bench.window)
@@ -111,7 +111,7 @@ class BatchDialog(QDialog):
         return foot
 
     def begin(self) -> None:
-        """Start the batch with what is chosen."""
+        """Start the batch with the chosen settings."""
         settings = BatchSettings(
             Path(self.source.text()),
             Path(self.out.text()),
@@ -167,13 +167,13 @@ class BatchDialog(QDialog):
             self.deleteLater()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """A batch goes on; the status line shows it, and can stop it too."""
+        """Hide the dialog; the status line shows a running batch, and can stop it too."""
         if self.running:
             event.ignore()
             self.hide()
 
     def reject(self) -> None:
-        """Escape is the close button: Qt would delete the dialog unasked."""
+        """Close by Escape as by the button, since Qt would delete the dialog."""
         self.close()
 
     def _open_page(self) -> None:
@@ -186,7 +186,7 @@ def _show_path(field: QLineEdit, path: Path) -> None:
 
 
 def _run_batch(settings: BatchSettings, progress: Progress) -> BatchResult:
-    """Run the batch on a thread beside the window; cancelled, its workers end."""
+    """Run the batch in a background thread; if it is cancelled, its workers end."""
     share, text = 0.0, "Starting the workers"
 
     def tell(done: FileDone) -> None:

@@ -1,4 +1,4 @@
-"""Captures in: read in the background, contacts detected, shown on the visible bodies as one undo step."""
+"""Import of captures: read in the background, contacts detected, played by the visible bodies; one undo step."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -49,9 +49,10 @@ def read_motion(
     known: Mapping[str, dict[str, Any]] = MappingProxyType({}),
     expect: Callable[[Capture], object] = lambda _capture: None,
 ) -> ReadMotion:
-    """Read and look for contacts. Raises StudioError whose last sentence says that nothing was changed.
+    """Read a capture and detect its contacts.
 
-    ``known`` are the corrections of earlier files, by kind; ``expect`` hears of the capture as soon as it is read.
+    Raises StudioError whose last sentence says that nothing was changed. ``known`` are the corrections of earlier
+    files, by kind; ``expect`` is called with the capture as soon as it is read.
     """
     with changing_nothing():
         read = read_capture(path, options, _reading(progress))
@@ -78,7 +79,7 @@ def ready_motion(
     known: Mapping[str, dict[str, Any]] = MappingProxyType({}),
     expect: Callable[[Capture], object] = lambda _capture: None,
 ) -> ReadMotion:
-    """Read capture as it is added to a project, with its contacts; the arguments are those of ``read_motion``."""
+    """Read capture for a project, with its contacts; the arguments are those of ``read_motion``."""
     from studio.core.normalized.drift import with_drift_told  # what computes is loaded after the window
 
     capture, read_as = as_corrected(read, options, known, _reading(progress))
@@ -92,7 +93,7 @@ def ready_motion(
 
 @contextmanager
 def changing_nothing() -> Iterator[None]:
-    """Add to every StudioError that the project is as it was."""
+    """Context that adds to every StudioError that the project is unchanged."""
     try:
         yield
     except StudioError as error:
@@ -104,7 +105,7 @@ def _reading(progress: Progress) -> Progress:
 
 
 def import_motion(bench: Workbench, path: Path, options: ImportOptions = GUESS_ALL) -> int:
-    """Read a file, then show it on the bodies that are shown; returns the task."""
+    """Read a file, then play it on the visible bodies; returns the task."""
     known = bench.settings.corrections
 
     def read(progress: Progress) -> ReadMotion:
@@ -115,7 +116,7 @@ def import_motion(bench: Workbench, path: Path, options: ImportOptions = GUESS_A
 
 
 def show_import(bench: Workbench, path: Path, motion: ReadMotion) -> None:
-    """Put a motion that was read from ``path`` into the project and on the stage, and tell what was repaired."""
+    """Add a motion that was read from ``path`` to the project and the stage, and report repairs."""
     put_motion(bench.document, motion, f"Import {path.name}")
     capture_id = list(bench.document.project.captures)[-1]
     bench.sources[capture_id] = path
@@ -126,7 +127,7 @@ def show_import(bench: Workbench, path: Path, motion: ReadMotion) -> None:
 
 
 def put_motion(document: Document, read: ReadMotion, text: str) -> str:
-    """Capture, motion and contacts into the project, and the clip onto the visible bodies: one undo step."""
+    """Add capture, motion and contacts to the project, and the clip to the visible bodies: one undo step."""
     bodies = [] if document.project.performers else _bundled_bodies()
     with document.group(text):
         for character, performer in bodies:
@@ -143,7 +144,7 @@ def put_motion(document: Document, read: ReadMotion, text: str) -> str:
 
 
 def add_motion(document: Document, read: ReadMotion, text: str) -> str:
-    """Capture, motion and what is known of it into the project, played by nobody yet; the capture's id."""
+    """Add a capture, its motion and annotations to the project, without a performer; returns the capture's id."""
     capture_id = document.add("captures", read.capture, text)
     document.put_all("motions", {read.motion_id: Motion(read.capture.name, capture_id)}, text)
     _annotate(document, read.annotations, text)
@@ -151,7 +152,7 @@ def add_motion(document: Document, read: ReadMotion, text: str) -> str:
 
 
 def perform_capture(bench: Workbench, capture_id: str) -> None:
-    """Let the visible bodies play a capture that is already in the project."""
+    """Let the visible bodies play a capture of the project."""
     document = bench.document
     motions = document.project.motions
     motion_id = next((key for key, motion in motions.items() if motion.capture_id == capture_id), None)
@@ -164,7 +165,7 @@ def perform_capture(bench: Workbench, capture_id: str) -> None:
 
 
 def reimport(bench: Workbench, capture_id: str, option: dict[str, Any]) -> None:
-    """Read the capture again as the user says; the answer takes its place as one undo step."""
+    """Read the capture again with the user's options, and replace it in one undo step."""
     what, value = next(iter(option.items()))
     capture = bench.document.project.captures[capture_id]
     text = f"Clean {capture.name}" if what == "clean" else f"Read {capture.name} with {what.replace('_', ' ')} {value}"
@@ -172,7 +173,7 @@ def reimport(bench: Workbench, capture_id: str, option: dict[str, Any]) -> None:
 
 
 def solve_again(bench: Workbench, capture_id: str, take: MarkerTake) -> int:
-    """Find the body again in the markers ``take`` of a capture, as it was read; returns the task."""
+    """Solve the body again from the markers ``take`` of a capture; returns the task."""
     text = f"Re-solve {bench.document.project.captures[capture_id].name}"
     return read_again(bench, capture_id, ImportOptions(**overruled(bench, capture_id)), text, take)
 
@@ -180,7 +181,9 @@ def solve_again(bench: Workbench, capture_id: str, take: MarkerTake) -> int:
 def read_again(
     bench: Workbench, capture_id: str, options: ImportOptions, text: str, take: MarkerTake | None = None
 ) -> int:
-    """Interpret a capture with other options: its markers, by default those that it has, else its file; the task."""
+    """Interpret a capture with other options: its markers, by default those that it has, else its file; returns the
+    task.
+    """
     capture = bench.document.project.captures[capture_id]
     markers = take or capture.markers
     find = finder(bench, capture_id)
@@ -220,7 +223,7 @@ def read_again(
 
 
 def tell_repairs(bench: Workbench, capture_id: str) -> None:
-    """Tell the repairs, with a link to the import report; without repairs, clear the message before."""
+    """Report the repairs, with a link to the import report; without repairs, remove the message before."""
     capture = bench.document.project.captures[capture_id]
     if capture.markers is not None and capture.body_map is None:
         ask = ("Markers…", lambda: bench.window.inspector.markers_requested.emit(capture_id))
@@ -241,7 +244,7 @@ def repair_words(capture: Capture) -> str:
 
 
 def overruled(bench: Workbench, capture_id: str) -> dict[str, Any]:
-    """Options that keep what the user has said about a capture: all that is not listed as a guess."""
+    """Options that keep the user's settings of a capture: all values that are not listed as guesses."""
     capture = bench.document.project.captures[capture_id]
     guessed = {guess.subject.replace(" ", "_") for guess in capture.guesses}
     said = {option: value for option, value in values_of(capture).items() if option not in guessed}
@@ -253,7 +256,7 @@ def overruled(bench: Workbench, capture_id: str) -> dict[str, Any]:
 
 
 def keep_corrections(bench: Workbench, collection: str, capture_id: str) -> None:
-    """Remember what the user corrects of a capture, for the next file of its kind; what is undone is forgotten."""
+    """Store the user's corrections of a capture for the next file of its kind; undone ones are removed."""
     read_as = bench.read_as.get(capture_id) if collection == "captures" else None
     capture = bench.document.project.captures.get(capture_id)
     if read_as and capture:
@@ -261,7 +264,7 @@ def keep_corrections(bench: Workbench, collection: str, capture_id: str) -> None
 
 
 def tell_corrections(bench: Workbench, capture_id: str) -> None:
-    """That a file was read as others of its kind were corrected, with the way to have it guessed."""
+    """Report that a file was read with the corrections of others of its kind, with a button to guess again."""
     read_as, capture = bench.read_as[capture_id], bench.document.project.captures[capture_id]
     corrections = read_as.corrections(capture)
     if not corrections:
@@ -277,7 +280,7 @@ def tell_corrections(bench: Workbench, capture_id: str) -> None:
 
 
 def show_motion(document: Document) -> None:
-    """All of the stage, from where the active clip begins."""
+    """Show all of the stage, from the begin of the active clip."""
     span, clip = stage_span(document.project), document.active_clip
     if span is not None and clip is not None:
         document.playhead.set_range(span.first, span.last)
@@ -285,7 +288,7 @@ def show_motion(document: Document) -> None:
 
 
 def _show_markers(document: Document, capture_id: str) -> None:
-    """Select markers that show no body, so that they are seen; while nobody plays anything, they can be played."""
+    """Select markers without a body, so that they are visible; without any performers they can be played."""
     document.selection.set(("captures", capture_id))
     if document.active_motion_id is None:
         capture = document.project.captures[capture_id]
@@ -295,7 +298,7 @@ def _show_markers(document: Document, capture_id: str) -> None:
 
 
 def replace_motion(document: Document, capture_id: str, capture: Capture, known: Annotations, text: str) -> None:
-    """Another reading of a capture in its place, with its contacts; the bodies play it if it had no body before."""
+    """Replace a capture by another reading of it, with its contacts; bodies play it if it had no body before."""
     old = document.project.captures[capture_id]
     with document.group(text):
         digest = capture.digest or old.digest

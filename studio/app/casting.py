@@ -1,4 +1,6 @@
-"""Characters in: read from files or made of a capture's actor, put on the stage playing what the others play."""
+"""Import of characters: read from files or made of a capture's actor, and put on the stage with the motions of the
+others.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -43,27 +45,27 @@ def import_character(bench: Workbench, path: Path) -> int:
 
 
 def show_import(bench: Workbench, path: Path, read: ReadCharacter) -> None:
-    """Put a character that was read from ``path`` on the stage, and tell what was repaired or guessed."""
+    """Put a character that was read from ``path`` on the stage, and report repairs or guesses."""
     put_character(bench.document, marked(read.character, bench.document), f"Import {path.name}")
     _tell(bench, path, read)
 
 
 def marked(character: Character, document: Document) -> Character:
-    """One that shows its materials' colours is known in lists and plots by a colour that no other has."""
+    """Character with a free identification colour in lists and plots if its skin has the colours of its materials."""
     if character.skin.appearance is None:
         return character
     return replace(character, colour=colours.character_colour(len(document.project.characters)))
 
 
 def make_active_actor_character(bench: Workbench) -> None:
-    """The actor of the motion that plays becomes a character."""
+    """Make a character of the actor of the playing motion."""
     motion = bench.document.project.motions.get(bench.document.active_motion_id or "")
     if motion is not None:
         make_actor_character(bench, motion.capture_id)
 
 
 def make_actor_character(bench: Workbench, capture_id: str) -> None:
-    """The actor of a capture becomes a character of the same measures, on the stage."""
+    """Make a character with the measures of a capture's actor, on the stage."""
     document = bench.document
     capture = document.project.captures[capture_id]
     colour = colours.character_colour(len(document.project.characters))
@@ -80,7 +82,9 @@ def make_actor_character(bench: Workbench, capture_id: str) -> None:
 
 
 def remap_character(bench: Workbench, character_id: str, joints: Mapping[str, str], text: str) -> int:
-    """Measure and bind a character anew by the joint of each part; one undo step called ``text``. Returns the task."""
+    """Measure and bind a character again with the joint of each part; one undo step called ``text``.
+    Returns the task.
+    """
     document = bench.document
     character = document.project.characters[character_id]
 
@@ -100,10 +104,7 @@ def remap_character(bench: Workbench, character_id: str, joints: Mapping[str, st
 
 
 def put_character(document: Document, character: Character, text: str) -> str:
-    """The character, and a performer that plays it beside the others, selected: one undo step.
-
-    A second one of a name is numbered.
-    """
+    """Add the character, and a selected performer beside the others: one undo step. A duplicate name is numbered."""
     project = document.project
     taken = {each.name for each in project.characters.values()} | {each.name for each in project.performers.values()}
     character = replace(character, name=free_name(character.name, taken))
@@ -123,7 +124,7 @@ def put_character(document: Document, character: Character, text: str) -> str:
 
 
 def _half_breadth(character: Character) -> float:
-    """Metres from the middle to the outermost of trunk and head, cape and hat too."""
+    """Greatest distance in metres from the middle of trunk and head, cape and hat included."""
     skin, layout = character.skin, character.build.layout
     middle = skin.segments[:, 0] < layout.segment(BodyPart.LEFT_CLAVICLE)
     scale = character.morphology.stature / character.build.stature
@@ -131,7 +132,7 @@ def _half_breadth(character: Character) -> float:
 
 
 def _tell(bench: Workbench, path: Path, read: ReadCharacter) -> None:
-    """Tell repairs, daring guesses and whether the file holds a motion; without any, clear the message before."""
+    """Report repairs, uncertain guesses and a motion in the file; without any, remove the message before."""
     count, sentences = len(read.repairs), []
     daring = [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in read.guesses if is_daring(guess)]
     if count:

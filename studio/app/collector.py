@@ -1,4 +1,4 @@
-"""Collector: looks for what is lost while a window is open, on the window's thread alone, and gives it back."""
+"""Collector: garbage collection on the window's thread alone while a window is open."""
 
 import gc
 
@@ -14,10 +14,10 @@ SETTLES = 5_000
 
 
 class Collector(QObject):
-    """Takes over from Python's collector, which looks in whatever thread happens to make an object.
+    """Replacement of Python's automatic collection, which runs in whatever thread allocates an object.
 
-    A worker that finds a part of the window there would end it, and Qt ends its things on their own thread only. It is
-    not given back: the window closes with the program, which ends threads and window at once.
+    A worker that collected a part of the window would crash, because Qt requires its objects to be deleted on their own
+    thread. It is never restored: the window closes with the program, which ends threads and window at once.
     """
 
     def __init__(self, window: MainWindow) -> None:
@@ -33,7 +33,7 @@ class Collector(QObject):
 
 
 def collect_what_is_due() -> None:
-    """Look through the oldest generation of which enough has been made, and all that are younger."""
+    """Collect the oldest generation that has reached its threshold, and all younger ones."""
     for generation, (count, most) in reversed([*enumerate(zip(gc.get_count(), gc.get_threshold(), strict=True))]):
         if count > most:
             gc.collect(generation)

@@ -1,4 +1,4 @@
-"""One dialog for everything that goes out of the window: what, as which kind of file, and how."""
+"""Export dialog of the window: content, file format, and options."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ class What(Enum):
 
 @dataclass(frozen=True)
 class ExportKind:
-    """A kind of file for one of them."""
+    """File format for one kind of content."""
 
     what: What
     suffix: str
@@ -65,7 +65,7 @@ HINTS = {
 
 
 def kinds() -> tuple[ExportKind, ...]:
-    """Every kind of file that can be written, by what it holds."""
+    """Every file format that can be written, by its content."""
     motions = [
         ExportKind(What.ADAPTED, suffix, f"{each.name} ({suffix})")
         for each in known_formats().that_can("motion_writer")
@@ -88,7 +88,7 @@ def kinds() -> tuple[ExportKind, ...]:
 
 
 class ExportDialog(QDialog):
-    """Asks what and how; the system's dialog then asks where."""
+    """Dialog for content and options; the system's dialog then asks for the path."""
 
     def __init__(self, bench: Workbench) -> None:
         super().__init__(bench.window)
@@ -142,7 +142,7 @@ class ExportDialog(QDialog):
         self._show_last(bench.settings.exported)
 
     def choose(self, what: What, suffix: str) -> None:
-        """Choose as the user would, by what it holds and its suffix."""
+        """Choose content and suffix, as the user would."""
         self.what.show_value(what)
         self._show_kinds(what)
         self.kind.show_value(next(each for each in self._kinds if (each.what, each.suffix) == (what, suffix)))
@@ -150,7 +150,7 @@ class ExportDialog(QDialog):
 
     @property
     def options(self) -> ExportOptions:
-        """Options chosen for the kind of file that is shown."""
+        """Chosen options of the visible format."""
         chosen = self.kind.value
         assert isinstance(chosen, ExportKind)
         if chosen.what not in WITH_BODIES:
@@ -170,7 +170,7 @@ class ExportDialog(QDialog):
         )
 
     def _said(self, what: What) -> str:
-        """Words for the content, with the bodies that it would be exported for."""
+        """Label of the content, with the bodies to be exported."""
         if what is not What.ADAPTED:
             return str(what.value)
         keys = exporting.chosen_performers(self._bench)
@@ -178,7 +178,7 @@ class ExportDialog(QDialog):
         return f"{what.value} of {performers[keys[0]].name if len(keys) == 1 else f'{len(keys)} bodies'}"
 
     def _show_last(self, last: Mapping[str, object]) -> None:
-        """Choose the options of the last export, as far as they are offered now."""
+        """Choose the options of the last export, as far as they are available."""
         for what, suffix in ((each.what, each.suffix) for each in self._kinds):
             if self.what.offers(what) and [what.name, suffix] == last.get("kind"):
                 self.choose(what, suffix)
@@ -266,7 +266,7 @@ class ExportDialog(QDialog):
         self.hint.setText(HINTS.get(kind.suffix, ""))
 
     def _ask_where(self) -> None:
-        """The system's dialog; what is exported stays as it was chosen, whatever it becomes meanwhile."""
+        """Show the system's dialog; later edits do not change the exported content."""
         kind = self.kind.value
         assert isinstance(kind, ExportKind)
         self._remember(kind)
@@ -286,7 +286,7 @@ class ExportDialog(QDialog):
 
 
 def open_export_dialog(bench: Workbench) -> ExportDialog:
-    """Show the dialog; StudioError where there is nothing to export."""
+    """Show the dialog; StudioError if there is nothing to export."""
     if not exporting.chosen_performers(bench) and bench.document.active_motion_id is None:
         raise StudioError("Nothing to export: no character with a motion is shown. Show one, then export again.")
     dialog = ExportDialog(bench)
@@ -295,7 +295,7 @@ def open_export_dialog(bench: Workbench) -> ExportDialog:
 
 
 def _ask_adapted(bench: Workbench, suffix: str, options: ExportOptions) -> None:
-    """One body to a file, several to a folder."""
+    """Ask for a file for one body, or a folder for several."""
     project, keys = bench.document.project, exporting.chosen_performers(bench)
     names = {key: file_name(project, key, suffix) for key in keys}
     if len(keys) == 1:

@@ -1,4 +1,4 @@
-"""Motions out to files, in the background: adapted ones, and the motion itself without a body."""
+"""Export of motions in the background: adapted ones, and the captured motion without a body."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -17,7 +17,7 @@ ADAPTING_SHARE = 0.3
 
 
 def chosen_performers(bench: Workbench) -> list[str]:
-    """The selected performers that are shown and play something, else all such."""
+    """Selected performers that are visible and have clips, else all such."""
     performers = bench.document.project.performers
     ready = [key for key, each in performers.items() if each.visible and each.clips]
     selected = [key for key in bench.document.selection.of("performers") if key in ready]
@@ -25,7 +25,7 @@ def chosen_performers(bench: Workbench) -> list[str]:
 
 
 def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | None = None) -> int:
-    """Adapt anew what the project asks of these performers and write their clips; returns the task."""
+    """Adapt the present project for these performers and write their clips; returns the task."""
     project, chosen = bench.document.project, options or ExportOptions()
 
     def work(progress: Progress) -> list[Path]:
@@ -46,7 +46,7 @@ def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | No
 
 
 def export_stage(bench: Workbench, path: Path, options: ExportOptions | None = None) -> int:
-    """Adapt anew what the project asks and write all who are shown, and the props, in one file; returns the task."""
+    """Adapt the present project and write all visible performers and the props in one file; returns the task."""
     project, chosen = bench.document.project, options or ExportOptions()
 
     def work(progress: Progress) -> list[Path]:
@@ -63,7 +63,7 @@ def export_stage(bench: Workbench, path: Path, options: ExportOptions | None = N
 
 
 def export_motion(bench: Workbench, path: Path) -> int:
-    """Write the active motion as it was captured, with its contacts and constraints; returns the task."""
+    """Write the active motion as captured, with its contacts and constraints; returns the task."""
     project, motion_id = bench.document.project, bench.document.active_motion_id
     if motion_id is None:
         raise StudioError("No motion plays: there is none to export.")
@@ -82,7 +82,7 @@ def export_motion(bench: Workbench, path: Path) -> int:
 
 
 def partly(progress: Progress, begun: float, share: float) -> Progress:
-    """Progress of a part of the job, which begins at ``begun`` and is ``share`` of the whole."""
+    """Progress of a part of the job, which begins at ``begun`` and is the fraction ``share`` of the whole."""
     return lambda done, text: progress(begun + share * done, text)
 
 

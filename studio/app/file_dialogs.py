@@ -1,4 +1,4 @@
-"""The system's file dialogs, asked without stopping the studio: the answer comes to a function."""
+"""The system's file dialogs, not modal: a function is called with the answer."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -22,12 +22,12 @@ EVERYTHING = "All files (*)"
 
 
 def motions(job: str) -> str:
-    """The kinds of files of which the studio is a ``capture_reader``, or a ``motion_writer``, as dialogs say it."""
+    """Filter of a file dialog for the formats with the job ``capture_reader`` or ``motion_writer``."""
     return f"Motions ({_patterns(job)})"
 
 
 def characters(job: str) -> str:
-    """The kinds of files of which the studio is a ``character_reader``."""
+    """Filter of a file dialog for the formats with the job ``character_reader``."""
     return f"Characters ({_patterns(job)})"
 
 
@@ -36,7 +36,7 @@ def _patterns(job: str) -> str:
 
 
 def ask_file(bench: Workbench, title: str, kind: str, then: Callable[[Path], object]) -> QFileDialog:
-    """An existing file."""
+    """Ask for an existing file."""
     dialog = _make(bench, title, kind)
     dialog.setFileMode(QFileDialog.FileMode.ExistingFile)
     return _open(bench, dialog, then)
@@ -45,7 +45,7 @@ def ask_file(bench: Workbench, title: str, kind: str, then: Callable[[Path], obj
 def ask_new_file(
     bench: Workbench, title: str, kind: str, name: str, then: Callable[[Path], object], suffix: str = "studio"
 ) -> QFileDialog:
-    """A file to be written, given ``suffix`` if it has none; the system asks before one is overwritten."""
+    """Ask for a file to be written, with ``suffix`` by default; the system asks before overwriting."""
     dialog = _make(bench, title, kind)
     dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
     dialog.setDefaultSuffix(suffix)
@@ -54,7 +54,7 @@ def ask_new_file(
 
 
 def ask_folder(bench: Workbench, title: str, then: Callable[[Path], object]) -> QFileDialog:
-    """A folder to write into."""
+    """Ask for a folder to write to."""
     dialog = _make(bench, title, EVERYTHING)
     dialog.setFileMode(QFileDialog.FileMode.Directory)
     dialog.setOption(QFileDialog.Option.ShowDirsOnly)

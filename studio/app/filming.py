@@ -1,4 +1,4 @@
-"""The 3D view out to a film or to pictures: drawn by a child process, so that the window goes on as if nothing were."""
+"""Films and picture sequences of the 3D view, drawn by a child process so that the window stays responsive."""
 
 import json
 import os
@@ -31,10 +31,10 @@ MOST_PICTURES = 1_000_000
 
 
 def film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate: float) -> int:
-    """Draw the range of the playhead as the viewport sees it now; returns the task.
+    """Draw the range of the playhead as in the viewport; returns the task.
 
-    ``size`` is width and height in pixels, ``frame_rate`` pictures a second; a ``path`` that does not end with
-    .mp4 becomes a folder of pictures. Raises StudioError without a 3D view, and for far too long a range.
+    ``size`` is width and height in pixels, ``frame_rate`` pictures a second; a ``path`` that does not end with .mp4
+    becomes a folder of pictures. Raises StudioError without a 3D view, and for far too long a range.
     """
     if not bench.has_viewport:
         raise StudioError("There is no 3D view to film.")
@@ -63,7 +63,7 @@ def film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate: float)
 
 
 def _played(project: Project) -> Project:
-    """The project without the captures that nobody performs."""
+    """Project without unused captures."""
     clips = [clip for performer in project.performers.values() for clip in performer.all_clips]
     motions = {clip.motion_id: project.motions[clip.motion_id] for clip in clips if clip.motion_id in project.motions}
     captures = {each.capture_id: project.captures[each.capture_id] for each in motions.values()}
@@ -72,7 +72,7 @@ def _played(project: Project) -> Project:
 
 @contextmanager
 def _renderer(shots: Shots) -> Iterator["subprocess.Popen[bytes]"]:
-    """The child that draws them."""
+    """Child process that draws them."""
     with tempfile.TemporaryFile() as asked:
         send(shots, asked)
         asked.seek(0)
@@ -81,7 +81,7 @@ def _renderer(shots: Shots) -> Iterator["subprocess.Popen[bytes]"]:
 
 
 def _follow(renderer: "subprocess.Popen[bytes]", progress: Progress) -> None:
-    """Pass on how far it is. Raises StudioError with what it says, or when it ends without having said why."""
+    """Report the child's progress. Raises StudioError with its error, or if it ends without one."""
     share, text, last = 0.0, "Starting", ""
     assert renderer.stderr is not None
     for line in said_lines(renderer.stderr):
@@ -99,8 +99,8 @@ def _follow(renderer: "subprocess.Popen[bytes]", progress: Progress) -> None:
     if code:
         reason = f": {last}" if code > 0 and last else ""
         raise StudioError(
-            f"What draws the film crashed at '{text}'{reason}. Nothing was written. Choose a smaller size or update the"
-            " driver of the graphics card."
+            f"The renderer of the film crashed at '{text}'{reason}. Nothing was written. Choose a smaller size or"
+            " update the driver of the graphics card."
         )
 
 

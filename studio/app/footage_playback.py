@@ -1,4 +1,4 @@
-"""Reference footage in step with the playhead: the frame of the moment in its panel."""
+"""Reference footage in step with the playhead: the present frame in its panel."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from studio.panels.footage_view import NO_FOOTAGE_HINT, FootageView
 
 
 class FootagePlayback(QObject):
-    """Follows the playhead while the panel is seen; files are found once a session."""
+    """Follows the playhead while the panel is visible; files are searched once a session."""
 
     def __init__(self, bench: Workbench, parent: QObject) -> None:
         super().__init__(parent)
@@ -26,12 +26,13 @@ class FootagePlayback(QObject):
         document.entity_changed.connect(self._follow_edit)
         document.selection.changed.connect(self._refresh)
         document.project_opened.connect(self._forget)
+        bench.media_relinked.connect(self._try_again)
         self.view.opened.connect(self._refresh)
         self.frames.frame_ready.connect(self._refresh)
         self.frames.failed.connect(self._refuse)
 
     def close(self) -> None:
-        """End the reading."""
+        """Stop reading."""
         self.frames.close()
 
     def _footage(self) -> Footage | None:
@@ -83,6 +84,11 @@ class FootagePlayback(QObject):
 
     def _forget(self) -> None:
         self._found.clear()
+        self._refresh()
+
+    def _try_again(self, path: str) -> None:
+        self._found.pop(path, None)
+        self.frames.try_again(Path(path))
         self._refresh()
 
     def _refuse(self, path: str, sentence: str) -> None:

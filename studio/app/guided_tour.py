@@ -13,7 +13,7 @@ from studio.panels.message_strip import MessageStrip
 
 @dataclass(frozen=True)
 class StepStart:
-    """Document as it was when a step began."""
+    """Document at the begin of a step."""
 
     project: Project
     time: float
@@ -22,7 +22,7 @@ class StepStart:
 
 @dataclass(frozen=True)
 class Step:
-    """One thing to do, and the test that it has been done since the step began."""
+    """Task of the tour, and the test that it has been done since the step began."""
 
     sentence: str
     is_done: Callable[[Workbench, StepStart], bool]
@@ -77,7 +77,7 @@ END = "The tour is over. Press F1 for the guide, or Ctrl+K to find any action by
 
 
 class GuidedTour(QObject):
-    """Shows step after step in a strip, each until the user has done it or skips it."""
+    """Shows step after step in a strip, each until it is done or skipped."""
 
     def __init__(self, bench: Workbench, strip: MessageStrip, parent: QObject) -> None:
         super().__init__(parent)
@@ -103,7 +103,7 @@ class GuidedTour(QObject):
             open_sample(bench)
 
     def end(self) -> None:
-        """Hide the strip and follow the user no further."""
+        """Hide the strip and stop."""
         for connection in self._connections:
             QObject.disconnect(connection)
         self._connections = []

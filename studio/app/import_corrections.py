@@ -1,4 +1,4 @@
-"""Corrections of the import report: kept for the kind of file, and used when the next one of its kind is read."""
+"""Corrections of the import report: stored by kind of file, and applied to the next file of its kind."""
 
 import hashlib
 import json
@@ -24,14 +24,14 @@ _SUBJECTS = {"unit": "unit", "up_axis": "up axis", "frame_rate": "frame rate", "
 
 @dataclass(frozen=True)
 class ReadAs:
-    """Options by which a capture was read, to tell the user's corrections from the file's values and guesses."""
+    """Options with which a capture was read, to distinguish the user's corrections from values and guesses."""
 
     kind: str
     given: Options
     options: ImportOptions
 
     def corrections(self, capture: Capture) -> Options:
-        """Options that the user corrected on ``capture`` and that hold for other files of its kind."""
+        """Options that the user has corrected on ``capture`` and that apply to other files of its kind."""
         guessed = {guess.subject for guess in capture.guesses}
         said = {
             option: value
@@ -46,13 +46,13 @@ class ReadAs:
 
 
 def kind_of(capture: Capture) -> str:
-    """The same for files of one program and skeleton: suffix, names and order of joints, frame rate."""
+    """Key that is equal for files of one program and skeleton: suffix, names and order of joints, frame rate."""
     head = [Path(capture.source).suffix.lower(), capture.skeleton.names, capture.skeleton.parents.tolist()]
     return hashlib.sha256(json.dumps([*head, round(capture.frame_rate, 3)]).encode()).hexdigest()[:16]
 
 
 def values_of(capture: Capture) -> Options:
-    """Every option that a capture itself tells, guessed or not."""
+    """Every option that can be read from a capture, guessed or not."""
     return {
         "unit": capture.unit,
         "up_axis": capture.up_axis,
@@ -65,9 +65,9 @@ def values_of(capture: Capture) -> Options:
 def as_corrected(
     read: ReadCapture, options: ImportOptions, known: Mapping[str, Options], progress: Progress
 ) -> tuple[Capture, ReadAs]:
-    """The capture of a file that was read with ``options``, interpreted as files of its kind were corrected before.
+    """Capture of a file that was read with ``options``, interpreted with the corrections of its kind.
 
-    ``known`` are the corrections by kind; those that do not fit are told among the capture's repairs.
+    ``known`` are the corrections by kind; those that do not fit are reported among the capture's repairs.
     """
     capture = read.capture
     read_as = ReadAs(kind_of(capture), values_of(capture), options)

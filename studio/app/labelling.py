@@ -1,4 +1,4 @@
-"""Labels of the library's clips in the window: one is opened, corrected on its small timeline, and kept."""
+"""Labels of library clips in the window: one is opened, corrected on its small timeline, and stored."""
 
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class Labelling:
-    """Stands between the form of a clip and the catalogue."""
+    """Connection of the clip's form with the catalogue."""
 
     def __init__(self, striking: "Striking") -> None:
         self._striking = striking
@@ -22,7 +22,7 @@ class Labelling:
         self.form.confirmed.connect(self.keep)
 
     def open(self, clip: "LibraryClip") -> None:
-        """Show a clip in the form; its take is posed beside the window."""
+        """Show a clip in the form; its take is posed in the background."""
 
         def work(_: object) -> "OpenedClip":
             from studio.library.label_motion import OpenedClip

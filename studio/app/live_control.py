@@ -1,6 +1,6 @@
-"""Live input and output of the window: ports, recordings, the performers they drive, and the stream.
+"""Live input and output of the window: ports, recordings, the performers that they drive, and the stream.
 
-Sockets and files are read and written by threads; the window takes the newest values at each of its own ticks.
+Threads read and write sockets and files; the window takes the newest values at each of its own ticks.
 """
 
 import time
@@ -39,7 +39,7 @@ RECORDINGS = "Recorded datagrams (*.osc)"
 
 @dataclass
 class LiveSource:
-    """Something that fills an inbox, and what was told of it last."""
+    """Source that fills an inbox, and its last displayed counts."""
 
     name: str
     feeder: UdpInput | Replay
@@ -50,11 +50,11 @@ class LiveSource:
 
     @property
     def inbox(self) -> Inbox:
-        """The newest values."""
+        """Newest values."""
         return self.feeder.inbox
 
     def rate(self, sender: str, packets: int, seconds: float) -> float:
-        """Packets a second since the last telling."""
+        """Packets per second since the last call."""
         before, self.told[sender] = self.told.get(sender, packets), packets
         return (packets - before) / max(seconds, 1e-3)
 
@@ -69,7 +69,7 @@ class Tracked:
 
 
 class LiveControl:
-    """Stands between the panel, the threads and the document."""
+    """Connection of the panel, the threads and the document."""
 
     def __init__(self, bench: Workbench) -> None:
         self.bench = bench
@@ -105,7 +105,7 @@ class LiveControl:
     # What the user asks for
 
     def listen(self, port: int, address: str = LOOPBACK) -> None:
-        """Listen at a port; a sentence when that cannot be."""
+        """Listen at a port; returns a sentence if that fails."""
         try:
             feeder = UdpInput(Inbox(), port, address)
         except StudioError as error:
@@ -115,7 +115,7 @@ class LiveControl:
         self._add(LiveSource(f"Port {feeder.port}", feeder))
 
     def replay(self, path: Path) -> None:
-        """Play a recording of datagrams, again and again; a sentence when it is none."""
+        """Play a recording of datagrams in a loop; returns a sentence if it is none."""
         try:
             replay = Replay(path, Inbox())
         except StudioError as error:
@@ -126,7 +126,7 @@ class LiveControl:
             self.bench.say(replay.problem)
 
     def record(self, path: Path) -> None:
-        """Write all that is listened to into a file, and into no other any more, until it is asked to stop."""
+        """Write all received datagrams to a file, in place of any other, until stopped."""
         self.stop_recording()
         try:
             self.recorder = Recorder(path)
@@ -148,7 +148,7 @@ class LiveControl:
         self.tell()
 
     def close_source(self, key: str) -> None:
-        """Listen no more; who was driven plays its own clips again."""
+        """Close a source; the performers that it drives play their own clips again."""
         source = self.sources.pop(key, None)
         if source is None:
             return
@@ -162,13 +162,13 @@ class LiveControl:
         self.tell()
 
     def switch(self, key: str, sender: str, on: bool) -> None:
-        """Listen to a sender, or do not."""
+        """Accept or ignore a sender."""
         feeder = self.sources[key].feeder if key in self.sources else None
         if isinstance(feeder, UdpInput) and sender in feeder.senders:
             feeder.senders[sender].on = on
 
     def drive(self, performer_id: str, key: str) -> None:
-        """Let the body that comes in by a source play on a performer; with none its own clips do."""
+        """Drive a performer by the body of a source; with none it plays its own clips."""
         from studio.live.driving import ReceivedPose  # loads the solver
 
         self.drivers.pop(performer_id, None)
@@ -181,7 +181,7 @@ class LiveControl:
         self.tell()
 
     def track(self, key: str, names: str, prop_id: str) -> None:
-        """Let a tracked head move a prop; without a source or a prop it stays where it is."""
+        """Move a prop with a tracked head; without a source or a prop it stays."""
         wanted = names_in(names)
         self._rest()
         self.tracked = Tracked(key, wanted, prop_id) if key in self.sources and wanted and prop_id else None
@@ -189,7 +189,7 @@ class LiveControl:
         self.tell()
 
     def stream(self, on: bool, address: str = LOOPBACK, port: int = OUT_PORT) -> None:
-        """Send the bodies that are shown as VMC, the first to ``port``, the next to the one after it."""
+        """Send the visible bodies as VMC, the first to ``port``, the next to the one after it."""
         if self.broadcast is not None:
             self.broadcast.close()
         self.broadcast, self._out_port = Broadcast(address or LOOPBACK) if on else None, port
@@ -209,7 +209,7 @@ class LiveControl:
     # At every tick
 
     def look(self) -> None:
-        """Take what has come since the last look, and send what is shown."""
+        """Take the values received since the last call, and send the visible bodies."""
         taken = sum(source.inbox.counts.taken for source in self.sources.values())
         if taken != self._seen:
             self._seen = taken
@@ -223,7 +223,7 @@ class LiveControl:
             self.broadcast.show([body for _, body in self.bodies_to_stream()], time.monotonic())
 
     def bodies_to_stream(self) -> list[tuple[str, StreamedPose]]:
-        """The bodies that are shown, with their names, as they stand on the stage."""
+        """Visible bodies with their names, at their positions on the stage."""
         document = self.bench.document
         posed = posed_performers(document.project, self.bench.live.shown, document.playhead.time)
         bodies = []
@@ -257,7 +257,7 @@ class LiveControl:
         document.replace("props", tracked.prop_id, moved, f"Track {prop.name}", self._gesture)
 
     def track_camera(self, on: bool) -> None:
-        """Let the head that is followed look at the stage through the screen, as from the camera where it is now."""
+        """Let the tracked head look at the stage through the screen, from the present camera."""
         place = self._head()
         if on and place is None:
             self.bench.say(
@@ -269,7 +269,7 @@ class LiveControl:
             self._look_from(CENTRE_EYE)
 
     def _head(self) -> FloatArray | None:
-        """(3,) where the tracked head is; of the source and the names in the panel where no prop is moved."""
+        """(3,) position of the tracked head; that of the source and names in the panel if no prop is moved."""
         source = self.sources.get(self.tracked.source if self.tracked else str(self.panel.head.value))
         names = self.tracked.names if self.tracked else names_in(self.panel.names.text())
         return None if source is None else source.inbox.place(names)
@@ -293,7 +293,7 @@ class LiveControl:
     # What is told
 
     def tell(self) -> None:
-        """Show what has come by now."""
+        """Show the received counts."""
         now = time.monotonic()
         seconds, self._told_at = now - self._told_at, now
         rows, counts = [], [0, 0, 0]
@@ -384,7 +384,7 @@ def show_live(bench: Workbench) -> None:
 
 
 def toggle_head_tracking(bench: Workbench) -> None:
-    """Look at the stage from where the tracked head is, or from the camera alone again."""
+    """Toggle the view from the position of the tracked head."""
     bench.window.live_control.track_camera(not is_head_tracked(bench))
 
 
@@ -394,7 +394,7 @@ def is_head_tracked(bench: Workbench) -> bool:
 
 
 def toggle_streaming(bench: Workbench) -> None:
-    """Stream what is shown to where the panel says, or stop."""
+    """Toggle streaming to the address in the panel."""
     bench.window.live_control.panel.ask_to_stream(not is_streaming(bench))
 
 

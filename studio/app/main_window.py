@@ -1,4 +1,4 @@
-"""The main window: puts bar, docks, views and strips together, and takes what is dropped."""
+"""Main window: assembles bar, docks, views and strips, and takes drops."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -70,7 +70,7 @@ TABBED_PANELS = {
 
 
 class MainWindow(QMainWindow):
-    """The one window. Views of the motion come later, through ``show_viewport`` and ``show_timeline``."""
+    """Single main window. Views of the motion are added later by ``show_viewport`` and ``show_timeline``."""
 
     closed = Signal()
 
@@ -106,12 +106,13 @@ class MainWindow(QMainWindow):
         self.actions_by_id.refresh()
 
     def show_viewport(self, viewport: "Viewport") -> None:
-        """Put the 3D view in the place that is kept for it."""
+        """Add the 3D view."""
         self._stage_layout.replaceWidget(self._waiting, viewport)
         self._waiting.hide()
         for note in (self.recovery, self.question, self.tour_strip, self.strip):
             note.raise_()
         viewport.strike_drops.dropped.connect(self.striking.play)
+        viewport.pose_drops.dropped.connect(self.pose_library.apply_to)
         LibraryDrops(viewport, ("captures", *BODIES)).dropped.connect(self.library.open_item)
         viewport.covered_below = self._covered_below
         self.bench.set_viewport(viewport)
@@ -126,7 +127,7 @@ class MainWindow(QMainWindow):
         return 0.0 if self.strip.isHidden() else float(self._stage_layout.geometry().height() - self.strip.y())
 
     def show_timeline(self, timeline: "Timeline") -> None:
-        """Put the timeline in its dock."""
+        """Add the timeline to its dock."""
         self.docks["Timeline"].setWidget(timeline)
         timeline.message_posted.connect(self.status.tell)
         timeline.action_requested.connect(lambda key: self.actions_by_id.by_id[key].trigger())
@@ -137,23 +138,23 @@ class MainWindow(QMainWindow):
         self.bench.views_changed.emit()
 
     def show_dock(self, name: str) -> None:
-        """Show a panel, before those that share its place."""
+        """Show a panel, on top of those in the same tab area."""
         self.docks[name].show()
         self.docks[name].raise_()
 
     def search_library(self) -> None:
-        """Show the library with the keyboard in its search field."""
+        """Show the library with the focus in its search field."""
         self.show_dock("Library")
         self.library.search_field.setFocus()
         self.library.search_field.selectAll()
 
     def show_console(self) -> None:
-        """Show the Python console, ready to be written in."""
+        """Show the Python console with the focus in it."""
         self.show_dock("Console")
         self.console.setFocus()
 
     def choose(self, title: str, choices: Sequence[tuple[tuple[str, str], Callable[[], object]]]) -> None:
-        """Let the user choose from a list like the palette's: ((text, detail), what it does)."""
+        """Show a list like the palette's, of ((text, detail), function)."""
         actions = []
         for (text, detail), run in choices:
             action = QAction(text, self.choice_panel)
@@ -163,7 +164,7 @@ class MainWindow(QMainWindow):
         self.choice_panel.offer(title, actions)
 
     def set_preferences(self, preferences: Preferences) -> None:
-        """Act by these preferences from now on, in this run and the next ones."""
+        """Apply and store these preferences."""
         self.bench.preferences = preferences
         save_preferences(self.bench.settings, preferences)
         self.actions_by_id.apply_keys()
@@ -186,26 +187,26 @@ class MainWindow(QMainWindow):
             files.save(self.bench)
 
     def show_shortcuts(self) -> None:
-        """The sheet of all shortcuts."""
+        """Show the sheet of all shortcuts."""
         self._sheet = ShortcutSheet(self, self.actions_by_id.by_menu())
         self._sheet.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self._sheet.show()
 
     def arrange(self, on: bool) -> None:
-        """Docks with title bars can be moved; without, they are quiet."""
+        """Show or hide the title bars of docks, by which they are moved."""
         self.arranging = on
         for dock in self.docks.values():
             dock.setTitleBarWidget(None if on else QWidget(dock))  # type: ignore[arg-type]
         self.history.head.setHidden(on)
 
     def reset_layout(self) -> None:
-        """All docks where they were in the beginning."""
+        """Move all docks to their default places."""
         self.bench.settings.forget_layout()
         self.restoreState(self._first_state)
         self._size_docks()
 
     def when_saved(self, then: Callable[[], object]) -> None:
-        """Run ``then`` now, or after the user has said what to do with unsaved changes; the journal keeps them."""
+        """Run ``then`` now, or after the user has answered about unsaved changes; the journal keeps them."""
         document = self.bench.document
         if not document.dirty:
             then()
@@ -357,7 +358,7 @@ class MainWindow(QMainWindow):
             self.restoreState(layout[1])
 
     def _stay_on_screen(self) -> None:
-        """No larger than the screen has room for, and within it."""
+        """Limit size and position to the screen."""
         room = self.screen().availableGeometry().adjusted(0, TITLE_BAR, 0, 0)
         self.resize(self.size().boundedTo(room.size()))
         if not room.contains(self.geometry()):
@@ -395,19 +396,19 @@ class MainWindow(QMainWindow):
             self.bench.say(str(error))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """A click beside everything takes the keyboard out of a field."""
+        """Take the focus from a field by a click outside."""
         self.setFocus()
         super().mousePressEvent(event)
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        """Take any file: what cannot be read is answered by a sentence that says what to do."""
+        """Accept any file: an unreadable one is reported by a sentence with advice."""
         if _dropped(event):
             event.acceptProposedAction()
             self.drop_frame.setGeometry(self.rect())
             self.drop_frame.show()
 
     def dragLeaveEvent(self, event: QDragLeaveEvent) -> None:
-        """Nothing is dropped here."""
+        """Remove the highlight of a drop."""
         self.drop_frame.hide()
         super().dragLeaveEvent(event)
 
@@ -418,7 +419,7 @@ class MainWindow(QMainWindow):
         self.open_paths(_dropped(event))
 
     def open_paths(self, paths: list[Path]) -> None:
-        """A project is opened, captures are imported; what goes wrong is a sentence in the strip."""
+        """Open a project, import captures; errors are shown in the strip."""
         for path in paths:
             try:
                 files.open_path(self.bench, path)
@@ -426,13 +427,13 @@ class MainWindow(QMainWindow):
                 self.bench.say(str(error))
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Docks take their measures only once there is a window."""
+        """Set the sizes of docks, which need a visible window."""
         super().showEvent(event)
         if self.bench.settings.layout() is None:
             self._size_docks()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """The timeline leaves more than half of a small window to what it is about."""
+        """Limit the timeline to less than half of a small window."""
         super().resizeEvent(event)
         QTimer.singleShot(0, self, self._bound_timeline)
 
@@ -444,7 +445,7 @@ class MainWindow(QMainWindow):
             self.resizeDocks([dock], [most], Qt.Orientation.Vertical)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask about unsaved work beside it; then stop everything, views first."""
+        """Ask about unsaved work without a modal dialog; then stop everything, views first."""
         if self.bench.document.dirty and not self._leaving:
             event.ignore()
             self.when_saved(self.leave)
@@ -466,7 +467,7 @@ class MainWindow(QMainWindow):
         self.closed.emit()
 
     def leave(self) -> None:
-        """Close, whatever is not saved; the journal keeps it."""
+        """Close without saving; the journal keeps unsaved edits."""
         self._leaving = True
         self.close()
 

@@ -1,4 +1,4 @@
-"""Markers of a capture: map, cleaning and signals in one window; what it changes is undone like any edit."""
+"""Markers of a capture: map, cleaning and signals in one window; its changes can be undone."""
 
 from collections.abc import Callable, Collection
 from dataclasses import replace
@@ -20,7 +20,7 @@ MARKER_DIALOG_SIZE = (1120, 680)
 
 
 def open_markers(bench: Workbench, capture_id: str | None = None) -> "MarkerDialog":
-    """The markers of a capture, by default of the one that plays or is selected. Raises StudioError without any."""
+    """Show the markers of a capture, by default the playing or selected one. Raises StudioError without any."""
     capture_id = capture_id or _shown_capture(bench)
     capture = bench.document.project.captures.get(capture_id or "")
     if capture_id is None or capture is None or capture.markers is None:
@@ -45,7 +45,7 @@ def _shown_capture(bench: Workbench) -> str | None:
 
 
 class MarkerDialog(QDialog):
-    """Not modal. What is set here is applied by its button, as one step that can be undone."""
+    """Dialog that is not modal. Its settings are applied by its button, as one undo step."""
 
     def __init__(self, bench: Workbench, capture_id: str, capture: Capture) -> None:
         super().__init__(bench.window)
@@ -93,7 +93,7 @@ class MarkerDialog(QDialog):
 
     @property
     def take(self) -> MarkerTake:
-        """As it is set here."""
+        """Take with the present settings."""
         return replace(
             self._take,
             marker_map=self.assistant.marker_map,
@@ -102,12 +102,12 @@ class MarkerDialog(QDialog):
         )
 
     def solve(self) -> None:
-        """Put what is set here to the capture."""
+        """Apply the settings to the capture."""
         self.apply.setEnabled(False)
         solve_again(self._bench, self._capture_id, self.take)
 
     def _clean(self) -> None:
-        """Try the steps, in the background: their reports are shown before anything is applied."""
+        """Run the cleaning steps in the background to show their reports before they are applied."""
         take = self.take
 
         def work(progress: Callable[[float, str], None]) -> tuple[StepReport, ...]:
@@ -142,7 +142,7 @@ class MarkerDialog(QDialog):
         self._mark(())
 
     def _mark(self, labels: Collection[str]) -> None:
-        """Let markers stand out in the 3D view."""
+        """Highlight markers in the 3D view."""
         if self._bench.has_viewport:
             self._bench.viewport.recording.mark(labels)
 

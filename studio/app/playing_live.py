@@ -1,4 +1,4 @@
-"""Play live: keys while the stage plays, clips that are clicked, and takes that become edits."""
+"""Live play in the window: keys and clicked clips while the stage plays, and takes that become edits."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -25,7 +25,7 @@ PLAYS_LIVE = "The stage plays live."
 
 
 class LivePlaying(QObject):
-    """Joins the stage that plays live with the window: it hears keys and clicks while it runs, and keeps takes."""
+    """Connection of the live stage with the window: handles keys and clicks while it runs, and stores takes."""
 
     def __init__(self, bench: Workbench, parent: QObject) -> None:
         super().__init__(parent)
@@ -36,7 +36,7 @@ class LivePlaying(QObject):
         bench.document.selection.changed.connect(self._start_chosen)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """While the stage plays live its keys come before all shortcuts, but not before a field that is typed in."""
+        """Handle keys of live play before all shortcuts, but not before a field with the focus."""
         if (
             event.type() not in KEY_EVENTS
             or not isinstance(event, QKeyEvent)
@@ -88,7 +88,7 @@ class LivePlaying(QObject):
             self._bench.clear_message()
 
     def _start_chosen(self) -> None:
-        """A clip that is clicked while the stage plays live begins, for the active performer."""
+        """Start the clip that is clicked during live play, on the active performer."""
         before, self._clips = self._clips, self._bench.document.selection.of("clips")
         if not self._play.running or self._clips == before or not self._clips:
             return
@@ -100,7 +100,7 @@ class LivePlaying(QObject):
 
 
 def toggle(bench: Workbench) -> None:
-    """Play live, or end it."""
+    """Start or stop live play."""
     if bench.live.play.running:
         bench.live.play.end()
         return
@@ -117,12 +117,12 @@ def toggle(bench: Workbench) -> None:
 
 
 def record(bench: Workbench) -> None:
-    """Record what is played live, or end that."""
+    """Start or stop the recording of live play."""
     bench.live.play.record()
 
 
 def put_take(bench: Workbench, take: StageTake) -> None:
-    """Put a recorded take into the rows of its performers from the playhead on, as one undo step."""
+    """Add a recorded take to the rows of its performers from the playhead on, as one undo step."""
     document = bench.document
     project, begin = document.project, document.playhead.time
     if abs(begin - take.begin) < 0.5 / document.playhead.frame_rate:
@@ -149,7 +149,7 @@ def put_take(bench: Workbench, take: StageTake) -> None:
 
 
 def _after(project: Project, collection: str, key: str, entity: Entity, begin: float) -> tuple[str, str, Entity]:
-    """An edit of a take whose rows keep what they have until ``begin``."""
+    """Edit of a take that keeps the row until ``begin``."""
     if not isinstance(entity, Performer):
         return collection, key, entity
     before = project.performers[key]
@@ -158,19 +158,19 @@ def _after(project: Project, collection: str, key: str, entity: Entity, begin: f
 
 
 def clips_of(project: Project, performer_id: str) -> list[Clip]:
-    """The clips that a performer is let play by the keys 1 to 9: those of its row, each once."""
+    """Clips that a performer plays by the keys 1 to 9: those of its row, each once."""
     performer = project.performers.get(performer_id)
     clips = performer.clips if performer else ()
     return list({(clip.motion_id, clip.first, clip.last): afresh(clip) for clip in reversed(clips)}.values())[::-1]
 
 
 def afresh(clip: Clip) -> Clip:
-    """A clip of a row as it begins anywhere else."""
+    """Clip of a row detached from it, to begin anywhere."""
     return replace(clip, joined=True, turn=0.0, offset=(0.0, 0.0))
 
 
 def keys_of(project: Project) -> dict[str, list[str]]:
-    """The keys that behaviours listen to, and the states that they lead to."""
+    """Keys used by behaviours, and the states to which they lead."""
     keys: dict[str, dict[str, None]] = {}
     for behaviour in project.behaviours.values():
         for transition in behaviour.transitions:

@@ -7,6 +7,7 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QDockWidget, QWidget
 
 from studio.core.errors import StudioError
+from studio.document.mnemonics import literal
 from studio.io import plug_ins
 
 if TYPE_CHECKING:
@@ -14,16 +15,16 @@ if TYPE_CHECKING:
 
 
 def add_panel_actions(window: "MainWindow") -> None:
-    """A line in the menu *View* of the main window for each panel that packages offer; nothing is loaded."""
+    """Add an entry to the menu *View* of the main window for each panel of a package, without loading it."""
     for offer in plug_ins.offers(plug_ins.PANELS_GROUP):
-        action = QAction(f"{offer.name.replace('_', ' ').capitalize()} panel", window)
+        action = QAction(literal(f"{offer.name.replace('_', ' ').capitalize()} panel"), window)
         action.setToolTip(f"Added by {offer.package}")
         action.triggered.connect(lambda _=False, offer=offer: show_plug_in(window, offer))
         window.actions_by_id.menus["View"].addAction(action)
 
 
 def show_plug_in(window: "MainWindow", offer: plug_ins.Offer) -> None:
-    """Show a package's panel beside the inspector; what goes wrong in it is a sentence."""
+    """Show a package's panel beside the inspector; errors in it are reported as a message."""
     key = f"plug-in {offer.name}"
     if key not in window.docks:
         try:

@@ -1,7 +1,9 @@
-"""The pose library in the window: poses of the active body are saved, and applied as keys of a manual correction."""
+"""Pose library in the window: poses of the active body are saved, and applied as keys of a manual correction."""
 
 from collections.abc import Callable
 from pathlib import Path
+
+from PySide6.QtGui import QIcon, QPixmap
 
 from studio.app.workbench import Workbench
 from studio.cli.arguments import library_folder
@@ -13,6 +15,7 @@ from studio.document.correction_edits import correction_at, set_pose
 from studio.engine.performance import Posed, pose_of
 from studio.library.saved_poses import SavedPose, delete_pose, read_poses, rename_pose, write_pose
 from studio.panels.pose_list import PosePanel
+from studio.panels.thumbnails import pose_picture
 
 HIPS_REGIONS = ("Whole body", "Legs")
 """Regions with which the height of the hips is applied."""
@@ -22,7 +25,7 @@ NO_POSE = (
 
 
 class PoseLibrary:
-    """Stands between the panel, the files and the document."""
+    """Connection of the panel, the files and the document."""
 
     def __init__(self, bench: Workbench, folder: Path | None = None) -> None:
         self._bench, self._folder = bench, folder or library_folder() / "poses"
@@ -35,7 +38,7 @@ class PoseLibrary:
         self._list()
 
     def save(self) -> None:
-        """Save the pose of the active performer at the playhead; its name is asked in the list."""
+        """Save the pose of the active performer at the playhead; its name is typed in the list."""
         _, shown = self._shown()
         motion = shown.motion
         pose = local_pose(motion.morphology.layout, motion.rotations[shown.row], _hips_height(shown))
@@ -43,7 +46,7 @@ class PoseLibrary:
         self.panel.edit_name(self._list(write_pose(self._folder, name, pose).path))
 
     def apply(self, row: int) -> None:
-        """Key a correction of the active performer at the playhead that brings the chosen part to a pose."""
+        """Set a key of a correction of the active performer at the playhead that brings the chosen part to a pose."""
         document, saved, (performer_id, shown) = self._bench.document, self._saved[row], self._shown()
         time, region, fraction = document.playhead.time, str(self.panel.region.value), self.panel.fraction
         correction = document.project.corrections.get(correction_at(document, performer_id, time) or "")
@@ -59,8 +62,13 @@ class PoseLibrary:
         hips = wanted.hips if region in HIPS_REGIONS else None
         set_pose(document, performer_id, time, keyed, hips, text=f"Apply pose {saved.name}")
 
+    def apply_to(self, row: int, performer_id: str) -> None:
+        """Select a performer and apply a pose to it."""
+        self._bench.document.selection.set(("performers", performer_id))
+        self._try(lambda: self.apply(row))
+
     def rename(self, row: int, name: str) -> None:
-        """Give a pose another name; an empty one or that of another pose is refused."""
+        """Rename a pose; an empty name or that of another pose is refused."""
         saved = self._saved[row]
         taken = {each.name for each in self._saved if each is not saved}
         path = saved.path
@@ -77,14 +85,15 @@ class PoseLibrary:
         self._list()
 
     def _list(self, current: Path | None = None) -> int:
-        """List what the folder has; the row of ``current``."""
+        """List the folder's content; the row of ``current``."""
         self._saved, problems = read_poses(self._folder)
         row = next((place for place, each in enumerate(self._saved) if each.path == current), -1)
-        self.panel.show_poses([each.name for each in self._saved], problems, row)
+        listed = [(each.name, QIcon(QPixmap.fromImage(pose_picture(each.pose)))) for each in self._saved]
+        self.panel.show_poses(listed, problems, row)
         return row
 
     def _shown(self) -> tuple[str, Posed]:
-        """The active performer's id and pose at the playhead."""
+        """Active performer's id and pose at the playhead."""
         document = self._bench.document
         key = document.active_performer_id or ""
         performer, motion = document.project.performers.get(key), self._bench.live.shown(key)

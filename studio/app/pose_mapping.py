@@ -1,4 +1,4 @@
-"""The map of the library in the window: made beside it, and what is pointed at or chosen on it shown elsewhere."""
+"""Pose map in the window: computed in the background; hovered and chosen groups are shown in other views."""
 
 from typing import TYPE_CHECKING
 
@@ -17,7 +17,7 @@ HIP_JOINTS, KNEE_JOINT = (12, 16), 1
 
 
 class PoseMapping:
-    """Stands between the map, the library and the list of strikes."""
+    """Connection of the map, the library and the list of strikes."""
 
     def __init__(self, striking: "Striking") -> None:
         self._striking = striking
@@ -48,7 +48,7 @@ class PoseMapping:
         self._striking.bench.runner.run("Drawing the map of the library", work, done)
 
     def look_at(self, group: int) -> None:
-        """Show the clip of a group's most usual pose as a ghost, from there on; none when ``group`` is below 0."""
+        """Show the clip of a group's most typical pose as a ghost, from that pose on; none if ``group`` is negative."""
         if group < 0 or self._map is None or self._library is None:
             self._striking.show_ghost(None, 0)
             return
@@ -56,7 +56,7 @@ class PoseMapping:
         self._striking.show_ghost(clip, frame)
 
     def choose(self, group: int) -> None:
-        """List the clips that have poses in a group, the one with most of them first."""
+        """List the clips with poses in a group, those with most of them first."""
         if self._map is None or self._library is None:
             return
         numbers = self._map.clips_of(group, self._library.table)
@@ -65,7 +65,7 @@ class PoseMapping:
 
 
 def groups_of(made: "PoseMap", library: "Library") -> "list[PoseGroup]":
-    """Figures of the map, one a group of poses."""
+    """Figures of the map, one for each group of poses."""
     from studio.core.retrieval import row_points
 
     points, places = row_points(library.table.rows[made.representatives]), made.places(library.table.rows)
@@ -76,7 +76,8 @@ def groups_of(made: "PoseMap", library: "Library") -> "list[PoseGroup]":
         clips: list[LibraryClip] = [library.clips[each] for each in made.clips_of(number, library.table)]
         words = f"{counts[number]} poses, {len(clips)} clip{'' if len(clips) == 1 else 's'}"
         forward = np.array([across[1], -across[0]]) / max(float(np.linalg.norm(across)), 1e-9)
-        groups.append(PoseGroup(pose, forward, places[number], tuple(made.links[number].tolist()), words))
+        names = tuple(dict.fromkeys(clip.name for clip in clips))
+        groups.append(PoseGroup(pose, forward, places[number], tuple(made.links[number].tolist()), words, names))
     return groups
 
 

@@ -1,4 +1,4 @@
-"""Preferences of the user, and key maps: how they are kept, and what each action's keys are."""
+"""Preferences of the user, and key maps: their storage, and the keys of each action."""
 
 import json
 import math
@@ -9,6 +9,7 @@ from PySide6.QtGui import QKeySequence
 
 from studio.app.settings import Settings
 from studio.document import colours
+from studio.document.length_units import LENGTH_CHOICES
 from studio.resources_folder import resources_folder
 from studio.viewport.onion_skins import OnionSkins
 from studio.viewport.snap_steps import SnapSteps
@@ -25,12 +26,16 @@ WHOLE_NUMBERS = (
     ("interface_scale", 50, 300),
 )
 FITTED, WHOLE_CLIP_ACTIVATION = "fitted", "whole_clip"
-CHOICES: Mapping[str, tuple[str, ...]] = {"activation": (FITTED, WHOLE_CLIP_ACTIVATION), "theme": tuple(colours.THEMES)}
+CHOICES: Mapping[str, tuple[str, ...]] = {
+    "activation": (FITTED, WHOLE_CLIP_ACTIVATION),
+    "theme": tuple(colours.THEMES),
+    "lengths": tuple(LENGTH_CHOICES),
+}
 
 
 @dataclass(frozen=True)
 class Preferences:
-    """Choices of the user; a number out of its range is refused with ValueError."""
+    """Choices of the user; a number out of its range raises ValueError."""
 
     move_step: float = 1.0
     """Centimetres."""
@@ -47,6 +52,8 @@ class Preferences:
     activation: str = FITTED
     """Activation of a new constraint: fitted to the motion, or the whole clip."""
     theme: str = "dark"
+    lengths: str = "usual"
+    """Units of lengths: metres, centimetres and millimetres as usual for what is shown, or one for all."""
     interface_scale: int = 100
     """Percent."""
     key_map: str = STUDIO_KEYS
@@ -76,12 +83,12 @@ class Preferences:
 
     @property
     def snap_steps(self) -> SnapSteps:
-        """Steps of the gizmo, in metres, radians and parts."""
+        """Snapping steps of the gizmo, in metres, radians and factors."""
         return SnapSteps(self.move_step / 100.0, math.radians(self.rotate_step), self.scale_step / 100.0)
 
 
 def load_preferences(settings: Settings) -> Preferences:
-    """The preferences that were saved; the default ones where a value of the file makes no sense."""
+    """Saved preferences; default ones for invalid values in the file."""
     stored = settings.preferences
     kept = {}
     for each in fields(Preferences):
@@ -95,7 +102,7 @@ def load_preferences(settings: Settings) -> Preferences:
 
 
 def save_preferences(settings: Settings, preferences: Preferences) -> None:
-    """Keep them for the next start."""
+    """Store them for the next start."""
     settings.preferences = asdict(preferences)
 
 
@@ -109,7 +116,7 @@ def key_maps() -> dict[str, tuple[str, KeyTable]]:
 
 
 def keys_with(defaults: KeyTable, *layers: KeyTable) -> dict[str, tuple[str, ...]]:
-    """Keys of each action: those of the last layer that names it; a key goes to the layer that gives it last."""
+    """Keys of each action: those of the last layer that names it; a key belongs to the last layer that assigns it."""
     keys = {action: tuple(map(_normal, each)) for action, each in defaults.items()}
     for layer in layers:
         own = {action: tuple(map(_normal, each)) for action, each in layer.items() if action in keys}
@@ -128,7 +135,7 @@ def conflicts_in(keys: KeyTable) -> dict[str, tuple[str, ...]]:
 
 
 def keys_in(text: str) -> tuple[str, ...]:
-    """Keys that a person has typed, with blanks between them. Raises ValueError for one that is none."""
+    """Keys in a typed text, separated by blanks. Raises ValueError for an invalid one."""
     words = text.split()
     for word in words:
         if not _normal(word):

@@ -1,4 +1,4 @@
-"""The dialog of preferences: every change acts at once."""
+"""Dialog of preferences: every change is applied at once."""
 
 from collections.abc import Sequence
 
@@ -32,11 +32,12 @@ ONION_NUMBERS = (
     ("onion_step", "Every", "frames"),
 )
 ACTIVATIONS = ((FITTED, "While the point stays still"), (WHOLE_CLIP_ACTIVATION, "For the whole clip"))
+LENGTHS = (("usual", "m, cm and mm"), ("m", "Metres"), ("cm", "Centimetres"), ("in", "Inches"))
 ACTION_ID = Qt.ItemDataRole.UserRole
 
 
 class PreferencesDialog(QDialog):
-    """Snapping steps, onion skins, activation, autosave, look, and keys in a table in which they are typed."""
+    """Snapping steps, onion skins, activation, autosave, theme, and keys in an editable table."""
 
     def __init__(self, bench: Workbench) -> None:
         super().__init__(bench.window)
@@ -60,6 +61,7 @@ class PreferencesDialog(QDialog):
         look = Section("Appearance, after restart")
         self._add_choice(look, "theme", "Theme", [(name, name.capitalize()) for name in CHOICES["theme"]])
         self._add_whole(look, "interface_scale", "Scale", "%")
+        self._add_choice(look, "lengths", "Lengths", LENGTHS)
         keys = Section("Keys")
         self.map = Choice("Key map", [(key, name) for key, (name, _) in key_maps().items()])
         self.map.show_value(bench.preferences.key_map)
@@ -114,7 +116,7 @@ class PreferencesDialog(QDialog):
         )
 
     def _typed(self, item: QTableWidgetItem) -> None:
-        """Give an action other keys, or say why they are none."""
+        """Assign other keys to an action, or report why they are invalid."""
         try:
             keys = keys_in(item.text())
         except ValueError as error:

@@ -1,4 +1,4 @@
-"""The tour of the stage's problems: next and previous, by keys, the worst first."""
+"""Tour of the stage's problems: next and previous by keys, the worst first."""
 
 from PySide6.QtCore import QObject
 
@@ -11,7 +11,7 @@ NO_PROBLEMS = "No problems: every constraint holds, and nothing slides, sinks in
 
 
 class ProblemTour(QObject):
-    """Goes from problem to problem; one that is mended leaves the list, and the worst that remains is next."""
+    """Goes from problem to problem; a solved one leaves the list, and the worst remaining one is next."""
 
     def __init__(self, bench: Workbench, search: ProblemSearch, parent: QObject) -> None:
         super().__init__(parent)
@@ -21,7 +21,7 @@ class ProblemTour(QObject):
         search.found.connect(self._found)
 
     def go(self, step: int) -> None:
-        """To the next problem (1) or the one before (-1), as soon as the stage is measured."""
+        """Go to the next problem (1) or the previous one (-1), as soon as the stage is measured."""
         self._step = step
         if self._search.ask():
             self._found()

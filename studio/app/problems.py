@@ -1,4 +1,4 @@
-"""Every exception that nobody caught is logged, and told as a sentence. Nothing is swallowed."""
+"""Logging of uncaught exceptions, which are also reported as a message. Nothing is swallowed."""
 
 import logging
 import sys
@@ -11,19 +11,19 @@ from types import TracebackType
 import platformdirs
 from PySide6.QtCore import QObject, Signal
 
-from studio.core.errors import StudioError
+from studio.core.errors import INTERNAL_ERROR, StudioError
 
 LOG_BYTES = 1_000_000
 _log = logging.getLogger("studio")
 
 
 def log_file() -> Path:
-    """File in which faults of the program are written down."""
+    """Log file of internal errors."""
     return Path(platformdirs.user_log_dir("morpho-studio", appauthor=False)) / "studio.log"
 
 
 def start_log() -> None:
-    """Write warnings and worse to the log file and to standard error."""
+    """Log warnings and errors to the log file and to standard error."""
     file = log_file()
     file.parent.mkdir(parents=True, exist_ok=True)
     handlers: list[logging.Handler] = [RotatingFileHandler(file, maxBytes=LOG_BYTES, backupCount=2, encoding="utf-8")]
@@ -35,15 +35,15 @@ def start_log() -> None:
 
 
 def sentence_of(error: BaseException) -> str:
-    """An error in words: one of ours as it is, a fault of the program by its kind and what to do."""
+    """Error as a sentence: a StudioError unchanged, an internal error by its kind with advice."""
     if isinstance(error, StudioError):
         return str(error)
     what = f"{type(error).__name__}: {error}".rstrip(": ")
-    return f"An internal error occurred: {what}. Your work is in the journal; the details are in {log_file()}."
+    return f"An {INTERNAL_ERROR} occurred: {what}. Your work is in the journal; the details are in {log_file()}."
 
 
 class ProblemHooks(QObject):
-    """Catches what reaches the end of a thread, and gives the interpreter its own hooks back when closed."""
+    """Hooks for exceptions at the end of a thread; closing restores the interpreter's own."""
 
     message_posted = Signal(str)
 
@@ -54,7 +54,7 @@ class ProblemHooks(QObject):
         threading.excepthook = self._on_thread_error
 
     def close(self) -> None:
-        """Put the former hooks back."""
+        """Restore the former hooks."""
         sys.excepthook, threading.excepthook = self._hooks
 
     def _on_error(self, kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:

@@ -1,4 +1,4 @@
-"""Work that a crashed session left is offered beside the new one; no answer deletes it."""
+"""Offer to recover the work of a crashed session; no answer deletes it."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -9,7 +9,7 @@ from studio.document.recovery import Session, put_aside, put_damaged_aside, reco
 
 
 def offer(bench: Workbench, folder: Path) -> None:
-    """Ask about the newest session that ended without being closed, if there is one; clear away what is of no use."""
+    """Offer the newest session that ended without being closed, if there is one; remove useless ones."""
     bench.journals = folder
     try:
         for sentence in put_damaged_aside(folder):
@@ -24,7 +24,7 @@ def offer(bench: Workbench, folder: Path) -> None:
 
 
 def choose(bench: Workbench) -> None:
-    """List all earlier work that no file has, newest first, that which the user gave up too."""
+    """List all unsaved earlier work, newest first, declined sessions included."""
     sessions = recoverable_sessions(bench.journals, declined=True) if bench.journals else ()
     if not sessions:
         raise StudioError("There is no earlier work to recover: everything was saved, or is older than 30 days.")

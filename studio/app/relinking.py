@@ -1,4 +1,4 @@
-"""Files that have moved: found by content or name in the folders that are known, else by hand."""
+"""Source files that have moved: found by content or name in known folders, else by the user."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -12,14 +12,14 @@ from studio.io.source_files import SourceFile, SourceMissing, digest_of, find_so
 
 
 def finder(bench: Workbench, capture_id: str) -> Callable[[Progress], SourceFile]:
-    """A job that finds the source file of a capture; it raises SourceMissing where that is nowhere."""
+    """Job that finds the source file of a capture; it raises SourceMissing if there is none."""
     capture, known = bench.document.project.captures[capture_id], bench.sources.get(capture_id)
     folders = known_folders(bench)
     return lambda progress: find_source(capture, known, folders, progress)
 
 
 def known_folders(bench: Workbench) -> tuple[Path, ...]:
-    """Folders in which sources are looked for: those of the project, of other sources and of the recent dialogs."""
+    """Folders to search for sources: those of the project, of other sources and of the recent dialogs."""
     project, settings = bench.document.path, bench.settings
     files = (*([project] if project else ()), *bench.sources.values(), *settings.recent)
     folders = (*(file.parent for file in files), *settings.source_folders, Path(settings.folder))
@@ -27,7 +27,7 @@ def known_folders(bench: Workbench) -> tuple[Path, ...]:
 
 
 def relink_shown(bench: Workbench) -> None:
-    """Relink the capture that is selected, else that of the motion that plays."""
+    """Relink the selected capture, else that of the playing motion."""
     capture_id = shown_capture(bench)
     if capture_id is None:
         raise StudioError("No capture is selected. Select one in the library.")
@@ -35,14 +35,14 @@ def relink_shown(bench: Workbench) -> None:
 
 
 def shown_capture(bench: Workbench) -> str | None:
-    """The selected capture, else that of the motion that plays."""
+    """Selected capture, else that of the playing motion."""
     selected = bench.document.selection.of("captures")
     motion = bench.document.project.motions.get(bench.document.active_motion_id or "")
     return str(selected[0]) if selected else motion.capture_id if motion else None
 
 
 def relink(bench: Workbench, capture_id: str) -> int:
-    """Look for the file of a capture, and ask for it where it is not found; returns the task."""
+    """Search the file of a capture, and ask for it if it is not found; returns the task."""
     capture = bench.document.project.captures[capture_id]
 
     def missed(error: StudioError) -> None:
@@ -59,13 +59,13 @@ def relink(bench: Workbench, capture_id: str) -> int:
 
 
 def offer_relinking(bench: Workbench, capture_id: str, error: StudioError, then: Callable[[], object]) -> None:
-    """Tell that a source is missing, with a button that asks for it and goes on with ``then``."""
+    """Report that a source is missing, with a button that asks for it and then calls ``then``."""
     ask = ("Relink…", lambda: ask_source(bench, capture_id, then))
     bench.say(str(error), ask, ("Close", bench.clear_message))
 
 
 def ask_source(bench: Workbench, capture_id: str, then: Callable[[], object] = lambda: None) -> None:
-    """Ask for the file of a capture, link it, then go on with ``then``."""
+    """Ask for the file of a capture, link it, then call ``then``."""
     capture = bench.document.project.captures.get(capture_id)
     if capture is None:
         return
@@ -82,7 +82,7 @@ def ask_source(bench: Workbench, capture_id: str, then: Callable[[], object] = l
 
 
 def link(bench: Workbench, capture_id: str, source: SourceFile) -> None:
-    """Take a file for the source of a capture; one of another name or content is an undo step."""
+    """Make a file the source of a capture; another name or content is an undo step."""
     capture = bench.document.project.captures.get(capture_id)
     if capture is None:
         return
@@ -94,13 +94,15 @@ def link(bench: Workbench, capture_id: str, source: SourceFile) -> None:
 
 
 def offer_media_relinking(bench: Workbench, collection: str, source: str, error: StudioError) -> None:
-    """Tell that the file ``source`` of sounds or footage is missing, with a button that asks for it."""
+    """Report that the file ``source`` of sounds or footage is missing, with a button that asks for it."""
     ask = ("Relink…", lambda: ask_media(bench, collection, source))
     bench.say(str(error), ask, ("Close", bench.clear_message))
 
 
 def ask_media(bench: Workbench, collection: str, source: str) -> None:
-    """Ask where the file ``source`` of sounds or footage is now; all that were read from it are one undo step."""
+    """Ask for the new path of the file ``source`` of sounds or footage; all entities read from it change in one undo
+    step.
+    """
 
     def chosen(path: Path) -> None:
         entities = getattr(bench.document.project, collection)
@@ -108,6 +110,7 @@ def ask_media(bench: Workbench, collection: str, source: str) -> None:
         with bench.document.group(f"Relink {Path(source).name}"):
             for key, each in linked.items():
                 bench.document.replace(collection, key, each, f"Relink {each.name}")
+        bench.media_relinked.emit(str(path))
 
     ask_file(bench, f"File {Path(source).name}", MEDIA_FILTERS[collection], chosen)
 

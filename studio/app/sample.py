@@ -1,6 +1,6 @@
-"""The project at the first start: one bundled motion on five characters, side by side and playing.
+"""Project at the first start: one bundled motion on five characters, side by side and playing.
 
-It is shown as it was adapted when it was made (``examples/make_sample.py``): a first start compiles the solver beside.
+It is shown as adapted beforehand (``examples/make_sample.py``), because a first start still compiles the solver.
 """
 
 from collections.abc import Callable
@@ -24,18 +24,18 @@ SAMPLE_PROJECT, SAMPLE_MOTIONS = f"{SAMPLE_NAME}.studio", f"{SAMPLE_NAME}.npz"
 
 
 def empty_project() -> Project:
-    """The bundled characters, waiting for a capture."""
+    """Bundled characters without a capture."""
     characters = bundled_characters()
     return Project(characters=characters, performers=side_by_side(characters))
 
 
 def capture_file() -> Path:
-    """The capture that the sample was made from."""
+    """Capture of the sample."""
     return example_captures_folder() / f"{SAMPLE_NAME}.bvh"
 
 
 def read_sample() -> tuple[Project, dict[str, AdaptedMotion]]:
-    """The bundled characters performing one motion, and what becomes of it, by performer."""
+    """Project of the bundled characters with one motion, and the adapted motions by performer."""
     folder = sample_folder()
     characters = {name: replace(each, grip=FIST_GRIP) for name, each in bundled_characters().items()}
     kept = read_project(folder / SAMPLE_PROJECT).project
@@ -65,7 +65,7 @@ def open_sample(bench: Workbench) -> None:
 
 
 def open_scene(bench: Workbench, scene: BundledScene) -> None:
-    """Make a scene in the background, show it, play it, and say what to look for."""
+    """Make a scene in the background, show it, play it, and show its description."""
     revision = bench.document.revision
 
     def show(project: Project) -> None:

@@ -1,4 +1,4 @@
-"""Settings of the user kept between runs: layout, recent files, preferences. Never the work itself."""
+"""Settings of the user stored between sessions: layout, recent files, preferences. Never project data."""
 
 import json
 from pathlib import Path
@@ -14,7 +14,7 @@ LAYOUT_VERSION = 1
 
 
 class Settings:
-    """A small file in the user's settings folder."""
+    """Settings in a small file of the user's settings folder."""
 
     def __init__(self, file: Path | None = None) -> None:
         folder = Path(platformdirs.user_config_dir("morpho-studio", appauthor=False))
@@ -22,20 +22,20 @@ class Settings:
 
     @property
     def recent(self) -> tuple[Path, ...]:
-        """Projects opened or saved last, newest first."""
+        """Recent projects, newest first."""
         stored = self._store.value("recent")
         names = stored if isinstance(stored, list) else [stored] if stored else []
         return tuple(Path(str(name)) for name in names)
 
     def remember(self, path: Path) -> None:
-        """Put a project at the head of the recent ones."""
+        """Add a project at the head of the recent ones."""
         path = path.resolve()
         names = [str(path), *(str(other) for other in self.recent if other != path)]
         self._store.setValue("recent", names[:MOST_RECENT])
 
     @property
     def folder(self) -> str:
-        """Folder in which the user last opened or saved something."""
+        """Folder of the user's last file dialog."""
         return str(self._store.value("folder", str(Path.home())))
 
     @folder.setter
@@ -44,13 +44,13 @@ class Settings:
 
     @property
     def source_folders(self) -> tuple[Path, ...]:
-        """Folders in which captures were read, newest first."""
+        """Folders of captures, newest first."""
         stored = self._store.value("sources")
         names = stored if isinstance(stored, list) else [stored] if stored else []
         return tuple(Path(str(name)) for name in names)
 
     def remember_source(self, path: Path) -> None:
-        """Put the folder of a capture's file at the head of those in which captures are looked for."""
+        """Add the folder of a capture's file at the head of the folders to search."""
         folder = path.resolve().parent
         names = [str(folder), *(str(other) for other in self.source_folders if other != folder)]
         self._store.setValue("sources", names[:MOST_RECENT])
@@ -78,7 +78,7 @@ class Settings:
         return stored if isinstance(stored, dict) else {}
 
     def correct(self, kind: str, options: JsonObject) -> None:
-        """Read files of this kind with these options from now on; with none, as they are guessed."""
+        """Store options for files of this kind; with none, they are guessed again."""
         kept = {key: value for key, value in self.corrections.items() if key != kind}
         if options:
             kept[kind] = options
@@ -106,12 +106,12 @@ class Settings:
         return None
 
     def remember_layout(self, geometry: QByteArray, state: QByteArray) -> None:
-        """Keep the window as it is."""
+        """Store geometry and dock state of the window."""
         self._store.setValue("geometry", geometry)
         self._store.setValue(f"state {LAYOUT_VERSION}", state)
         self._store.sync()  # the process ends at once
 
     def forget_layout(self) -> None:
-        """The next window has the layout it was made with."""
+        """Restore the default layout for the next window."""
         self._store.remove("geometry")
         self._store.remove(f"state {LAYOUT_VERSION}")

@@ -1,4 +1,4 @@
-"""Sounds of the project, heard while the playhead plays or is dragged."""
+"""Playback of the project's sounds while the playhead plays or is dragged."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -21,7 +21,7 @@ SCRUB_SECONDS = 0.1
 
 
 class SoundPlayback(QObject):
-    """Follows the playhead; a file is read beside the window when it is to be heard for the first time."""
+    """Follows the playhead; a file is read in the background at its first use."""
 
     failed = Signal(str)
 
@@ -37,14 +37,15 @@ class SoundPlayback(QObject):
         self._playhead.changed.connect(self._follow_playhead)
         self._playhead.playing_changed.connect(self._follow_playing)
         bench.document.project_opened.connect(self._samples.clear)
+        bench.media_relinked.connect(lambda path: self._samples.pop(path, None))
 
     def set_muted(self, muted: bool) -> None:
-        """Let nothing be heard, or hear again what plays."""
+        """Mute or unmute."""
         self.muted = muted
         self._follow_playing(self._playhead.playing)
 
     def close(self) -> None:
-        """Let go of the device."""
+        """Release the device."""
         self.output.close()
 
     def _follow_playing(self, playing: bool) -> None:
@@ -54,7 +55,7 @@ class SoundPlayback(QObject):
             self.output.pause()
 
     def _follow_playhead(self, seconds: float) -> None:
-        """Go on with what plays, or let a moment be heard where the playhead was put."""
+        """Go on playing, or play a short moment where the playhead was moved."""
         run = self._playhead.run
         if not self._playhead.playing:
             end = seconds + SCRUB_SECONDS

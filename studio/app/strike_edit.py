@@ -1,4 +1,4 @@
-"""A strike that was found becomes clips and a constraint of a performer: one undo step."""
+"""Edit that makes a found strike a clip and a constraint of a performer: one undo step."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -31,9 +31,9 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Wish:
-    """Request to play a strike that was found: performer, start in seconds of the stage, and target.
+    """Request to play a found strike: performer, start in seconds of the stage, and target.
 
-    ``frozen`` (3,) is where on the stage the target was when this was asked; None lets the blow follow it.
+    ``frozen`` (3,) is the position of the target on the stage at the request; with None the blow follows it.
     """
 
     found: "Result"
@@ -44,7 +44,7 @@ class Wish:
 
 
 def _known_capture(project: Project, capture: Capture) -> str | None:
-    """The capture of the project that has the same frames and a motion, as one that was imported or saved has."""
+    """Capture of the project with the same frames and a motion, whether imported or loaded."""
     performed = {motion.capture_id for motion in project.motions.values()}
     for key, each in project.captures.items():
         same = each.skeleton.names == capture.skeleton.names and each.frame_rate == capture.frame_rate
@@ -54,9 +54,9 @@ def _known_capture(project: Project, capture: Capture) -> str | None:
 
 
 def put_strike(bench: Workbench, wish: Wish, source: ReadMotion | str) -> None:
-    """Let the performer play it; ``source`` is its capture as read, or the id of one that the project has.
+    """Let the performer play the strike; ``source`` is its capture as read, or the id of one in the project.
 
-    Raises StudioError where body or target are gone, and nothing has changed.
+    Raises StudioError, and changes nothing, if the body or target is missing.
     """
     from studio.library.clip_labels import Kind
     from studio.library.striking import EASED_IN, aimed
@@ -97,7 +97,7 @@ def put_strike(bench: Workbench, wish: Wish, source: ReadMotion | str) -> None:
 
 
 def _motions_of(bench: Workbench, performer_id: str) -> dict[str, "NormalizedMotion"]:
-    """Motions that a performer plays now, by their ids."""
+    """Ids of the motions in a performer's row."""
     adapted = bench.live.result(performer_id)
     clips = bench.document.project.performers[performer_id].clips
     played = adapted.composite.played if adapted is not None and adapted.composite is not None else ()
@@ -107,7 +107,7 @@ def _motions_of(bench: Workbench, performer_id: str) -> dict[str, "NormalizedMot
 def space_of_last(
     project: Project, performer_id: str, motions: Mapping[str, "NormalizedMotion"], body: "Morphology"
 ) -> Placement:
-    """Placement on the stage of the motion of a performer's last clip, once it is joined to what plays before."""
+    """Placement on the stage of the motion of a performer's last clip, joined to the clip before."""
     from studio.core.solver.performers.rows import composite_of
 
     last = composite_of(project, performer_id, motions.__getitem__).played[-1].placement
@@ -117,7 +117,7 @@ def space_of_last(
 
 
 def clips_until(performer: Performer, time: float, frame_rates: dict[str, float]) -> tuple[Clip, ...]:
-    """Clips of a performer before ``time`` in seconds; those that go on are cut there."""
+    """Clips of a performer before ``time`` in seconds; later parts are cut off."""
     kept = []
     for clip in performer.clips:
         if clip.start >= time:

@@ -1,4 +1,4 @@
-"""The library's strikes in the window: folders are indexed, a strike is searched for the active body, and played."""
+"""Library strikes in the window: folders are indexed, a strike is searched for the active body, and played."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 
 class Striking:
-    """Stands between the panel, the library on disk and the document."""
+    """Connection of the panel, the library on disk and the document."""
 
     def __init__(self, bench: Workbench, folder: Path | None = None) -> None:
         self.bench, self.folder = bench, folder or library_folder()
@@ -77,9 +77,9 @@ class Striking:
             self._offer_targets()
 
     def _offer_targets(self) -> None:
-        """Offer the targets that can be hit now. A new box is chosen if nothing is; a chosen target stays chosen.
+        """Show the targets that can be hit.
 
-        Whoever sees the panel sees at once what hits another target.
+        A new box is chosen if nothing is; a chosen target stays chosen. A visible panel updates its results at once.
         """
         targets = targets_of(self.bench.document.project)
         props = [target for target, _ in targets if target.collection == "props"]
@@ -90,7 +90,7 @@ class Striking:
             self.search_in(self.library)
 
     def add_folder(self, folder: Path) -> int:
-        """Index a folder in the background; returns the task. Cancelled, it leaves what has been read until then."""
+        """Index a folder in the background; returns the task. If cancelled, files already read are kept."""
 
         def work(progress: Progress) -> "tuple[IndexReport | None, Library, str]":
             from studio.library.catalogue import Catalogue
@@ -116,7 +116,7 @@ class Striking:
         return task
 
     def search(self) -> None:
-        """Look for strikes; the library is read from disk the first time."""
+        """Search strikes; the library is read from disk the first time."""
         if self.library is not None:
             self.search_in(self.library)
             return
@@ -141,8 +141,8 @@ class Striking:
         self.bench.runner.run("Opening the motion library", work, done)
 
     def play(self, place: int, performer_id: str | None = None, time: float | None = None) -> None:
-        """Let a performer, by default the active one, play what is listed there from ``time`` on, by default the
-        playhead's; a sentence where that cannot be.
+        """Let a performer, by default the active one, play the listed strike from ``time`` on, by default the
+        playhead's; errors are reported as a message.
         """
         self.look_at(-1)
         document = self.bench.document
@@ -168,7 +168,7 @@ class Striking:
         )
 
     def _wish(self, clip: "LibraryClip", performer_id: str, time: float) -> Wish:
-        """The clip from the frame that fits that body then; StudioError where body or target are not there."""
+        """Request for a clip from the frame that fits the body then; StudioError if the body or target is missing."""
         from studio.library.searching import find
 
         project, target = self.bench.document.project, self.panel.target.value
@@ -189,7 +189,7 @@ class Striking:
         return Wish(found[0], performer_id, time, target, frozen)
 
     def look_at(self, place: int) -> None:
-        """Show what is listed there as a ghost; none when ``place`` is below 0."""
+        """Show the listed strike as a ghost; none if ``place`` is negative."""
         if 0 <= place < len(self.found) and self._sought is not None:
             asked, where = self._sought
             self._show_ghost(self.found[place].found, asked, where)
@@ -199,11 +199,11 @@ class Striking:
             self.show_ghost(None, 0)
 
     def label(self, place: int) -> None:
-        """Open the result of a place in the list, to say what it is."""
+        """Open the result at an index of the list, to correct its label."""
         self.labelling.open(self.listed[place])
 
     def show_ghost(self, clip: "LibraryClip | None", frame: int) -> None:
-        """Show a clip from a frame of its take to its hit, laid on the active body where it is now; None ends it."""
+        """Show a clip from a frame of its take to its hit, aligned with the active body; None ends it."""
         document = self.bench.document
         key = document.active_performer_id
         asked = None if clip is None or key is None else self._posed(key, document.playhead.time)
@@ -226,7 +226,7 @@ class Striking:
         self.bench.viewport.preview.show(points, bone_pairs(asked.body.layout))
 
     def search_in(self, library: "Library") -> None:
-        """Look for strikes in a library, and show what is found."""
+        """Search strikes in a library, and show the results."""
         from studio.library.searching import find
         from studio.library.striking import tried
 
@@ -243,7 +243,7 @@ class Striking:
         self._show(hint)
 
     def _unasked(self, performer_id: str) -> str:
-        """Reason why no strike is ranked."""
+        """Reason why no strike can be ranked."""
         target = self.panel.target.value
         if not isinstance(target, StrikeTarget):
             return NO_TARGET
@@ -264,13 +264,13 @@ class Striking:
         return limb in (None, clip.label.limb) and kind in (None, clip.label.kind)
 
     def list_clips(self, clips: "list[LibraryClip]") -> None:
-        """List clips by themselves: those of one place of the map."""
+        """List given clips: those of one group of the map."""
         self.found, self.listed = [], clips
         aimed = isinstance(self.panel.target.value, StrikeTarget)
         self.panel.show_results([(clip.name, _state(clip)) for clip in clips], OF_A_POSE, aimed)
 
     def _posed(self, performer_id: str, time: float) -> "StrikeQuery | None":
-        """A body as it is at ``time``, with no place to hit; None while it plays nothing, or nothing can be solved."""
+        """Query of a body at ``time``, without a target; None without a motion, or if nothing can be solved."""
         from studio.core.normalized.encode import encode
         from studio.core.normalized.pieces import MotionPiece
         from studio.library.searching import StrikeQuery
@@ -289,7 +289,7 @@ class Striking:
         return StrikeQuery(pose, adapted.morphology, (0.0, 0.0, 0.0), contacts=stands, playing=playing)
 
     def _strike_query(self, performer_id: str, time: float) -> "StrikeQuery | None":
-        """A body as it is at ``time``, and the target; None while one of them is missing."""
+        """Query of a body at ``time``, and the target; None if one of them is missing."""
         project, panel = self.bench.document.project, self.panel
         target, posed = panel.target.value, self._posed(performer_id, time)
         if not isinstance(target, StrikeTarget) or target.id == performer_id or posed is None:
@@ -304,7 +304,7 @@ class Striking:
 
 
 def show_strikes(bench: Workbench) -> None:
-    """Open the panel, and look for strikes of the active body if there is a target."""
+    """Open the panel, and search strikes for the active body if there is a target."""
     bench.window.show_dock("Strikes")
     bench.window.striking.search()
 
@@ -315,7 +315,7 @@ def strike_chosen(bench: Workbench) -> bool:
 
 
 def label_strike(bench: Workbench) -> None:
-    """Open the chosen strike, to say what it is."""
+    """Open the chosen strike, to correct its label."""
     bench.window.show_dock("Strikes")
     striking = bench.window.striking
     if striking.panel.place is not None:

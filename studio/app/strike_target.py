@@ -19,7 +19,7 @@ FACE = BodyPoint(BodyPart.HEAD, (0.1, 0.0, 0.05))
 
 @dataclass(frozen=True)
 class StrikeTarget:
-    """An entity of the project: of ``props`` or ``performers``."""
+    """Entity of the project in ``props`` or ``performers``."""
 
     collection: str
     id: str
@@ -30,11 +30,11 @@ class StrikeTarget:
 
     @property
     def follow(self) -> Follow:
-        """The target of a constraint that goes with it."""
+        """Target of a constraint that follows it."""
         return FollowProp(self.id) if self.collection == "props" else FollowPerformer(self.id, FACE)
 
     def place(self, project: Project, result_of: Results, time: float) -> FloatArray | None:
-        """(3,) where it is on the stage then; None while it is not seen."""
+        """(3,) position on the stage at a time; None if it is unknown."""
         posed = posed_performers(project, result_of, time)
         if project.get(self.collection, self.id) is None:
             return None
@@ -51,7 +51,7 @@ class StrikeTarget:
 
 
 def targets_of(project: Project) -> list[tuple[StrikeTarget, str]]:
-    """All that can be hit, with what each is called: props, then the faces of performers."""
+    """All targets with their names: props, then the faces of performers."""
     props = [(StrikeTarget("props", key), prop.name) for key, prop in project.props.items()]
     performers = {key: one for key, one in project.performers.items() if one.visible}
     return props + [(StrikeTarget("performers", key), f"{one.name}, face") for key, one in performers.items()]

@@ -1,4 +1,4 @@
-"""The look of the application: Fusion, four greys, one type, written once for every widget."""
+"""Theme of the application: Fusion, four greys, one font, defined once for every widget."""
 
 from string import Template
 
@@ -15,7 +15,7 @@ NARROWED = 92  # percent: DejaVu is a good deal wider than the faces that the me
 
 
 def apply_theme(application: QApplication) -> None:
-    """Put style, palette, type and style sheet upon the application."""
+    """Apply style, palette, font and style sheet to the application."""
     application.setStyle("Fusion")
     application.setPalette(make_palette())
     application.setFont(make_font())
@@ -24,7 +24,7 @@ def apply_theme(application: QApplication) -> None:
 
 
 def make_font() -> QFont:
-    """Inter where present, else the system's sans; figures of one width come with all of them."""
+    """Inter if present, else the system's sans, with tabular figures."""
     present = set(QFontDatabase.families())
     font = QFont(next((family for family in FAMILIES if family in present), QFont().defaultFamily()))
     if font.family() not in present and FALLBACK_FAMILY in present:
@@ -35,7 +35,7 @@ def make_font() -> QFont:
 
 
 def make_palette() -> QPalette:
-    """The greys as Qt's roles, for what the style sheet does not name."""
+    """Greys as Qt's roles, for widgets without style sheet rules."""
     roles = QPalette.ColorRole
     palette = QPalette()
     for role, colour in (

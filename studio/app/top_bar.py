@@ -1,4 +1,4 @@
-"""The bar at the top: name, menus, tools, the document, the search for actions."""
+"""Top bar: name, menus, tools, the document, the search for actions."""
 
 from dataclasses import dataclass
 
@@ -18,14 +18,14 @@ PRODUCT_FROM = 1100
 
 @dataclass(frozen=True)
 class ToolButton:
-    """A tool in the bar: ``Q select``, or its key alone where there is no room."""
+    """Tool in the bar: ``Q select``, or its key alone if space is short."""
 
     button: QToolButton
     action: QAction
     words: str
 
     def shorten(self, short: bool) -> None:
-        """Show the key alone, or all words."""
+        """Show the key alone, or the whole text."""
         words = self.words.partition(" ")[0] if short else self.words
         if self.action.iconText() != words:
             self.action.setIconText(words)
@@ -33,7 +33,7 @@ class ToolButton:
 
 
 class TopBar(QWidget):
-    """One row that says what is open and holds every way in."""
+    """Row with the open project, menus and tools."""
 
     def __init__(self, document: Document, actions: ActionSet) -> None:
         super().__init__()
@@ -70,12 +70,14 @@ class TopBar(QWidget):
         row.addWidget(self._search)
 
     def refresh(self, name: str, state: str) -> None:
-        """Show which project is open and whether it is saved."""
+        """Show the name of the project and if it is saved."""
         self._label.setText(f"{name} · {state}")
         self._fit()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Menus are never lost: the program gives way first, then the search, words of tools, document, tools."""
+        """Hide parts of a narrow bar in this order: the program's name, the search, texts of tools, document, tools;
+        never menus.
+        """
         super().resizeEvent(event)
         self._fit()
 

@@ -1,4 +1,4 @@
-"""Workbench: what the verbs work with, the document, the engine and the views, and one place to say things."""
+"""Workbench: the document, the engine and the views for the functions of actions, and messages to the user."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,13 +21,15 @@ if TYPE_CHECKING:
 
 
 class Workbench(QObject):
-    """Holds the parts of the running studio together; the views come after the window."""
+    """Parts of the running studio; the views are added after the window."""
 
     window: "MainWindow"
     """The one window, which enters itself when it is made."""
 
     message_posted = Signal(UserMessage)
     """UserMessage that the window shows, whoever it comes from; an empty one takes the last away."""
+    media_relinked = Signal(str)
+    """Path of a file from which sounds or footage are read from now on, as if it was never tried before."""
     views_changed = Signal()
 
     def __init__(self, document: Document, live: LiveAdaptation, runner: TaskRunner, settings: Settings) -> None:
@@ -49,47 +51,47 @@ class Workbench(QObject):
         runner.failed.connect(lambda _, sentence: self.say(sentence))
 
     def say(self, sentence: str, *answers: Answer, until: Lifetime = Lifetime.CLOSED) -> None:
-        """Tell the user a sentence, with buttons for the answers to it; it goes by itself at the event ``until``."""
+        """Show a sentence to the user, with buttons for the answers to it; it is removed at the event ``until``."""
         self.message_posted.emit(UserMessage(sentence, answers, until))
 
     def clear_message(self) -> None:
-        """Take away what was said last."""
+        """Remove the last message."""
         self.message_posted.emit(UserMessage("", ()))
 
     @property
     def has_viewport(self) -> bool:
-        """True once the 3D view is there; it comes after the window, and not on every machine."""
+        """True once the 3D view exists; it is added after the window, and not on every machine."""
         return self._viewport is not None
 
     @property
     def viewport(self) -> "Viewport":
-        """The 3D view. RuntimeError while there is none."""
+        """3D view. RuntimeError if there is none."""
         if self._viewport is None:
             raise RuntimeError("There is no 3D view.")
         return self._viewport
 
     @property
     def has_timeline(self) -> bool:
-        """True once the timeline is there."""
+        """True once the timeline exists."""
         return self._timeline is not None
 
     @property
     def timeline(self) -> "Timeline":
-        """The timeline. RuntimeError while there is none."""
+        """Timeline. RuntimeError if there is none."""
         if self._timeline is None:
             raise RuntimeError("There is no timeline.")
         return self._timeline
 
     def set_viewport(self, viewport: "Viewport | None") -> None:
-        """Take the 3D view that the window shows; None: it shows none."""
+        """Set the 3D view of the window, or None."""
         self._viewport = viewport
 
     def set_timeline(self, timeline: "Timeline | None") -> None:
-        """Take the timeline that the window shows; None: it shows none."""
+        """Set the timeline of the window, or None."""
         self._timeline = timeline
 
     def close(self) -> None:
-        """Stop requests, join workers, then leave the document."""
+        """Stop requests, join workers, then close the document."""
         self.document.playhead.pause()
         self.runner.close()
         self.live.close()

@@ -1,1 +1,1 @@
-"""The verbs of the command line, one file each; none needs a window."""
+"""Verbs of the command line, one file for each; none needs a window."""

@@ -77,7 +77,7 @@ def places_of(said: Sequence[Sequence[str]]) -> dict[str, Placement]:
 
 
 def print_report(report: JsonObject) -> None:
-    """Print the report as tables: one line a character, one line a constraint and character."""
+    """Print the report as tables: one line for each character, and one for each constraint and character."""
     print(f"{report['source']}: {counted(report['frames'], 'frame')} at {report['frame_rate']:g} Hz\n")
     titles = ("character", *QUALITY_TITLES.values(), "us/frame")
     keys = (*QUALITY_TITLES, "microseconds_per_frame")

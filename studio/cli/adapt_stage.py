@@ -125,7 +125,7 @@ def performer_record(project: Project, key: str, performance: Performance, path:
 
 
 def print_stage(report: JsonObject) -> None:
-    """Print a line a performer, a line a constraint, and the failures."""
+    """Print one line for each performer, one for each constraint, and the failures."""
     rows = [[each["name"], *(f"{each[key]:.2f}" for key in QUALITY_TITLES)] for each in report["performers"]]
     print_table(("performer", *QUALITY_TITLES.values()), rows)
     lines = [

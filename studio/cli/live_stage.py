@@ -139,7 +139,7 @@ def _note(stage: LiveStage, parts: dict[str, PerformerTally]) -> None:
 
 
 def print_report(report: JsonObject) -> None:
-    """Print the speed, a line a performer, a line a constraint, and the failures."""
+    """Print the speed, one line for each performer and each constraint, and the failures."""
     print(
         f"{counted(report['steps'], 'step')}, {report['steps_a_second']:.0f} a second of one processor's time, "
         f"the slowest {report['slowest_step_ms']:.1f} ms\n"

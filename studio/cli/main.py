@@ -1,4 +1,4 @@
-"""Command line: one verb a file, imported only when it runs."""
+"""Command line: one file for each verb, imported only when it runs."""
 
 import json
 import os
@@ -40,10 +40,10 @@ LONGEST_SHOWN = 300
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one verb, or open the window when none is named.
+    """Run one verb, or open the window if none is named.
 
-    Returns the exit code: 0 done, 1 the work failed, 130 stopped with Ctrl-C, 141 nobody reads on
-    (``info FILE | head``); bad usage ends the process with 2, as argparse does.
+    Returns the exit code: 0 done, 1 the work failed, 130 stopped with Ctrl-C, 141 closed output pipe (``info FILE |
+    head``); wrong usage ends the process with 2, as argparse does.
     """
     given = sys.argv[1:] if arguments is None else arguments
     if isinstance(sys.stdout, TextIOWrapper):  # names of files may have bytes that are no UTF-8

@@ -19,7 +19,10 @@ def run(arguments: Namespace) -> int:
     try:
         runpy.run_path(str(arguments.file), run_name="__main__")
     except SystemExit as ended:
-        return ended.code if isinstance(ended.code, int) else int(ended.code is not None)
+        if ended.code is None or isinstance(ended.code, int):
+            return ended.code or 0
+        print(ended.code, file=sys.stderr)
+        return 1
     finally:
         sys.argv, sys.path[:] = before
     return 0

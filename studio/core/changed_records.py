@@ -1,4 +1,4 @@
-"""Copies of frozen records with other values in some fields."""
+"""Copies of frozen records with other values of some fields."""
 
 from dataclasses import Field, replace
 from typing import Any, ClassVar, Protocol, TypeVar, cast
@@ -14,8 +14,8 @@ RecordT = TypeVar("RecordT", bound=DataclassRecord)
 
 
 def with_fields(record: RecordT, **values: object) -> RecordT:
-    """``dataclasses.replace`` for fields that are chosen by name, which no type checker can follow.
+    """``dataclasses.replace`` for fields chosen by name, which no type checker can follow.
 
-    Raises TypeError for a field that the record does not have, and what its own check raises for a value.
+    Raises TypeError for an unknown field, and the errors of the record's own validation.
     """
     return replace(record, **cast(dict[str, Any], values))

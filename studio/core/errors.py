@@ -1,14 +1,16 @@
-"""The error whose message is meant for a person."""
+"""Errors whose message is meant for the user."""
+
+INTERNAL_ERROR = "internal error"
+"""Words in every message about a fault of the program, by which tests know one."""
 
 
 class StudioError(Exception):
-    """Something the user can understand and act on.
+    """Error that the user can understand and act on.
 
-    The message is one or two whole sentences: what happened, in which file and line or member, and what
-    to do. Everything shown to users derives from this class; any other exception is a fault of the
-    program.
+    The message is one or two whole sentences: what happened, in which file and line or member, and what to do.
+    Everything shown to users derives from this class; any other exception is a fault of the program.
     """
 
 
 class Stopped(StudioError):  # noqa: N818 - it is no error to stop
-    """The user stopped the work; the message says what is left of it."""
+    """Cancellation by the user; the message says what is left of the work."""

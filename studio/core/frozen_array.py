@@ -1,4 +1,4 @@
-"""Arrays that values hold: nobody writes to them."""
+"""Read-only arrays, as frozen values hold them."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 
 def unwritten(array: Any) -> NDArray[np.float64]:
-    """``array`` as numbers that nobody can write to: itself if that is so already, a copy else."""
+    """``array`` as a read-only array of floats: itself if it is one already, else a copy."""
     kept = np.asarray(array, dtype=np.float64)
     if kept.flags.writeable or not kept.flags.owndata:
         kept = np.array(kept)

@@ -1,11 +1,11 @@
-"""Names of things of one kind, of which a second one of a name is numbered, and of files."""
+"""Names that are unique among things of one kind, and names of files."""
 
 import re
 from collections.abc import Collection
 
 
 def free_name(name: str, taken: Collection[str]) -> str:
-    """``name`` itself, or where that is taken with the next number: ``Right wrist 2``, ``Right wrist 3``."""
+    """``name`` itself or, if it is taken, with the next free number: ``Right wrist 2``, ``Right wrist 3``."""
     if name not in taken:
         return name
     base = re.sub(r" \d+$", "", name)
@@ -16,13 +16,18 @@ def free_name(name: str, taken: Collection[str]) -> str:
 
 
 def safe_name(name: str) -> str:
-    """A name of a file that every system allows."""
+    """File name that is valid on every system."""
     return re.sub(r'[\\/:*?"<>|]', "_", name)
 
 
 def readable(text: str) -> str:
-    """``text`` with the sign for an unknown character in place of bytes of file names that are no UTF-8."""
+    """``text`` with the replacement character in place of bytes of file names that are not UTF-8."""
     return text.encode(errors="surrogateescape").decode(errors="replace")
+
+
+def tags_in(text: str) -> tuple[str, ...]:
+    """Tags in a text, separated by commas, without repetitions."""
+    return tuple(dict.fromkeys(word.strip() for word in text.split(",") if word.strip()))
 
 
 def counted(number: int, thing: str, things: str = "") -> str:

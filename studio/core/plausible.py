@@ -1,4 +1,4 @@
-"""Table of physically possible ranges: numbers beyond them come from a wrong unit or damage, and are refused."""
+"""Physically possible ranges of quantities: numbers beyond them come from a wrong unit or damage, and are refused."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,9 @@ from numpy.typing import ArrayLike
 
 @dataclass(frozen=True)
 class Range:
-    """Range of a physical quantity named ``what``: its absolute value lies from ``least`` to ``most``, in ``unit``."""
+    """Range of a physical quantity named ``what``: its absolute value is between ``least`` and
+    ``most``, in ``unit``.
+    """
 
     what: str
     most: float
@@ -16,9 +18,9 @@ class Range:
     least: float = 0.0
 
     def check(self, values: ArrayLike, what: str = "") -> None:
-        """Raise ValueError if any finite one of ``values`` lies outside; others are for the caller to check.
+        """Raise ValueError if any finite one of ``values`` is outside; the caller checks the others.
 
-        ``what`` is a more exact name for them, if there is one.
+        ``what`` is a more exact name, if there is one.
         """
         what = what or self.what
         amounts = np.abs(np.asarray(values, dtype=np.float64))

@@ -1,4 +1,4 @@
-"""Caches of what is computed from the motions, meshes and bodies of a project, emptied when it is closed."""
+"""Caches of results computed from the motions, meshes and bodies of a project, emptied when it is closed."""
 
 from collections.abc import Callable
 from functools import lru_cache
@@ -24,6 +24,6 @@ def project_cache(maxsize: int) -> "Callable[[Callable[..., Result]], _lru_cache
 
 
 def forget_project() -> None:
-    """Drop all results of all caches; they are computed again where they are needed."""
+    """Drop the results of all caches; they are recomputed when needed."""
     for cache in _caches:
         cache.cache_clear()

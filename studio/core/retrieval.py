@@ -1,7 +1,7 @@
-"""Search in a motion library: which clip, played from which of its frames, hits a target best (P09 section 3.3).
+"""Search in a motion library: the clip, and its frame, that hits a target best (P09 section 3.3).
 
-Poses are compared modulo a turn about Z and a shift (Kovar et al. 2002), hits by how near the path of the hit point
-comes to the target. The answer is exact: the same as trying every frame. METHOD (39) has the equations.
+Poses are compared modulo a rotation about Z and a translation (Kovar et al. 2002), hits by the distance of the path of
+the hit point from the target. The result is exact, as if every frame were tried. METHOD (39) has the equations.
 """
 
 from dataclasses import dataclass
@@ -24,14 +24,14 @@ BYTES_A_FRAME = 4 * at.POSE_WIDTH + (4 * at.POSE_WIDTH + 8 * (1 + 4 + 3 + 1)) //
 
 
 def searched_points(layout: BodyLayout) -> IntArray:
-    """Canonical points by which poses are compared, (20,)."""
+    """(20,) canonical points by which poses are compared."""
     arms = [layout.collar(side) + k for side in (0, 1) for k in (1, 2, 3, 4)]
     legs = [layout.hip(side) + k for side in (0, 1) for k in (0, 1, 2, 3)]
     return np.array([0, layout.neck_base, layout.head_joint, layout.head_end, *arms, *legs])
 
 
 def pose_rows(positions: FloatArray, layout: BodyLayout) -> Rows:
-    """(F, 64) the rows that are searched, of bodies (F, P, 3) above the ground; all points weigh the same."""
+    """(F, 64) pose rows of bodies (F, P, 3) above the ground, with equal weights of all points."""
     points = positions[:, searched_points(layout)]
     rows = np.zeros((len(points), at.POSE_WIDTH), dtype=np.float32)
     middle = points[..., :2].mean(axis=1)
@@ -51,7 +51,9 @@ def row_points(rows: ArrayLike) -> FloatArray:
 
 
 def pose_distances(query: ArrayLike, rows: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Distance (F,) in metres of ``rows`` (F, 64) from ``query`` (64,), and the turns (F,) that bring them nearest."""
+    """Distance (F,) in metres of ``rows`` (F, 64) from ``query`` (64,), and the rotations (F,) that
+    bring them nearest.
+    """
     one, all_rows = np.asarray(query, dtype=np.float64), np.asarray(rows, dtype=np.float64)
     planar = (all_rows[:, : at.Y] - 1j * all_rows[:, at.Y : at.Z]) @ (one[: at.Y] + 1j * one[at.Y : at.Z])
     rest = np.square(all_rows[:, : at.Z]).sum(axis=1) + np.square(one[: at.Z]).sum()
@@ -72,10 +74,11 @@ STICK_SIDES: IntArray = np.array([-1, -1, -1, *((end - _ARMS[0]) // 4 % 2 for _,
 
 @dataclass(frozen=True, eq=False)
 class SearchTable:
-    """All that is searched. ``rows`` (F, 64) may lie on disk; ``frame_counts`` (C,) of each clip, one after another.
+    """Data of a search.
 
-    ``paths`` (T, 3) where the hit point goes while it can hit, metres in the space of its clip, ``path_counts`` (C,)
-    places of each; ``actors`` and ``limbs`` (C,) who played a clip, and with which limb it hits.
+    ``rows`` (F, 64) may be memory-mapped; ``frame_counts`` (C,) of each clip, one after another. ``paths`` (T, 3) are
+    the paths of the hit points while they can hit, metres in the space of the clip, ``path_counts`` (C,) their lengths;
+    ``actors`` and ``limbs`` (C,) the performer of a clip, and the limb with which it hits.
     """
 
     rows: Rows
@@ -107,12 +110,12 @@ class SearchTable:
 
     @cached_property
     def blocks(self) -> "Blocks":
-        """Runs of frames, with bounds of their cost, that are searched before single frames."""
+        """Blocks of frames, with bounds of their cost, that are searched before single frames."""
         return Blocks.of(self)
 
     @cached_property
     def searched(self) -> at.FrameTable:
-        """Frames as a table for the kernels."""
+        """Record of the frames for the kernels."""
         blocks = self.blocks
         return at.FrameTable(
             self.rows, self.paths, self.clips, blocks.spans, blocks.middles, blocks.radii, blocks.rings
@@ -121,7 +124,7 @@ class SearchTable:
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """Runs of frames of one clip: ``spans`` (B, 3) clip, first row and count, and the bounds of their frames' cost.
+    """Blocks of frames of one clip: ``spans`` (B, 3) clip, first row and count, and the bounds of their frames' cost.
 
     ``middles`` (B, 64), ``radii`` (B,) metres from there to the farthest frame; ``rings`` (B, 4) least and greatest
     distance of the hit from a pose's middle, lowest and highest hit.
@@ -134,7 +137,7 @@ class Blocks:
 
     @classmethod
     def of(cls, table: SearchTable) -> "Blocks":
-        """Judge every frame once by its block's middle."""
+        """Blocks of a table, with bounds from the middle frame of each."""
         counts, begins = table.frame_counts, table.first_rows
         spans = np.array(
             [
@@ -152,8 +155,8 @@ class Blocks:
 
 @dataclass(frozen=True, eq=False)
 class Query:
-    """Query of a search: ``poses`` (A, 64), the performer's pose on every actor, and ``targets`` (A, 4, 3), the point
-    that each limb of each is to hit, in metres about the middle of that pose, heights above the ground.
+    """Query of a search: ``poses`` (A, 64), the performer's pose on every actor, and ``targets`` (A, 4, 3), the target
+    of each limb of each actor, in metres about the middle of that pose, heights above the ground.
     """
 
     poses: Rows
@@ -164,10 +167,10 @@ class Query:
 
 @dataclass(frozen=True)
 class Found:
-    """One clip that was found, and why: ``posture`` and ``reach`` are distances in metres, ``cost`` their weighted sum.
+    """Clip that was found: ``posture`` and ``reach`` are distances in metres, ``cost`` their weighted sum.
 
-    It is to be played from ``frame`` of the clip, turned by ``turn`` (rad) about Z, and hits at place ``contact`` of
-    the path of its hit point.
+    It plays from ``frame`` of the clip on, rotated by ``turn`` (rad) about Z, and hits at index ``contact`` of the path
+    of its hit point.
     """
 
     clip: int
@@ -180,9 +183,9 @@ class Found:
 
 
 def search(table: SearchTable, query: Query, count: int = 8, allowed: ArrayLike | None = None) -> list[Found]:
-    """The best frame of each of the ``count`` clips that cost least, the best first; ``allowed`` (C,) leaves some out.
+    """Best frame of each of the ``count`` clips with the least cost, the best first; ``allowed`` (C,) excludes clips.
 
-    Exactly those that trying every frame finds, apart from ties.
+    The result equals that of trying every frame, apart from ties.
     """
     among = np.ones(table.clip_count, dtype=np.bool_) if allowed is None else np.asarray(allowed, dtype=np.bool_)
     bounds = np.empty(len(table.blocks.spans))

@@ -13,9 +13,8 @@ _BLOCK = 1 << 14
 
 
 def from_euler(order: str, angles: FloatArray) -> FloatArray:
-    """Quaternions (..., 4) of intrinsic ``order`` (``"ZXY"``: Z, then turned X, Y); angles (..., n), radians.
-
-    One to three axes; as a matrix the result is R_Z R_X R_Y.
+    """Quaternions (..., 4) of intrinsic rotations in the ``order`` of axes (``"ZXY"``: Z, then the rotated X, Y);
+    angles (..., n), radians. One to three axes; as a matrix the result is R_Z R_X R_Y.
     """
     angles = np.asarray(angles, dtype=np.float64)
     flat, turned = angles.reshape(-1, len(order)), np.empty((angles.size // len(order), 4))
@@ -32,7 +31,7 @@ def from_rotation_vector(vectors: FloatArray) -> FloatArray:
 
 
 def to_rotation_vector(quaternions: FloatArray) -> FloatArray:
-    """Rotation vectors (..., 3) in radians of unit quaternions (..., 4), the short way round."""
+    """Rotation vectors (..., 3) in radians of unit quaternions (..., 4), at most half a turn."""
     q = np.asarray(quaternions, dtype=np.float64)
     q = np.where(q[..., 3:] < 0.0, -q, q)
     sine = np.linalg.norm(q[..., :3], axis=-1, keepdims=True)
@@ -41,7 +40,7 @@ def to_rotation_vector(quaternions: FloatArray) -> FloatArray:
 
 
 def _turn_about(order: str, halves: FloatArray) -> FloatArray:
-    """(4, N) the turns about the axes of ``order`` by twice ``halves`` (n, N), each in the axes of the one before."""
+    """(4, N) rotations about the axes of ``order`` by twice ``halves`` (n, N), each in the axes of the one before."""
     q = np.zeros((4, halves.shape[1]))
     q[3] = 1.0
     for axis, sine, cosine in zip(order, np.sin(halves), np.cos(halves), strict=True):
@@ -57,9 +56,9 @@ def _turn_about(order: str, halves: FloatArray) -> FloatArray:
 
 
 def to_euler(order: str, quaternions: FloatArray) -> FloatArray:
-    """Angles (..., 3) in radians for intrinsic ``order``: the opposite of ``from_euler``.
+    """Angles (..., 3) in radians for intrinsic ``order``: the inverse of ``from_euler``.
 
-    Where the middle angle stands at the gimbal lock the third is zero: the rotation is still exact.
+    At the gimbal lock of the middle angle the third is zero; the rotation is still exact.
     """
     x, y, z = ("XYZ".index(axis) for axis in order.upper())
     sign = 1.0 if (y - x) % 3 == 1 else -1.0
@@ -88,7 +87,8 @@ def to_matrix(quaternions: FloatArray) -> FloatArray:
 def from_matrix(matrices: FloatArray) -> FloatArray:
     """Unit quaternions (..., 4) of rotation matrices (..., 3, 3), by their largest component (Shepperd 1978).
 
-    A matrix that is no rotation to six digits gives the nearest one, found by scipy; ValueError for a mirroring one.
+    For a matrix that is not a rotation to six digits, the nearest rotation, found by scipy; ValueError for a
+    reflection.
     """
     flat = np.reshape(np.asarray(matrices, dtype=np.float64), (-1, 3, 3))
     trace = flat[:, 0, 0] + flat[:, 1, 1] + flat[:, 2, 2]
@@ -117,7 +117,7 @@ def from_matrix(matrices: FloatArray) -> FloatArray:
 
 
 def multiply(first: FloatArray, second: FloatArray) -> FloatArray:
-    """The product (..., 4): ``second`` acts before ``first``, as with matrices."""
+    """Product (..., 4): ``second`` acts before ``first``, as with matrices."""
     a, b = np.broadcast_arrays(first, second)
     vector = a[..., 3:] * b[..., :3] + b[..., 3:] * a[..., :3] + np.cross(a[..., :3], b[..., :3])
     scalar = a[..., 3:] * b[..., 3:] - np.sum(a[..., :3] * b[..., :3], axis=-1, keepdims=True)
@@ -125,27 +125,27 @@ def multiply(first: FloatArray, second: FloatArray) -> FloatArray:
 
 
 def inverse(quaternions: FloatArray) -> FloatArray:
-    """The opposite rotations (..., 4) of unit quaternions."""
+    """Inverse rotations (..., 4) of unit quaternions."""
     opposite: FloatArray = quaternions * np.array([-1.0, -1.0, -1.0, 1.0])
     return opposite
 
 
 def rotate(quaternions: FloatArray, vectors: FloatArray) -> FloatArray:
-    """Vectors (..., 3) turned by unit quaternions (..., 4)."""
+    """Vectors (..., 3) rotated by unit quaternions (..., 4)."""
     axis, scalar = np.asarray(quaternions)[..., :3], np.asarray(quaternions)[..., 3:]
     twice = 2 * np.cross(axis, vectors)
     return np.asarray(vectors) + scalar * twice + np.cross(axis, twice)
 
 
 def normalized(vectors: FloatArray) -> FloatArray:
-    """Vectors or quaternions of length one; those of length zero stay as they are."""
+    """Vectors or quaternions of unit length; those of zero length are unchanged."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     unit: FloatArray = np.asarray(vectors) / np.where(length > 0.0, length, 1.0)
     return unit
 
 
 def sign_continuous(quaternions: FloatArray) -> FloatArray:
-    """The same rotations (F, ..., 4) with signs such that neighbours in time lie in one half space."""
+    """The same rotations (F, ..., 4), with signs such that consecutive quaternions have a positive inner product."""
     if len(quaternions) < 2:
         return np.array(quaternions, dtype=np.float64)
     dots = np.einsum("...k,...k->...", quaternions[1:], quaternions[:-1])
@@ -160,10 +160,10 @@ def angle_between(first: FloatArray, second: FloatArray) -> FloatArray:
 
 
 def shortest_arc(start: FloatArray, end: FloatArray) -> FloatArray:
-    """Matrices (..., 3, 3) of the least turn that takes unit vectors ``start`` to ``end`` (METHOD (1)).
+    """Matrices (..., 3, 3) of the shortest rotation from unit vectors ``start`` to ``end`` (METHOD (1)).
 
-    c I + [v]x + v v^T / (1 + c) with v = start x end, c = start . end; opposite vectors give a half turn
-    about a fixed perpendicular.
+    c I + [v]x + v v^T / (1 + c) with v = start x end, c = start . end; opposite vectors give a half turn about a fixed
+    perpendicular.
     """
     start, end = np.broadcast_arrays(start, end)
     cosine = np.sum(start * end, axis=-1)
@@ -180,7 +180,7 @@ def shortest_arc(start: FloatArray, end: FloatArray) -> FloatArray:
 
 
 def frame_along(bone: FloatArray, x_hint: FloatArray) -> FloatArray:
-    """The rotation (3, 3) whose z axis is ``bone`` and whose x axis is as near to ``x_hint`` as that allows."""
+    """Rotation (3, 3) whose z axis is ``bone`` and whose x axis is as near to ``x_hint`` as possible."""
     z = normalized(bone)
     x = x_hint - x_hint @ z * z
     if np.linalg.norm(x) < 1e-6:
@@ -190,13 +190,13 @@ def frame_along(bone: FloatArray, x_hint: FloatArray) -> FloatArray:
 
 
 def cross(first: FloatArray, second: FloatArray) -> FloatArray:
-    """The product (3,) of two vectors (3,): ``np.cross`` takes ten times as long for a single one."""
+    """Cross product (3,) of two vectors (3,), ten times as fast as ``np.cross`` for a single one."""
     (a, b, c), (x, y, z) = first.tolist(), second.tolist()
     return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
 
 
 def slerp(first: FloatArray, second: FloatArray, share: FloatArray | float) -> FloatArray:
-    """Rotations (..., 4) on the shortest way from ``first`` (share 0) to ``second`` (share 1), evenly."""
+    """Rotations (..., 4) at the fraction ``share`` of the shortest arc from ``first`` to ``second``."""
     share = np.asarray(share, dtype=np.float64)[..., None]
     dot = np.sum(first * second, axis=-1, keepdims=True)
     second = np.where(dot < 0.0, -second, second)
@@ -210,7 +210,7 @@ def slerp(first: FloatArray, second: FloatArray, share: FloatArray | float) -> F
 
 
 def _cross_matrix(vectors: FloatArray) -> FloatArray:
-    """[v]x, so that [v]x u = v x u."""
+    """Matrix [v]x with [v]x u = v x u."""
     matrix = np.zeros((*vectors.shape, 3))
     x, y, z = np.moveaxis(vectors, -1, 0)
     matrix[..., 0, 1], matrix[..., 0, 2], matrix[..., 1, 2] = -z, y, -x

@@ -1,4 +1,4 @@
-"""Runs of frames in which something holds without a break."""
+"""Runs of consecutive frames in which a mask is true."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,9 @@ def runs_of(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 
 def runs_in(window: slice, mask: NDArray[np.bool_], apart: int) -> list[slice]:
-    """The runs of frames of a ``window`` where ``mask`` (F,) is true; those no more than ``apart`` are one."""
+    """Runs of frames of a ``window`` where ``mask`` (F,) is true; runs no more than ``apart`` frames from each other
+    are joined.
+    """
     frames = window.start + np.flatnonzero(mask[window])
     runs = np.split(frames, np.flatnonzero(np.diff(frames) > apart) + 1)
     return [slice(int(run[0]), int(run[-1]) + 1) for run in runs if len(run)]

@@ -1,4 +1,4 @@
-"""Results that several callers need of one object: computed once, kept as long as the object lives."""
+"""Cached results that several callers need of one object, kept as long as the object lives."""
 
 import threading
 import weakref
@@ -13,7 +13,7 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True, eq=False)
 class _Kept(Generic[Result]):
-    """The ``result`` for an owner while its ``terms`` were these."""
+    """``result`` for an owner, valid for these ``terms``."""
 
     terms: object
     result: "Future[Result]"
@@ -22,8 +22,8 @@ class _Kept(Generic[Result]):
 class Shared(Generic[Source, Result]):
     """``compute(source)``, computed once and kept while the owner of the source lives.
 
-    Threads that call it meanwhile wait for the one that computes. What goes wrong is not kept. The result must not
-    refer to the owner, or neither of them is ever freed.
+    Other threads that call it meanwhile wait for the result. Errors are not kept. The result must not refer to the
+    owner, or neither is ever freed.
     """
 
     def __init__(
@@ -32,16 +32,15 @@ class Shared(Generic[Source, Result]):
         owner: Callable[[Source], object] = lambda source: source,
         terms: Callable[[Source], object] = lambda source: None,
     ) -> None:
-        """``owner(source)`` has no other source but those whose ``terms(source)`` tell their results apart.
-
-        Of one owner the latest terms alone are kept.
+        """``terms(source)`` distinguishes the sources of one ``owner(source)``; only the result of the latest terms is
+        kept.
         """
         self._compute, self._owner, self._terms = compute, owner, terms
         self._kept: dict[int, _Kept[Result]] = {}
         self._lock = threading.Lock()
 
     def __call__(self, source: Source, *known: Any) -> Result:
-        """The result for ``source``; ``compute`` has what is ``known`` as well, and its error is raised."""
+        """Result for ``source``; ``compute`` also gets ``known``, and its error is raised."""
         owner, terms = self._owner(source), self._terms(source)
         key = id(owner)
         while True:

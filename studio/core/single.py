@@ -1,6 +1,6 @@
-"""Arrays that are kept in 32 bits and read in 64: half the memory for poses that are only shown, or solved on from.
+"""Arrays that are stored in 32 bits and read in 64: half the memory for poses that are only shown, or solved again.
 
-A metre is then known to a ten-thousandth of a millimetre, a turn to some millionths of a degree.
+The resolution is a ten-thousandth of a millimetre in a metre, and some millionths of a degree.
 """
 
 from collections.abc import Sequence
@@ -13,17 +13,17 @@ FloatArray = NDArray[np.float64]
 
 
 class Single:
-    """Numbers of any shape; whatever is read of them by an index is a new array of 64 bits.
+    """Numbers of any shape; reading an index returns a new array of 64 bits.
 
-    A copy shares all rows with the original but those that are written to it: a body of which something is asked for
-    some seconds costs these seconds, not its whole take.
+    A copy shares all rows with the original except those that are written to it, so that an edit of some seconds of a
+    take needs the memory of these seconds.
     """
 
     def __init__(
         self, numbers: FloatArray | NDArray[np.float32], written: Sequence[tuple[int, NDArray[np.float32]]] = ()
     ) -> None:
-        """Arrays of 32 bits are taken as they are, and never written to; ``written`` are rows that replace theirs, each
-        by the number of its first row, later ones those before.
+        """32-bit arrays are used without a copy, and never written to; ``written`` are rows that replace theirs, by the
+        index of their first row; later ones replace earlier ones.
         """
         self._kept = np.asarray(numbers, dtype=np.float32)
         self._written = tuple(written)
@@ -65,11 +65,11 @@ class Single:
         return self._kept.shape
 
     def copy(self) -> "Single":
-        """The same numbers, to be changed."""
+        """Copy that may be changed."""
         return Single(self._kept, self._written)
 
     def part(self, rows: slice) -> "Single":
-        """Some rows, without a copy."""
+        """Slice of the rows, without a copy."""
         first, last, _ = rows.indices(len(self))
         written = [
             (max(begin - first, 0), numbers[max(first - begin, 0) : max(last - begin, 0)])
@@ -79,7 +79,7 @@ class Single:
         return Single(self._kept[rows], written)
 
     def _whole(self) -> NDArray[np.float32]:
-        """All numbers in one array, not to be written to."""
+        """All numbers in one read-only array."""
         if not self._written:
             return self._kept
         whole = self._kept.copy()
@@ -97,10 +97,10 @@ PoseArray = FloatArray | Single
 
 
 def part_of(numbers: PoseArray, rows: slice) -> PoseArray:
-    """Some rows of an array, without a copy."""
+    """Slice of the rows of an array, without a copy."""
     return numbers.part(rows) if isinstance(numbers, Single) else numbers[rows]
 
 
 def single(numbers: PoseArray) -> Single:
-    """An array kept in 32 bits."""
+    """Array stored in 32 bits."""
     return numbers if isinstance(numbers, Single) else Single(numbers)

@@ -1,4 +1,4 @@
-"""Work in pieces that do not depend on each other, by two threads: numpy and kernels let go of Python's lock."""
+"""Independent pieces of work in two threads; numpy and kernels release Python's lock."""
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -12,10 +12,10 @@ _RUN = 1024
 
 
 def in_threads(work: Callable[[Piece], object], pieces: Sequence[Piece]) -> Iterator[float]:
-    """Do ``work`` for every piece; yields the share that is done. Who stops asking stops the work.
+    """Call ``work`` for every piece; yields the fraction that is done.
 
-    What ``work`` raises is raised here, that of an earlier piece before that of a later one. Of one piece no thread is
-    made.
+    Closing the generator stops the work. Errors of ``work`` are raised here, that of an earlier piece first. A single
+    piece needs no thread.
     """
     if len(pieces) == 1:
         work(pieces[0])
@@ -33,11 +33,11 @@ def in_threads(work: Callable[[Piece], object], pieces: Sequence[Piece]) -> Iter
 
 
 def over_frames(work: Callable[[slice], object], count: int) -> Iterator[float]:
-    """``in_threads`` for ``count`` frames, a run of them at a time."""
+    """``in_threads`` for ``count`` frames, a run of frames as a piece."""
     return in_threads(work, [slice(first, min(first + _RUN, count)) for first in range(0, count, _RUN)])
 
 
 def do_over_frames(work: Callable[[slice], object], count: int) -> None:
-    """``over_frames`` to its end, for who tells nobody how far it is."""
+    """``over_frames`` to its end, without progress."""
     for _ in over_frames(work, count):
         pass

@@ -1,6 +1,6 @@
-"""Tracks seen through a window that slides over their frames; at both ends the last frame is held.
+"""Sliding windows over the frames of a track; at both ends the last frame is held.
 
-What reads captures takes these: SciPy's do the same, and importing them takes a third of the time that ``info`` may.
+SciPy has the same, but importing it would take a third of the time that ``info`` may need.
 """
 
 from typing import TypeVar
@@ -16,7 +16,7 @@ BELL_DEVIATIONS = 4.0
 
 
 def bell_average(track: ArrayLike, sigma: float) -> FloatArray:
-    """(F,) or (F, 3) averaged under a bell of ``sigma`` frames."""
+    """(F,) or (F, 3) Gaussian average of ``sigma`` frames."""
     values = np.asarray(track, dtype=float)
     reach = int(BELL_DEVIATIONS * sigma + 0.5)
     bell = np.exp(-0.5 * (np.arange(-reach, reach + 1) / max(sigma, 1e-9)) ** 2)
@@ -27,12 +27,12 @@ def bell_average(track: ArrayLike, sigma: float) -> FloatArray:
 
 
 def highest(track: NDArray[T], reach: int) -> NDArray[T]:
-    """(F,) the highest of each frame and of those up to ``reach`` frames from it; of truths, whether one is."""
+    """(F,) maximum over the frames up to ``reach`` frames from each; of booleans, true if any is."""
     return np.asarray(np.lib.stride_tricks.sliding_window_view(_held(track, reach), 2 * reach + 1).max(axis=1))
 
 
 def lowest(track: NDArray[T], reach: int) -> NDArray[T]:
-    """As ``highest``, the other way."""
+    """(F,) minimum over the frames up to ``reach`` frames from each."""
     return np.asarray(np.lib.stride_tricks.sliding_window_view(_held(track, reach), 2 * reach + 1).min(axis=1))
 
 

@@ -1,1 +1,1 @@
-"""The one thing that changes, and the undo commands by which it changes."""
+"""The document, and the undo commands by which it changes."""

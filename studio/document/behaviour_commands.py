@@ -28,7 +28,7 @@ def transition_key(behaviour_id: str, place: int) -> str:
 
 
 def behaviour_with(project: Project, collection: str, key: str) -> str | None:
-    """The id of the behaviour that a state or a transition is of; None where there is none."""
+    """Id of the behaviour that contains a state or a transition; None if there is none."""
     for behaviour_id, behaviour in project.behaviours.items():
         names = (
             [each.name for each in behaviour.states] if collection == "states" else range(len(behaviour.transitions))
@@ -39,12 +39,12 @@ def behaviour_with(project: Project, collection: str, key: str) -> str | None:
 
 
 def place_of(key: str) -> int:
-    """The place of a transition among those of its behaviour."""
+    """Index of a transition in its behaviour."""
     return int(key.rpartition("/")[2])
 
 
 def shown_behaviour(document: EditedProject) -> str | None:
-    """The behaviour that is worked on: one that is selected, or a part of it is, else the active performer's."""
+    """Behaviour that is selected itself or through one of its parts, else the active performer's."""
     project = document.project
     for collection, key in reversed(document.selection.items):
         if collection == "behaviours" and key in project.behaviours:
@@ -57,7 +57,7 @@ def shown_behaviour(document: EditedProject) -> str | None:
 def edit_behaviour(
     document: EditedProject, behaviour_id: str, edit: BehaviourEdit, text: str, gesture: int | None = None
 ) -> None:
-    """Put what ``edit`` makes of a behaviour in its place. Raises StudioError where that raises ValueError."""
+    """Replace a behaviour by the result of ``edit``. ValueError of ``edit`` is raised as StudioError."""
     try:
         new = edit(document.project.behaviours[behaviour_id])
     except ValueError as error:
@@ -66,7 +66,7 @@ def edit_behaviour(
 
 
 def let_play(document: EditedProject, performer_id: str, behaviour_id: str | None, partner_id: str = "") -> None:
-    """A performer plays that behaviour against that partner, and no other one; None to play its clips as they lie."""
+    """Let a performer play a behaviour against a partner, in place of any other one; with None it plays its clips."""
     name = document.project.performers[performer_id].name
     chosen = document.project.behaviours[behaviour_id].name if behaviour_id else "its clips"
     text = f"Let {name} play {chosen}"
@@ -79,7 +79,7 @@ def let_play(document: EditedProject, performer_id: str, behaviour_id: str | Non
 
 
 def add_behaviour(document: EditedProject, performer_id: str, behaviour: Behaviour, partner_id: str = "") -> str:
-    """A new behaviour that a performer plays from now on; its id."""
+    """Add a behaviour that a performer plays from now on, and return its id."""
     named = replace(
         behaviour, name=free_name(behaviour.name, {each.name for each in document.project.behaviours.values()})
     )
@@ -90,7 +90,7 @@ def add_behaviour(document: EditedProject, performer_id: str, behaviour: Behavio
 
 
 def make_own(document: EditedProject, performer_id: str, behaviour_id: str) -> str:
-    """A behaviour that several play as one performer's own from now on; its id there."""
+    """Give a performer its own copy of a shared behaviour, and return the copy's id."""
     project = document.project
     behaviour = project.behaviours[behaviour_id]
     role = behaviour.role_of(performer_id)
@@ -100,7 +100,7 @@ def make_own(document: EditedProject, performer_id: str, behaviour_id: str) -> s
 
 
 def duplicate_states(document: EditedProject, states: Iterable[str]) -> list[str]:
-    """Copies of states in their behaviours; the copies' keys."""
+    """Duplicate states in their behaviours, and return the copies' keys."""
     chosen, made = set(states), []
     with document.group("Duplicate states"):
         for key, behaviour in document.project.behaviours.items():
@@ -113,7 +113,7 @@ def duplicate_states(document: EditedProject, states: Iterable[str]) -> list[str
 
 
 def remove_parts(document: EditedProject, states: Iterable[str], transitions: Iterable[str], text: str) -> None:
-    """Take states, with all that leads from and to them, and transitions out of their behaviours."""
+    """Remove states, with all their transitions, and single transitions from their behaviours."""
     names, places = set(states), set(transitions)
     with document.group(text):
         for key, behaviour in document.project.behaviours.items():

@@ -1,4 +1,4 @@
-"""Channels: the single numbers of keyed fields, as curves of values with tangents, and their edits."""
+"""Channels: the single components of keyed fields, as curves of values with tangents, and their edits."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
@@ -18,6 +18,7 @@ from studio.core.curves.retiming import FASTEST_CLIP, SLOWEST_CLIP
 from studio.core.curves.tangents import HEAVIEST, LIGHTEST, Tangent, TangentMode, Tangents, tangents_of
 from studio.core.rotations import from_euler, from_matrix, to_euler
 from studio.document.keyed_fields import Keyed, KeyedField
+from studio.document.length_units import shown_unit
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -40,7 +41,7 @@ HANDLE = 3.0
 
 
 class Side(IntEnum):
-    """The sides of a key."""
+    """Side of a key."""
 
     ARRIVING = 0
     LEAVING = 1
@@ -48,7 +49,7 @@ class Side(IntEnum):
 
 @dataclass(frozen=True)
 class Channel:
-    """One number of a keyed field, shown in ``unit``: ``factor`` times what is stored."""
+    """Component of a keyed field, shown in ``unit``: the stored value times ``factor``."""
 
     field: KeyedField
     component: int
@@ -60,10 +61,13 @@ class Channel:
 
 
 def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
-    """The channels of a field; of measures those that change, or else the stature."""
+    """Channels of a field; of measures only those that change, or else the stature."""
     match keyed:
         case KeyedPlace():
-            return tuple(Channel(field, place, name, "m") for place, name in enumerate(AXIS_NAMES))
+            metre = shown_unit("m")
+            return tuple(
+                Channel(field, place, name, metre.symbol, metre.factor) for place, name in enumerate(AXIS_NAMES)
+            )
         case KeyedOwnPlace():
             return tuple(Channel(field, place, name, "leg lengths") for place, name in enumerate(AXIS_NAMES))
         case KeyedTurn():
@@ -73,7 +77,8 @@ def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
                 return (Channel(field, 0, field.name, "°", DEGREES_PER_RADIAN),)
             if field.collection == "clips":
                 return (Channel(field, 0, field.name, "×", baseline=0.0),)
-            return (Channel(field, 0, field.name, "m"),)
+            metre = shown_unit("m")
+            return (Channel(field, 0, field.name, metre.symbol, metre.factor),)
         case KeyedProportions():
             changing = np.flatnonzero(np.ptp(keyed.points, axis=0) > 0.0).tolist() or [0]
             names = [each.name for each in fields(Proportions)]
@@ -104,7 +109,7 @@ def key_values(channel: Channel, keyed: Keyed) -> FloatArray:
 
 
 def handle_of(channel: Channel, keyed: Keyed, place: int, side: Side) -> tuple[float, float] | None:
-    """Seconds and value from a key to the end of its tangent's handle; None where it has none on that side."""
+    """Seconds and value from a key to the end of its tangent's handle; None if there is none on that side."""
     other = place + (1 if side is Side.LEAVING else -1)
     if not 0 <= other < len(keyed.times):
         return None
@@ -126,7 +131,7 @@ _EASES = ((0, Side.LEAVING), (1, Side.ARRIVING), (2, Side.LEAVING), (3, Side.ARR
 
 
 def with_values(channel: Channel, keyed: Keyed, values: Mapping[int, float]) -> Keyed:
-    """The same with other values of some keys; an activation's stay."""
+    """Copy with other values of some keys; those of an activation are unchanged."""
     if not isinstance(keyed, Keys):
         return keyed
     numbers = list(keyed.values)
@@ -139,9 +144,8 @@ def with_values(channel: Channel, keyed: Keyed, values: Mapping[int, float]) -> 
 def with_handle(
     channel: Channel, keyed: Keyed, place: int, side: Side, seconds: float, value: float, broken: bool = False
 ) -> Keyed:
-    """The same with the handle of a tangent so far from its key; the other side turns with it unless it is ``broken``.
-
-    ``seconds`` count from the key, as ``handle_of`` has them. Of an activation only the weight follows.
+    """Copy with the end of a tangent's handle at ``seconds`` and ``value`` from its key, as in ``handle_of``; the other
+    side rotates with it unless it is ``broken``. Of an activation only the weight changes.
     """
     other = place + (1 if side is Side.LEAVING else -1)
     gap = keyed.times[other] - keyed.times[place]
@@ -161,7 +165,10 @@ def with_handle(
 
 
 def with_mode(keyed: Keyed, place: int, mode: TangentMode) -> Keyed:
-    """The same with both tangents of a key of a mode; a free one keeps the rate that it has. An activation stays."""
+    """Copy with another mode of both tangents of a key; a free tangent keeps its present rate.
+
+    An activation is unchanged.
+    """
     if not isinstance(keyed, Keys):
         return keyed
     own = (keyed.tangents[place] if keyed.tangents else None) or Tangents()
@@ -175,7 +182,7 @@ def with_mode(keyed: Keyed, place: int, mode: TangentMode) -> Keyed:
 
 
 def with_broken(keyed: Keyed, place: int, broken: bool) -> Keyed:
-    """The same with the tangents of a key broken apart, each as it is, or joined again at the mean of both."""
+    """Copy with the tangents of a key broken, each unchanged, or joined again at the mean of both."""
     if not isinstance(keyed, Keys):
         return keyed
     if not broken:
@@ -189,7 +196,7 @@ def with_broken(keyed: Keyed, place: int, broken: bool) -> Keyed:
 
 
 def with_even_weights(keyed: Keyed, place: int) -> Keyed:
-    """The same with the tangents of a key of weight 1."""
+    """Copy with the tangent weights of a key set to 1."""
     if isinstance(keyed, ActivationCurve):
         return keyed.with_weight(place, 1.0)
     own = keyed.tangents[place] if keyed.tangents else None
@@ -213,7 +220,7 @@ def _with_component(keyed: Keys, place: int, component: int, value: float) -> ob
 
 
 def _rate(channel: Channel, keyed: Keys, place: int, side: Side) -> float:
-    """The rate a second of a channel on one side of a key, in its unit."""
+    """Rate a second of a channel on one side of a key, in its unit."""
     rate = keyed.rates()[side][place]
     if isinstance(keyed, KeyedTurn):
         rate = _angle_rates(keyed, place, rate)
@@ -221,7 +228,7 @@ def _rate(channel: Channel, keyed: Keys, place: int, side: Side) -> float:
 
 
 def _stored_rate(channel: Channel, keyed: Keys, place: int, side: Side, rate: float) -> tuple[float, ...]:
-    """The rates of all components with that of the channel as it is asked, stored units a second."""
+    """Rates of all components, in stored units a second, for a given rate of the channel."""
     rates = keyed.rates()[side][place].copy()
     if not isinstance(keyed, KeyedTurn):
         rates[channel.component] = rate
@@ -235,7 +242,7 @@ def _stored_rate(channel: Channel, keyed: Keys, place: int, side: Side, rate: fl
 
 
 def _angle_rates(keyed: KeyedTurn, place: int, rate: FloatArray) -> FloatArray:
-    """(3,) radians a second of heading, pitch and roll of a key that turns at ``rate`` (3,) about its own axes."""
+    """(3,) rates of heading, pitch and roll, radians a second, of a key with the body rates ``rate`` (3,)."""
     here = np.array(keyed.values[place])
     step = RATE_STEP / max(1.0, float(np.linalg.norm(rate)))
     later = (_rotation(here) * type(_rotation(here)).from_rotvec(step * rate)).as_quat()
@@ -250,7 +257,7 @@ def _rotation(quaternion: FloatArray) -> "Rotation":
 
 
 def _angles(keyed: KeyedTurn, times: FloatArray) -> FloatArray:
-    """(N, 3) radians at ``times`` (N,), followed past half a turn from the first key on."""
+    """(N, 3) heading, pitch and roll in radians at ``times`` (N,), continuous from the first key on."""
     keys = keyed.seconds
     between = np.interp(np.arange(ANGLE_SAMPLES * (len(keys) - 1) + 1) / ANGLE_SAMPLES, np.arange(len(keys)), keys)
     grid, places = np.unique(np.concatenate([times, between, keys[:1]]), return_inverse=True)

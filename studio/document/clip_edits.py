@@ -1,4 +1,4 @@
-"""Edits of clips: each is one undo step, for all who play the clip and for what is asked of it."""
+"""Edits of clips: each is one undo step, for all performers of the clip and for its constraints and contacts."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -20,7 +20,7 @@ MOST_PARTS = 4
 
 
 def edit_clip(document: EditedProject, clip_id: str, edit: ClipEdit, text: str, gesture: int | None = None) -> None:
-    """Edit a clip wherever it is played. Raises StudioError where ``edit`` raises ValueError: then nothing changes."""
+    """Edit a clip on all its performers. Raises StudioError, and changes nothing, if ``edit`` raises ValueError."""
     with document.group(text, gesture):
         for key, performer in players_of(document.project, clip_id).items():
             try:
@@ -30,7 +30,7 @@ def edit_clip(document: EditedProject, clip_id: str, edit: ClipEdit, text: str, 
 
 
 def set_speed(document: EditedProject, clip_id: str, speed: Speed, text: str, gesture: int | None = None) -> None:
-    """Play a clip at another speed; the clips behind it in its rows move with its end."""
+    """Set the speed of a clip; the clips after it in its rows move with its end."""
     project = document.project
     clip, rows = project.clips[clip_id], (each.clips for each in players_of(project, clip_id).values())
     rate = project.frame_rate_of(clip)
@@ -43,7 +43,7 @@ def set_speed(document: EditedProject, clip_id: str, speed: Speed, text: str, ge
 
 
 def remove_clips(document: EditedProject, clip_ids: Iterable[str], text: str) -> None:
-    """Take clips out of all rows, with what was asked of them alone."""
+    """Remove clips from all rows, with the constraints and contacts that apply to them alone."""
     with document.group(text):
         for clip_id in clip_ids:
             edit_clip(document, clip_id, lambda _: (), text)
@@ -53,7 +53,7 @@ def remove_clips(document: EditedProject, clip_ids: Iterable[str], text: str) ->
 
 
 def split_clip(document: EditedProject, clip_id: str, time: float) -> str:
-    """A clip as several from a time of the stage on; the id of the last one. Raises StudioError as ``split``."""
+    """Split a clip at a time of the stage, and return the id of the last part. Raises StudioError as ``split``."""
     clip = document.project.clips[clip_id]
     text, names = f"Split {name_of(document.project, clip)}", new_ids(MOST_PARTS)
     rate = document.project.frame_rate_of(clip)
@@ -66,13 +66,13 @@ def split_clip(document: EditedProject, clip_id: str, time: float) -> str:
 
 
 def mirror_clip(document: EditedProject, clip_id: str) -> None:
-    """A clip as seen in a mirror, or as it was."""
+    """Toggle the mirroring of a clip."""
     text = f"Mirror {name_of(document.project, document.project.clips[clip_id])}"
     edit_clip(document, clip_id, lambda clip: (replace(clip, mirrored=not clip.mirrored),), text)
 
 
 def duplicate_clip(document: EditedProject, clip_id: str) -> str:
-    """A copy behind a clip, which plays on from where that ends; its id."""
+    """Add a copy after a clip, which continues at its end, and return its id."""
     project = document.project
     text, name = f"Duplicate {name_of(project, project.clips[clip_id])}", new_id()
     rate = project.frame_rate_of(project.clips[clip_id])
@@ -87,7 +87,7 @@ def duplicate_clip(document: EditedProject, clip_id: str) -> str:
 
 
 def add_clip(document: EditedProject, performer_ids: Iterable[str], motion_id: str, start: float | None = None) -> str:
-    """A whole motion as a clip in the rows of performers, from ``start`` or where each ends; its id."""
+    """Add a whole motion as a clip to the rows of performers, at ``start`` or the end of each, and return its id."""
     project = document.project
     clip = _whole(project, motion_id, 0.0)
     text = f"Add clip {project.motions[motion_id].name}"
@@ -101,7 +101,7 @@ def add_clip(document: EditedProject, performer_ids: Iterable[str], motion_id: s
 
 
 def _whole(project: Project, motion_id: str, start: float) -> Clip:
-    """All of a motion as a clip with an id of its own."""
+    """Clip of a whole motion with a new id."""
     if motion_id not in project.motions:
         raise StudioError("The motion has been removed from the project: choose another one.")
     capture = project.captures[project.motions[motion_id].capture_id]
@@ -113,7 +113,7 @@ def _whole(project: Project, motion_id: str, start: float) -> Clip:
 
 
 def add_layer(document: EditedProject, performer_ids: Iterable[str], motion_id: str, start: float) -> str:
-    """A whole motion as a layer over the upper body of performers, from ``start``; its clip's id."""
+    """Add a whole motion as a layer over the upper body of performers, from ``start``; return its clip's id."""
     project = document.project
     clip = _whole(project, motion_id, start)
     text = f"Add layer {project.motions[motion_id].name}"
@@ -125,7 +125,7 @@ def add_layer(document: EditedProject, performer_ids: Iterable[str], motion_id: 
 
 
 def edit_layer(document: EditedProject, clip_id: str, text: str, gesture: int | None = None, **values: object) -> None:
-    """Give the layer of a clip other values, wherever it plays. Raises StudioError where they make no layer."""
+    """Set values of the layer of a clip on all its performers. Raises StudioError for invalid values."""
     with document.group(text, gesture):
         for key, performer in players_of(document.project, clip_id).items():
             try:
@@ -136,7 +136,7 @@ def edit_layer(document: EditedProject, clip_id: str, text: str, gesture: int | 
 
 
 def layer_of(project: Project, clip_id: str) -> Layer | None:
-    """The layer whose clip it is; None for one of a row."""
+    """Layer that plays a clip; None for a clip of a row."""
     layers = (layer for performer in project.performers.values() for layer in performer.layers)
     return next((layer for layer in layers if layer.clip.id == clip_id), None)
 
@@ -153,12 +153,12 @@ def make_own(document: EditedProject, performer_id: str, clip_id: str) -> str:
 
 
 def name_of(project: Project, clip: Clip) -> str:
-    """Name of a clip: its motion's."""
+    """Name of a clip: that of its motion."""
     return project.motions[clip.motion_id].name
 
 
 def ask_also(document: EditedProject, clip_id: str, other: str, text: str) -> None:
-    """Ask of another clip what is asked of one."""
+    """Copy the constraints and contacts of one clip to another."""
     for collection in ("constraints", "contacts"):
         asked = _asked_of(document.project, collection, clip_id)
         copies = (replace(document.project.get(collection, key), scope=Scope(clip_id=other)) for key in asked)

@@ -1,4 +1,6 @@
-"""Copies of constraints, contacts, corrections and keys as readable JSON, pasted elsewhere, mirrored if asked."""
+"""Copies of constraints, contacts, corrections and keys as readable JSON, to be pasted elsewhere,
+mirrored if wanted.
+"""
 
 import json
 import math
@@ -53,7 +55,7 @@ _NUMBERS = re.compile(r"\[\s+(-?[\d.e+-]+(?:,\s+-?[\d.e+-]+)*)\s+\]")
 
 
 def copied(document: EditedProject) -> str:
-    """The selected keys, or else constraints, contacts and corrections, as JSON; empty where there are none."""
+    """Selected keys, or else constraints, contacts and corrections, as JSON; empty if there are none."""
     keys = _key_records(document)
     record: JsonObject = {
         "format": CLIPBOARD_FORMAT,
@@ -71,11 +73,11 @@ def copied(document: EditedProject) -> str:
 
 
 def paste(document: EditedProject, text: str, mirrored: bool = False) -> None:
-    """Paste what ``copied`` gave, as one step, and select it.
+    """Paste the text of ``copied`` as one step, and select the result.
 
-    Keys go into the same fields of what is selected, from the playhead on. Constraints and contacts keep their times
-    where they are pasted on another motion or body, or mirrored; else they begin at the playhead. Raises StudioError
-    where there is nothing to paste, or it does not fit.
+    Keys are pasted into the same fields of the selected entities, from the playhead on. Constraints and contacts keep
+    their times if pasted on another motion or body, or mirrored; else they begin at the playhead. Raises StudioError if
+    the text contains nothing to paste, or it does not fit.
     """
     record = _record_of(text)
     if "keys" in record:
@@ -192,7 +194,7 @@ def _list_of(record: JsonObject, name: str) -> list[JsonObject]:
 
 
 def _contacts_of(document: EditedProject, record: JsonObject, motion_id: str, frames: float) -> list[ContactInterval]:
-    """The contacts, in frames of the motion, each of which is ``frames`` of the one they were copied from."""
+    """Contacts in frames of the motion; ``frames`` is the number of these in one frame of their source."""
     found: list[ContactInterval] = []
     for place, item in enumerate(_list_of(record, "contacts")):
         try:
@@ -209,7 +211,7 @@ def _later(seconds: float) -> Carry:
 
 
 def _scope(project: Project, scope: Scope, body: str) -> Scope:
-    """Performer on which it is pasted; else as it was, if that body or clip is there."""
+    """Scope of a pasted entity: the given performer; else its former one if that body or clip exists."""
     if body:
         return Scope(performer_id=body)
     there = scope.performer_id in ("", *project.performers) and scope.clip_id in ("", *project.clips)
@@ -217,7 +219,7 @@ def _scope(project: Project, scope: Scope, body: str) -> Scope:
 
 
 def _add(document: EditedProject, constraint: Constraint, body: str, text: str) -> str:
-    """Add a constraint under a free name; last in priority where it would contradict another one."""
+    """Add a constraint under a free name; last in priority if it would contradict another one."""
     others = document.shown_project.constraints_of(constraint.motion_id).values()
     name = free_name(constraint.name, {each.name for each in others})
     new = replace(constraint, name=name, scope=_scope(document.project, constraint.scope, body))
@@ -227,7 +229,7 @@ def _add(document: EditedProject, constraint: Constraint, body: str, text: str) 
 
 
 def _add_contact(document: EditedProject, contact: ContactInterval, body: str, text: str) -> str:
-    """Add a contact in the place of those of its point that it covers."""
+    """Add a contact, and remove those of its point that it covers."""
     new = replace(contact, scope=_scope(document.project, contact.scope, body))
     for key, each in document.shown_project.contacts_of(new.motion_id).items():
         same = (each.point, each.scope) == (new.point, new.scope)
@@ -238,7 +240,7 @@ def _add_contact(document: EditedProject, contact: ContactInterval, body: str, t
 
 @dataclass(frozen=True)
 class _CopiedKeys:
-    """Keys of one field: of which entity and field they were, and their seconds after the first of all."""
+    """Keys of one field: their entity and field, and their seconds after the first of all."""
 
     entity: str
     field: str
@@ -304,7 +306,9 @@ def _keys_of(record: JsonObject, place: int) -> _CopiedKeys:
 
 
 def _destinations(document: EditedProject, copies: Iterable[_CopiedKeys]) -> Iterable[tuple[_CopiedKeys, KeyedField]]:
-    """Into which field each is pasted: of one entity into all that are selected, of several one into each in turn."""
+    """Fields into which keys are pasted: those of one entity into all selected ones, those of several into each in
+    turn.
+    """
     groups: dict[str, list[_CopiedKeys]] = {}
     for copy in copies:
         groups.setdefault(copy.entity, []).append(copy)
@@ -352,12 +356,12 @@ def _field_for(document: EditedProject, copy: _CopiedKeys, item: tuple[str, str]
 
 
 def _is_plain(value: object, keyed: Keys) -> bool:
-    """True if a value that is not keyed is like those of the keys."""
+    """True if a value without keys has the type of the keys."""
     return type(value) is type(keyed.values[0]) and (not isinstance(value, tuple) or len(value) == keyed.size)
 
 
 def _mirrored(project: Project, field: KeyedField, keyed: Keys) -> Keys:
-    """The keys in the mirror image of the motion."""
+    """Keys in the mirror image of the motion."""
     match keyed:
         case KeyedPoses():
             return keyed.mirrored()

@@ -1,4 +1,4 @@
-"""The colours of the studio, shared by every view: one meaning each, ``#RRGGBB``."""
+"""Colours of the studio, shared by every view, as ``#RRGGBB``."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -73,12 +73,12 @@ THEMES: Mapping[str, Mapping[str, str]] = MappingProxyType({"dark": DARK, "light
 
 
 def use_theme(name: str) -> None:
-    """Let panels and timeline have the colours of a theme; what is made before keeps its own."""
+    """Use the colours of a theme in panels and timeline; widgets made before keep their own."""
     globals().update(THEMES[name])
 
 
 def character_colour(number: int) -> str:
-    """The colour of the ``number``-th character: the five, then darker and lighter turns of them."""
+    """Colour of the ``number``-th character: the five, then darker and lighter variants of them."""
     colour = CHARACTERS[number % len(CHARACTERS)]
     turn = number // len(CHARACTERS)
     if turn == 0:
@@ -88,12 +88,12 @@ def character_colour(number: int) -> str:
 
 
 def kind_colour(kind: str) -> str:
-    """The colour of a constraint kind; one that brings none of its own takes the second text's grey."""
+    """Colour of a constraint kind; the grey of secondary text for one without a colour."""
     return KINDS.get(kind, TEXT_SECOND)
 
 
 def mixed(colour: str, other: str, share: float) -> str:
-    """``colour`` moved towards ``other`` by ``share`` from 0 to 1."""
+    """``colour`` blended towards ``other`` by ``share`` from 0 to 1."""
     return "#" + "".join(
         f"{round((1.0 - share) * int(colour[k : k + 2], 16) + share * int(other[k : k + 2], 16)):02x}"
         for k in (1, 3, 5)

@@ -1,4 +1,4 @@
-"""Of whom a contact is asked: a point's contacts are one body's own, or all bodies', together."""
+"""Owners of contacts: the contacts of a point belong either to one body, or to all bodies together."""
 
 from dataclasses import replace
 
@@ -7,9 +7,9 @@ from studio.document.edited_project import EditedProject
 
 
 def ask_contact_of(document: EditedProject, contact_id: str, scope: Scope, text: str) -> str:
-    """Ask a contact, and all of its point beside it, of somebody else; the id by which it is known then.
+    """Give a contact, and all of its point, to another scope; returns its id there.
 
-    Who gets contacts of its own begins with those of all. Its own ones go when it has those of all again.
+    A body's own contacts begin as copies of those of all bodies, and are removed when it uses those of all again.
     """
     project = document.project
     contact = project.contacts[contact_id]

@@ -12,7 +12,7 @@ from studio.document.edited_project import EditedProject
 
 
 def correction_at(document: EditedProject, performer_id: str, time: float) -> str | None:
-    """Id of the correction of a performer that a pose at ``time`` belongs to: one selected, else the last that acts."""
+    """Id of the correction of a performer for a pose at ``time``: a selected one, else the last active one."""
     own = document.project.corrections_of(performer_id)
     selected = [key for key in document.selection.of("corrections") if key in own]
     acting = [key for key, each in own.items() if each.activation.start <= time <= each.activation.end]
@@ -44,7 +44,7 @@ def set_pose(
 
 
 def set_key(document: EditedProject, correction_id: str, time: float) -> None:
-    """Set a key of a correction at ``time`` with the offsets that it has there."""
+    """Set a key of a correction at ``time`` with its offsets there."""
     correction = document.project.corrections[correction_id]
     document.replace(
         "corrections",

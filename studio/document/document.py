@@ -1,4 +1,4 @@
-"""Document: the open project with its undo stack, its file and its journal. The one thing that changes."""
+"""Document: the open project with its undo stack, its file and its journal; the only mutable state."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ PLAYHEAD_SAVE_MILLISECONDS = 500
 
 @dataclass(frozen=True, eq=False)
 class Saving:
-    """All that a save needs: values, so that a worker may write while the user goes on editing."""
+    """Snapshot for a save: immutable values, so that a worker may write while editing goes on."""
 
     project: Project
     path: Path
@@ -43,7 +43,7 @@ class Saving:
     """Folder of locks, by which a file that is open in another window is seen; None not to look."""
 
     def write(self, report: Callable[[float, str], None] = lambda _share, _text: None) -> Stamp:
-        """Write the file; raises as ``write_project``, and ChangedOnDisk where another window has it open."""
+        """Write the file; raises as ``write_project``, and ChangedOnDisk if another window has it open."""
         if self.locks is not None:
             self._refuse_open_elsewhere(self.locks)
         return write_project(
@@ -68,17 +68,20 @@ class Saving:
 
 
 def lock_of_document(locks: Path, document_id: str) -> Path:
-    """The lock that a window holds while it has the document."""
+    """Lock that a window holds while it has the document open."""
     return locks / f"{document_id}.lock"
 
 
 class Document(EditedProject):
-    """Views fetch from it and keep no copy; every change goes through ``replace``, ``add``, ``remove``, ``group``."""
+    """Open document.
+
+    Views read from it and keep no copy; every change goes through ``replace``, ``add``, ``remove``, ``group``.
+    """
 
     def __init__(
         self, project: Project | None = None, parent: QObject | None = None, journal_folder: Path | None = None
     ) -> None:
-        """Without a ``journal_folder`` nothing is kept for recovery and no lock is taken."""
+        """Without a ``journal_folder`` there is no journal for recovery and no lock."""
         super().__init__(project, parent)
         self._path: Path | None = None
         self._document_id = new_document_id()
@@ -97,7 +100,7 @@ class Document(EditedProject):
 
     @property
     def path(self) -> Path | None:
-        """The file this project was opened from or saved to."""
+        """File from which this project was opened, or to which it was saved."""
         return self._path
 
     @property
@@ -112,21 +115,21 @@ class Document(EditedProject):
 
     @property
     def journal_state(self) -> str:
-        """One line for the status bar: how many edits are safe for recovery; empty without a journal."""
+        """Line for the status bar about edits backed up for recovery; empty without a journal."""
         return self.journal.state if self.journal else ""
 
     def new(self, project: Project) -> None:
-        """Begin with another project that has no file yet."""
+        """Show another project that has no file yet."""
         self._become(project, None, new_document_id(), None, "")
 
     def open(self, path: Path) -> OpenedProject:
-        """Read a file and show it. Raises StudioError, and leaves all as it is, when nothing can be read."""
+        """Read a file and show it. Raises StudioError, and changes nothing, if it cannot be read."""
         opened = read_project(path)
         self.show_opened(opened)
         return opened
 
     def show_opened(self, opened: OpenedProject) -> None:
-        """Show what ``read_project`` found; its problems and remarks are told one by one."""
+        """Show the result of ``read_project``; its problems and remarks are reported one by one."""
         reason = ""
         if opened.read_only or opened.problems:
             reason = f"Parts of '{opened.path.name}' could not be read. It was opened read-only; use Save As."
@@ -136,10 +139,10 @@ class Document(EditedProject):
             self.problem_reported.emit(problem)
 
     def saving(self, path: Path | None = None, thumbnail: bytes | None = None, overwrite: bool = False) -> Saving:
-        """Make a snapshot to be written; give it to a worker, then call ``saved``.
+        """Make a snapshot to be written by a worker; call ``saved`` afterwards.
 
-        ``overwrite`` replaces a file that was changed by somebody else. Raises StudioError when there is no place
-        to save to yet, or only another one.
+        ``overwrite`` replaces a file that another program has changed. Raises StudioError if there is no file to save
+        to yet, or only another one.
         """
         target = path or self._path
         if target is None:
@@ -153,7 +156,7 @@ class Document(EditedProject):
         return Saving(self.project, target, document_id, self.revision, expected, thumbnail, locks)
 
     def saved(self, saving: Saving, stamp: Stamp) -> None:
-        """The file of ``saving`` is written: it is this project's file from now on."""
+        """Note that the file of ``saving`` is written, and is this project's file from now on."""
         self._path, self._stamp, self._read_only = saving.path, stamp, ""
         self._unsaved_base = False
         whole = saving.revision == self.revision
@@ -174,7 +177,7 @@ class Document(EditedProject):
         self.saved(saving, saving.write())
 
     def recover(self, session: Session) -> None:
-        """Show the last state of a session that died, with its undo history where that can be rebuilt."""
+        """Show the last state of a session that died, with its undo history if that can be rebuilt."""
         recovered = recover(session)
         self._become(recovered.base, session.path, session.document_id, session.stamp, "", unsaved=True)
         self._replay(recovered.steps)
@@ -190,7 +193,7 @@ class Document(EditedProject):
             mark_recovered(session)
 
     def close(self) -> None:
-        """Stop playback, end the journal, give back the lock, for good. Unsaved edits stay in their journal."""
+        """Stop playback, end the journal and release the lock. Unsaved edits stay in their journal."""
         self._end_session()
         self.undo_stack.blockSignals(True)
         self.undo_stack.clear()  # Qt crashes where Python collects commands before the stack that holds them
@@ -234,7 +237,7 @@ class Document(EditedProject):
         self.journal.failed.connect(self.problem_reported)
 
     def _take_lock(self) -> None:
-        """One program at a time writes a document; a second one has it for reading."""
+        """Lock the document; a second program opens it read-only."""
         if self._folder is None:
             return
         if self._lock is not None:

@@ -1,4 +1,4 @@
-"""Data of drags between views: a row of the library by its entity, a strike by its place in the list."""
+"""Data of drags between views: a row of the library by its entity, strikes and poses by their index in a list."""
 
 import json
 
@@ -7,6 +7,9 @@ from PySide6.QtCore import QMimeData
 CAPTURE = "application/x-morpho-studio-capture"
 LIBRARY_ITEM = "application/x-morpho-studio-library-item"
 STRIKE = "application/x-morpho-studio-strike"
+"""Kind of a drag of a strike that a search has found."""
+POSE = "application/x-morpho-studio-pose"
+"""Kind of a drag of a saved pose."""
 
 
 def carried_capture(capture_id: str) -> QMimeData:
@@ -17,7 +20,7 @@ def carried_capture(capture_id: str) -> QMimeData:
 
 
 def carried_item(item: tuple[str, str]) -> QMimeData:
-    """Data of a drag of a row of the library, the (collection, id) of its entity; a capture is carried as one too."""
+    """Data of a drag of a library row, the (collection, id) of its entity; a capture also has that of a capture."""
     collection, entity_id = item
     content = carried_capture(entity_id) if collection == "captures" else QMimeData()
     content.setData(LIBRARY_ITEM, json.dumps(item).encode())
@@ -25,7 +28,7 @@ def carried_item(item: tuple[str, str]) -> QMimeData:
 
 
 def item_in(content: QMimeData) -> tuple[str, str] | None:
-    """The (collection, id) of the row of the library that is dragged, or None for anything else."""
+    """(collection, id) of the dragged library row, or None."""
     if not content.hasFormat(LIBRARY_ITEM):
         return None
     collection, entity_id = json.loads(bytes(content.data(LIBRARY_ITEM).data()))
@@ -33,17 +36,17 @@ def item_in(content: QMimeData) -> tuple[str, str] | None:
 
 
 def capture_in(content: QMimeData) -> str | None:
-    """The capture that is dragged, or None for anything else."""
+    """Id of the dragged capture, or None."""
     return bytes(content.data(CAPTURE).data()).decode() if content.hasFormat(CAPTURE) else None
 
 
-def carried_strike(place: int) -> QMimeData:
-    """Data of a drag of a strike that a search has found."""
+def carried_row(kind: str, row: int) -> QMimeData:
+    """Data for dragging an item of a list of this kind."""
     content = QMimeData()
-    content.setData(STRIKE, str(place).encode())
+    content.setData(kind, str(row).encode())
     return content
 
 
-def strike_in(content: QMimeData) -> int | None:
-    """The place in the list of the strike that is dragged, or None for anything else."""
-    return int(bytes(content.data(STRIKE).data())) if content.hasFormat(STRIKE) else None
+def row_in(kind: str, content: QMimeData) -> int | None:
+    """Index in the list of the dragged item, or None for another kind."""
+    return int(bytes(content.data(kind).data())) if content.hasFormat(kind) else None

@@ -27,7 +27,7 @@ MANY_EDITS = 100
 
 
 class EditedProject(QObject):
-    """The part of a document that knows no files: edits, undo, selection, playhead."""
+    """Part of a document without files: edits, undo, selection, playhead."""
 
     entity_changed = Signal(str, str)
     """Collection and id; an empty id where one step has changed more than MANY of a collection."""
@@ -55,7 +55,7 @@ class EditedProject(QObject):
 
     @property
     def project(self) -> Project:
-        """The project as it is now: an immutable value that any thread may hold."""
+        """Present project: an immutable value that any thread may hold."""
         return self._project
 
     @property
@@ -74,7 +74,7 @@ class EditedProject(QObject):
 
     @property
     def revision(self) -> int:
-        """Grows with every change of the project."""
+        """Number that increases with every change of the project."""
         return self._revision
 
     @property
@@ -84,14 +84,14 @@ class EditedProject(QObject):
 
     @property
     def history(self) -> tuple[str, ...]:
-        """The texts of all steps, undone ones too; ``undo_stack.index()`` of them are in force."""
+        """Texts of all steps, undone ones included; the first ``undo_stack.index()`` of them are applied."""
         return tuple(self.undo_stack.text(step) for step in range(self.undo_stack.count()))
 
     def replace(self, collection: str, entity_id: str, new: Entity, text: str, gesture: int | None = None) -> None:
-        """Put ``new`` in the place of an entity: one undo step, or a part of the gesture's step.
+        """Replace an entity by ``new``: one undo step, or a part of the gesture's step.
 
-        Raises StudioError when there is no such entity, ``new`` refers to something that is not there, or it is a
-        constraint that cannot stand beside the others (in a group that is judged at its end).
+        Raises StudioError if the entity does not exist, ``new`` refers to a missing one, or it is a constraint that
+        conflicts with the others (in a group that is checked at its end).
         """
         old = self._existing(collection, entity_id)
         self._check(collection, new)
@@ -104,14 +104,14 @@ class EditedProject(QObject):
     def replace_shown(
         self, collection: str, entity_id: str, new: Entity, text: str, gesture: int | None = None
     ) -> None:
-        """``replace`` for a ``new`` entity that was made from the one of ``shown_project``."""
+        """``replace`` for a ``new`` entity made from the one of ``shown_project``."""
         old = self._existing(collection, entity_id)
         if self._plays_mirrored(old):
             new = mirrored_change(old, new)
         self.replace(collection, entity_id, new, text, gesture)
 
     def add_shown(self, collection: str, entity: Entity, text: str) -> str:
-        """``add`` for an entity on the side where the active clip plays it."""
+        """``add`` for an entity on the side on which the active clip plays it."""
         return self.add(collection, mirrored_entity(entity) if self._plays_mirrored(entity) else entity, text)
 
     def _plays_mirrored(self, entity: Entity) -> bool:
@@ -119,17 +119,17 @@ class EditedProject(QObject):
         return clip is not None and clip.mirrored and getattr(entity, "motion_id", None) == clip.motion_id
 
     def add(self, collection: str, entity: Entity, text: str) -> str:
-        """Put a new entity at the end of its collection and return its id. Raises as ``replace``."""
+        """Append a new entity to its collection and return its id. Raises as ``replace``."""
         [entity_id] = self.add_all(collection, (entity,), text)
         return entity_id
 
     def add_all(self, collection: str, entities: Iterable[Entity], text: str) -> list[str]:
-        """``add`` for many at once: a motion of an hour has thousands of contacts."""
+        """``add`` for many entities: a motion of an hour has thousands of contacts."""
         entities = tuple(entities)
         return self.put_all(collection, dict(zip(new_ids(len(entities)), entities, strict=True)), text)
 
     def put_all(self, collection: str, entities: Mapping[str, Entity], text: str) -> list[str]:
-        """``add_all`` of entities whose ids, new ones, were made before: by a worker that refers to them."""
+        """``add_all`` for entities with given new ids, made by a worker that refers to them."""
         place = len(getattr(self._project, collection))
         self._check(collection, *entities.values())
         edits = tuple(
@@ -143,7 +143,7 @@ class EditedProject(QObject):
         return list(entities)
 
     def remove(self, collection: str, entity_id: str, text: str) -> None:
-        """Take an entity away, and what cannot be without it, as one step."""
+        """Remove an entity, and everything that depends on it, as one step."""
         self._existing(collection, entity_id)
         if (collection, entity_id) == ("grounds", GROUND_ID):
             raise StudioError("The stage always has a ground. Set its height instead of removing it.")
@@ -151,7 +151,7 @@ class EditedProject(QObject):
 
     @contextmanager
     def group(self, text: str, gesture: int | None = None) -> Iterator[None]:
-        """Everything changed inside is one undo step; an exception takes back what was changed."""
+        """Context in which all changes are one undo step; an exception reverts them."""
         if self._group is not None:
             yield
             return
@@ -170,16 +170,22 @@ class EditedProject(QObject):
             self.undo_stack.push(ReplaceValue(self._step, edits, text, gesture))
 
     def new_gesture(self) -> int:
-        """A number for the edits of one drag, so that they become one undo step."""
+        """Number for the edits of one drag, which become one undo step."""
         self._gesture += 1
         return self._gesture
 
+    def take_back(self, gesture: int) -> None:
+        """Undo the step of a gesture for good, if it is the newest one."""
+        newest = self.undo_stack.command(self.undo_stack.index() - 1)
+        if isinstance(newest, ReplaceValue) and newest.gesture == gesture:
+            newest.vanishes = True
+            self.undo_stack.undo()
+
     @property
     def active_performer_id(self) -> str | None:
-        """The selected performer, else a visible one that plays a selected clip, or what a selected thing applies to.
+        """Selected performer, else a visible one that plays a selected clip, or to which a selected entity applies.
 
-        Else, of those visible, the one that was active before, so that it takes the prop that is clicked next; else
-        the first.
+        Else the visible one that was active before, so that it takes the prop that is clicked next; else the first.
         """
         performers = self._project.performers
         selected = [key for key in self.selection.of("performers") if key in performers]
@@ -210,9 +216,9 @@ class EditedProject(QObject):
 
     @property
     def active_clip(self) -> Clip | None:
-        """The active performer's clip that is selected, or to which something selected applies.
+        """Active performer's clip that is selected, or to which a selected entity applies.
 
-        Of several, and where nothing is selected, the one that was active before; else the first.
+        Of several, or without a selection, the one that was active before; else the first.
         """
         performer_id = self.active_performer_id or ""
         performer = self._project.performers.get(performer_id)
@@ -233,7 +239,7 @@ class EditedProject(QObject):
         return self.active_clip.motion_id if self.active_clip else None
 
     def _show_other(self, project: Project) -> None:
-        """Let another project take the place of this one; its history begins empty."""
+        """Replace the project by another one with an empty history."""
         self.playhead.pause()
         self._project = project
         self._revision += 1
@@ -268,7 +274,7 @@ class EditedProject(QObject):
             self._check_tracked(entity)
 
     def _check_tracked(self, constraint: Entity) -> None:
-        """Raise StudioError where a constraint follows a joint that its capture does not have."""
+        """Raise StudioError if a constraint follows a joint that its capture does not have."""
         assert isinstance(constraint, Constraint)
         capture = self._project.captures[self._project.motions[constraint.motion_id].capture_id]
         for follow in follows_of(constraint):
@@ -276,7 +282,7 @@ class EditedProject(QObject):
                 capture.skeleton.index(follow.joint)
 
     def _refuse(self, before: Project, after: Project, edits: Iterable[Edit]) -> None:
-        """Raise StudioError for a constraint that cannot stand beside the others, unless that was so before."""
+        """Raise StudioError for a constraint that conflicts with others, unless it did before."""
         for key in dict.fromkeys(edit.entity_id for edit in edits if edit.collection == "constraints"):
             sentence = _objection(after, key)
             if sentence is not None and _objection(before, key) is None:
@@ -290,7 +296,7 @@ class EditedProject(QObject):
             self.undo_stack.push(ReplaceValue(self._step, edits, text, gesture))
 
     def _step(self, edits: tuple[Edit, ...], verb: str, text: str, gesture: int | None) -> None:
-        """Apply the edits of a command, unless they are shown already, as those of a group, and record them."""
+        """Apply and record the edits of a command; those of a group are applied already."""
         if not self._shown_already:
             self._show(edits)
         self._shown_already = False
@@ -314,9 +320,8 @@ class EditedProject(QObject):
                 self.entity_changed.emit(collection, entity_id)
 
     def _may_be_seen(self, item: Item) -> bool:
-        """A constraint or contact of a motion that nobody on the stage plays any more is not worked on, nor a clip.
-
-        Nor is a state or transition that its behaviour does not have any more.
+        """True if an item may be selected: constraints, contacts and clips only of motions on the stage, states and
+        transitions only while their behaviour has them.
         """
         if item[0] in ("clips", "states", "transitions") and self._project.get(*item) is None:
             return False
@@ -325,7 +330,7 @@ class EditedProject(QObject):
         return motion_id is None or any(clip.motion_id == motion_id for each in playing for clip in each.all_clips)
 
     def _fit_playhead(self) -> None:
-        """The stage's rate and range; they stay while nobody plays anything."""
+        """Set the playhead to the stage's rate and range; both are kept while the stage is empty."""
         span = stage_span(self._project)
         if span is not None:
             self.playhead.frame_rate = span.frame_rate
@@ -335,7 +340,7 @@ class EditedProject(QObject):
 
 
 def _objection(project: Project, constraint_id: str) -> str | None:
-    """Reason why a constraint cannot stand among those of its motion; None where it can, and for anything else."""
+    """Reason why a constraint conflicts with those of its motion; None if it does not, and for other entities."""
     constraint = project.constraints.get(constraint_id)
     if constraint is None:
         return None

@@ -1,4 +1,4 @@
-"""A lock that the system takes back when its process ends, however it ends."""
+"""File lock that the system releases when its process ends, however it ends."""
 
 import os
 import sys
@@ -19,14 +19,14 @@ else:
 
 
 class FileLock:
-    """Held from ``taken`` on until ``release`` or the end of the process."""
+    """Lock that is held from ``taken`` until ``release`` or the end of the process."""
 
     def __init__(self, stream: IO[bytes]) -> None:
         self._stream = stream
 
     @classmethod
     def taken(cls, path: Path) -> "FileLock | None":
-        """The lock at ``path``, None when somebody else holds it. Raises OSError where nothing can be written."""
+        """Lock at ``path``, None if another process holds it. Raises OSError if the file cannot be written."""
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         stream = open(path, "ab", opener=partial(os.open, mode=0o600))  # noqa: SIM115 - open as long as the lock is held
         try:
@@ -37,7 +37,7 @@ class FileLock:
         return cls(stream)
 
     def release(self) -> None:
-        """Let others have it. The file stays: removing it would let two hold a lock of one name."""
+        """Release the lock. The file stays, because removing it would let two processes hold a lock of one name."""
         self._stream.close()
 
 

@@ -1,11 +1,9 @@
-"""The session journal: every edit is on the disk a moment after it was made, in a database of its own.
+"""Session journal: every edit is written to disk immediately, in a database of its own.
 
-SQLite in WAL mode with ``synchronous=FULL``, one connection on one writer thread. A step holds the entities it
-changed and the hash of the state after it; every fiftieth is followed by a snapshot; arrays are stored once. While
-nobody edits, what stands in the log moves into the database. A file beside it counts the steps, so that it shows when
-some are missing.
-
-Where it cannot be written, or its file is gone, it begins anew after a while with the state that is then.
+SQLite in WAL mode with ``synchronous=FULL``, one connection on one writer thread. A step holds the entities that it
+changed and the hash of the state after it; every fiftieth is followed by a snapshot; arrays are stored once. During
+pauses the log is moved into the database. A file beside it counts the steps, so that missing ones are noticed. If it
+cannot be written, or its file is gone, it is started again after a while with the state of that moment.
 """
 
 import hashlib
@@ -44,7 +42,7 @@ CREATE TABLE saves (number INTEGER, path TEXT, state TEXT);
 
 @dataclass(frozen=True, eq=False)
 class JournalEntry:
-    """One thing that happened: ``verb`` is ``edit``, ``undo`` or ``redo``; ``project`` is the state after it."""
+    """Entry of the journal: ``verb`` is ``edit``, ``undo`` or ``redo``; ``project`` is the state after it."""
 
     verb: str
     edits: tuple[Edit, ...]
@@ -70,13 +68,13 @@ _Item = _Numbered | _Save | PlayheadState | str
 
 
 class StateHash:
-    """SHA-256 of a project's state; entities that stayed the same are not encoded again."""
+    """SHA-256 of a project's state; unchanged entities are not encoded again."""
 
     def __init__(self) -> None:
         self._digests: dict[tuple[str, str], tuple[Entity, str]] = {}
 
     def of(self, project: Project) -> str:
-        """The hash over every entity in its order."""
+        """Hash over every entity in order."""
         total = hashlib.sha256()
         for collection in COLLECTIONS:
             for key, entity in getattr(project, collection).items():
@@ -90,7 +88,7 @@ class StateHash:
 
 
 class Journal(QObject):
-    """Writes one session of one document. ``acknowledged`` counts the steps that are safe on the disk."""
+    """Writer of the session of one document. ``acknowledged`` is the number of steps on the disk."""
 
     acknowledged_changed = Signal()
     failed = Signal(str)
@@ -105,7 +103,9 @@ class Journal(QObject):
         parent: QObject | None = None,
         stamp: Stamp | None = None,
     ) -> None:
-        """``stamp`` is of the file at ``path`` as it was opened: who recovers knows whether it has changed since."""
+        """``stamp`` is that of the file at ``path`` when it was opened, so that recovery notices if the file has
+        changed since.
+        """
         super().__init__(parent)
         self.recorded = 0
         self.acknowledged = 0
@@ -133,7 +133,7 @@ class Journal(QObject):
         return f"Backing up - {self.acknowledged} of {counted(self.recorded, 'edit')}"
 
     def record(self, step: JournalEntry) -> None:
-        """Write a step as soon as may be; does not wait."""
+        """Queue a step for writing; does not wait."""
         self.recorded += 1
         self.unsaved = True
         self._latest = self.recorded, step.project
@@ -141,14 +141,14 @@ class Journal(QObject):
         self._queue.put(_Numbered(self.recorded, step))
 
     def mark_saved(self, project: Project, path: Path, stamp: Stamp, all_of_it: bool) -> None:
-        """The file now holds ``project``; steps after that state are still to be recovered if the process dies."""
+        """Note that the file holds ``project``; only later steps need to be recovered."""
         self.unsaved = not all_of_it
         self._path, self._stamp = path, stamp
         if self._thread is not None:
             self._queue.put(_Save(project, path, stamp))
 
     def stand(self, playhead: PlayheadState) -> None:
-        """Keep where the user stands, once there is something to recover."""
+        """Store the state of the playhead, once there is something to recover."""
         if self._thread is not None:
             self._queue.put(playhead)
 
@@ -164,7 +164,7 @@ class Journal(QObject):
         return True
 
     def close(self) -> None:
-        """End the session. With nothing unsaved it is removed; else it is kept, as one that the user gave up."""
+        """End the session. Without unsaved edits it is removed; else it is kept, marked as declined by the user."""
         if self._thread is None:
             return
         self._queue.put("declined" if self.unsaved else "saved")
@@ -179,13 +179,13 @@ class Journal(QObject):
             self._lock.release()
 
     def _start(self) -> None:
-        """A session begins with its first edit, so that looking at a project writes nothing."""
+        """Start a session with the first edit, so that viewing a project writes nothing."""
         if self._thread is None:
             self._thread = threading.Thread(target=self._write, name="journal", daemon=True)
             self._thread.start()
 
     def _write(self) -> None:
-        """Until the journal is closed."""
+        """Write sessions until the journal is closed."""
         while True:
             try:
                 self._write_session()
@@ -202,7 +202,7 @@ class Journal(QObject):
                     return
 
     def _write_session(self) -> None:
-        """From the newest state on, in a file of its own."""
+        """Write a session from the newest state on, in a file of its own."""
         file = self._folder / f"{self._document_id}-{os.getpid()}-{time.time_ns():x}.sqlite"
         lock = FileLock.taken(lock_of(file))
         if self._lock is not None:
@@ -224,12 +224,12 @@ class Journal(QObject):
             connection.close()
 
     def _see_that_it_is_there(self) -> None:
-        """A database that was deleted is written on without a word."""
+        """Raise if the database was deleted: SQLite would go on writing to it without an error."""
         if not self._files[-1].exists():
             raise FileNotFoundError(f"'{self._files[-1].name}' was taken away")
 
     def _waiting(self) -> list["_Item"] | None:
-        """All that is queued; none when nothing comes for a while, None when the journal is closed."""
+        """Queued items; an empty list after a pause, None when the journal is closed."""
         try:
             items = [self._queue.get(timeout=IDLE_SECONDS)]
         except queue.Empty:
@@ -320,7 +320,9 @@ class Journal(QObject):
         connection.execute("INSERT INTO snapshots VALUES (?, ?, ?)", row)
 
     def _store(self, connection: sqlite3.Connection, members: Members) -> None:
-        """In pieces: a long capture's array in one would be copied under Python's lock, and stop the window."""
+        """Store arrays in pieces: a long capture's array in one would be copied under Python's lock, and freeze the
+        window.
+        """
         for name in members.keys() - self._stored:
             parts = npy_parts(members[name])
             row = (name, sum(map(len, parts)))
@@ -338,27 +340,27 @@ def _put_fact(connection: sqlite3.Connection, key: str, value: str) -> None:
 
 
 def edit_record(edit: Edit, members: Members) -> dict[str, object]:
-    """An edit as JSON; what the entity was before follows from the state before."""
+    """Edit as JSON; the entity's former value is in the state before."""
     record = None if edit.new is None else entity_record(edit.collection, edit.entity_id, edit.new, members)
     return {"collection": edit.collection, "id": edit.entity_id, "place": edit.place, "new": record}
 
 
 def lock_of(session: Path) -> Path:
-    """The lock that the process of a session holds."""
+    """Lock held by the process of a session."""
     return session.with_suffix(".lock")
 
 
 def steps_of(session: Path) -> Path:
-    """The file that counts the steps of a session."""
+    """File with the number of steps of a session."""
     return session.with_suffix(".steps")
 
 
 def files_of(session: Path) -> tuple[Path, ...]:
-    """All that a session may consist of."""
+    """All files of a session."""
     return tuple(session.with_suffix(suffix) for suffix in (".sqlite", ".sqlite-wal", ".sqlite-shm", ".steps", ".lock"))
 
 
 def remove_session(session: Path) -> None:
-    """Take away a session that holds nothing which is not in the project's file."""
+    """Remove a session without unsaved edits."""
     for file in files_of(session):
         file.unlink(missing_ok=True)

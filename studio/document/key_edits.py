@@ -33,7 +33,7 @@ LEAST_TIME_SCALE, MOST_TIME_SCALE = 0.01, 100.0
 def replace_fields(
     document: EditedProject, values: Mapping[KeyedField, object], text: str, gesture: int | None = None
 ) -> None:
-    """Put other values in keyed fields, as the active clip shows them: one undo step."""
+    """Replace the values of keyed fields, as the active clip shows them: one undo step."""
     changes: dict[tuple[str, str], dict[str, object]] = {}
     for field, value in values.items():
         changes.setdefault(field.item, {})[field.name] = value
@@ -47,7 +47,7 @@ def replace_fields(
 
 
 class KeyDrag:
-    """The selected keys while they are dragged: every state is made of what they were when it began."""
+    """Drag of the selected keys: every state is computed from the keys at its begin."""
 
     def __init__(self, document: EditedProject) -> None:
         self._document, self._clip = document, document.active_clip
@@ -61,11 +61,11 @@ class KeyDrag:
 
     @property
     def count(self) -> int:
-        """Number of keys that are dragged."""
+        """Number of dragged keys."""
         return sum(map(len, self._places.values()))
 
     def stage_times(self) -> list[float]:
-        """Seconds of the stage at which the dragged keys lay."""
+        """Seconds of the stage of the dragged keys at the begin of the drag."""
         return [
             to_stage(self._document.project, self._clip, field, value.times[place])
             for field, value in self.before.items()
@@ -73,16 +73,16 @@ class KeyDrag:
         ]
 
     def move(self, seconds: float, changed: Mapping[KeyedField, Keyed] | None = None) -> None:
-        """Show the keys so many seconds of the stage later, in fields that are ``changed`` otherwise too."""
+        """Show the keys ``seconds`` of the stage later, on fields that have other changes in ``changed``."""
         self._show(lambda time: time + seconds, 1.0, "Move", changed or {})
 
     def scale(self, factor: float, about: float) -> None:
-        """Show the keys ``factor`` times as far from a second of the stage."""
+        """Show the keys scaled by ``factor`` about a second of the stage."""
         factor = min(max(factor, LEAST_TIME_SCALE), MOST_TIME_SCALE)
         self._show(lambda time: about + (time - about) * factor, 1.0 / factor, "Scale", {})
 
     def cancel(self) -> None:
-        """Put everything back; the step vanishes."""
+        """Restore everything; the step vanishes."""
         self._put(self.before, "Move keys")
         self._document.keys.set(KeyRef(field, place) for field, places in self._places.items() for place in places)
 
@@ -108,7 +108,7 @@ class KeyDrag:
 
 
 def words_for(count: int) -> str:
-    """``key`` or ``3 keys``."""
+    """Number of keys in words: ``key`` or ``3 keys``."""
     return "key" if count == 1 else f"{count} keys"
 
 
@@ -118,7 +118,7 @@ def nudge_keys(document: EditedProject, frames: int) -> None:
 
 
 def stretch_keys(document: EditedProject, frames: int) -> None:
-    """Scale the selected keys about the playhead so that the farthest one moves by so many frames away from it."""
+    """Scale the selected keys about the playhead so that the farthest one moves ``frames`` away from it."""
     drag, here = KeyDrag(document), document.playhead.time
     farthest = max((abs(time - here) for time in drag.stage_times()), default=0.0)
     if farthest > 0.0:
@@ -128,8 +128,8 @@ def stretch_keys(document: EditedProject, frames: int) -> None:
 def delete_keys(document: EditedProject) -> bool:
     """Delete the selected keys as one step; true if there were any that can be deleted.
 
-    A field that has no key left keeps the value that it has at the playhead. An activation keeps its four times. A
-    correction goes with its last key.
+    A field without keys keeps its value at the playhead. An activation keeps its four times. A correction is removed
+    with its last key.
     """
     values: dict[KeyedField, object] = {}
     gone: list[tuple[str, str]] = []
@@ -154,10 +154,9 @@ def delete_keys(document: EditedProject) -> bool:
 
 
 def set_keys(document: EditedProject) -> int:
-    """Set a key at the playhead in all keyed fields of the selection, with the value that is there; how many.
+    """Set a key at the playhead in all keyed fields of the selection, with the present value; return their number.
 
-    A selected constraint, prop, body or clip of which nothing is keyed begins to be: its target, place, measures or
-    speed.
+    The target, position, measures or speed of a selected constraint, prop, body or clip without keys becomes keyed.
     """
     fields = selected_fields(document.shown_project, document.selection.items)
     values: dict[KeyedField, Keys] = {
@@ -181,7 +180,9 @@ def set_keys(document: EditedProject) -> int:
 
 
 def time_at_playhead(document: EditedProject, field: KeyedField) -> float:
-    """The second at which a key of a field is set: one that counts from a motion at a whole frame of it."""
+    """Time at which a key of a field is set, in its seconds; rounded to a whole frame for fields in
+    time of a motion.
+    """
     seconds = from_stage(document.project, document.active_clip, field, document.playhead.time)
     clip = counted_in(document.project, document.active_clip, field)
     if clip is None:
@@ -191,7 +192,7 @@ def time_at_playhead(document: EditedProject, field: KeyedField) -> float:
 
 
 def _fixed(document: EditedProject, field: KeyedField, value: Keys) -> object:
-    """The value that holds at the playhead as a field has it that is not keyed."""
+    """Value without keys for a field, equal to the present one."""
     if isinstance(value, KeyedOwnPlace):
         return value.own_at(time_at_playhead(document, field))
     found = value.value_at(time_at_playhead(document, field))
@@ -221,7 +222,7 @@ def _fixed_fields(document: EditedProject) -> dict[KeyedField, Keys]:
 
 
 def _first_key(time: float, value: Proportions | Place | Turn | float | None) -> Keys | None:
-    """One key of a plain value; None of what follows something, or is not there."""
+    """Keyed value with one key of a plain value; None for a followed or missing one."""
     match value:
         case Proportions():
             return KeyedProportions((time,), (value,))
@@ -249,7 +250,7 @@ def edit_selected(document: EditedProject, edit: Callable[[Keyed, int], Keyed], 
 
 
 def set_beyond(document: EditedProject, fields: Iterable[KeyedField], side: str, beyond: Beyond) -> None:
-    """Set what curves do ``before`` their first key or ``after`` their last one, as one step."""
+    """Set the extrapolation of curves ``before`` their first or ``after`` their last key, as one step."""
     values = {field: keyed_value(document.shown_project, field) for field in fields}
     changes: dict[str, object] = {side: beyond}
     keyed = {field: with_fields(value, **changes) for field, value in values.items() if isinstance(value, Keys)}

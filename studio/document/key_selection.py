@@ -1,4 +1,4 @@
-"""KeySelection: which keys the user works on. Not undoable; never holds a key that is gone."""
+"""KeySelection: the selected keys. Not undoable; never contains a missing key."""
 
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
@@ -12,9 +12,10 @@ if TYPE_CHECKING:
 
 
 class KeySelection(QObject):
-    """A set of keys, all of entities that are selected themselves.
+    """Set of keys, all of selected entities.
 
-    Where keys of a field are moved or undone it follows them by their order, where some are added or deleted by time.
+    It follows the keys of a field by their order if they are moved or undone, by their time if some are added or
+    deleted.
     """
 
     changed = Signal()
@@ -38,7 +39,7 @@ class KeySelection(QObject):
         return key in self._items
 
     def by_field(self) -> Mapping[KeyedField, tuple[int, ...]]:
-        """The places of the selected keys of each field, in order."""
+        """Indices of the selected keys of each field, in order."""
         return self._by_field
 
     def set(self, keys: Iterable[KeyRef]) -> None:
@@ -64,12 +65,12 @@ class KeySelection(QObject):
         self.set(())
 
     def toggle(self, keys: Iterable[KeyRef]) -> None:
-        """Add the keys, or take them out where all of them are selected: Ctrl+click."""
+        """Add the keys, or remove them if all of them are selected: Ctrl+click."""
         keys = frozenset(keys)
         self.set(self._items - keys if keys <= self._items else self._items | keys)
 
     def _follow(self, collection: str, entity_id: str) -> None:
-        """Keep to the keys of a changed entity; an empty id stands for many. Clips change with who plays them."""
+        """Follow the keys of a changed entity; an empty id stands for many. Clips also change with their performers."""
         if not any(
             (field.collection, collection) == ("clips", "performers")
             or (field.collection == collection and entity_id in ("", field.entity_id))

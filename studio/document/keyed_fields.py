@@ -1,4 +1,4 @@
-"""Keyed fields: everything of a project that has keys over time, by one name each."""
+"""Keyed fields: every value of a project that has keys over time."""
 
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
@@ -15,7 +15,7 @@ KEYED_COLLECTIONS = ("constraints", "props", "characters", "corrections", "clips
 
 
 class KeyedField(NamedTuple):
-    """The field of an entity that has keys."""
+    """Field of an entity that has keys."""
 
     collection: str
     entity_id: str
@@ -28,14 +28,14 @@ class KeyedField(NamedTuple):
 
 
 class KeyRef(NamedTuple):
-    """One key of a field, by its place in the order of times."""
+    """One key of a field, by its index in order of time."""
 
     field: KeyedField
     place: int
 
 
 def fields_of(collection: str, entity_id: str, entity: object) -> dict[KeyedField, Keyed]:
-    """The keyed fields of one entity."""
+    """Keyed fields of one entity."""
     if entity is None or collection not in KEYED_COLLECTIONS:
         return {}
     values = vars(entity).items()
@@ -49,7 +49,7 @@ def keyed_value(project: Project, field: KeyedField) -> Keyed | None:
 
 
 def owners_of(project: Project, collection: str, entity_id: str) -> tuple[tuple[str, str], ...]:
-    """The items of the selection by which an entity's keys may be selected: a body's too for its character."""
+    """Selectable items that own an entity's keys: for a character also the performers with its body."""
     bodies = (
         ("performers", key)
         for key, each in project.performers.items()
@@ -59,7 +59,7 @@ def owners_of(project: Project, collection: str, entity_id: str) -> tuple[tuple[
 
 
 def selected_fields(project: Project, items: Iterable[tuple[str, str]]) -> dict[KeyedField, Keyed]:
-    """The keyed fields of selected entities, of a performer those of its character."""
+    """Keyed fields of selected entities; those of its character for a performer."""
     entities = dict.fromkeys(
         ("characters", project.performers[key].character_id)
         if collection == "performers" and key in project.performers
@@ -74,29 +74,30 @@ def selected_fields(project: Project, items: Iterable[tuple[str, str]]) -> dict[
 
 
 def to_stage(project: Project, clip: Clip | None, field: KeyedField, seconds: float) -> float:
-    """Seconds of the stage at which a key lies.
+    """Seconds of the stage of a key.
 
-    Those of constraints count from the motion that ``clip`` plays, those of a clip's speed from its own motion.
+    Keys of constraints are in time of the motion that ``clip`` plays, those of a clip's speed in that of its own
+    motion.
     """
     counted = counted_in(project, clip, field)
     return seconds if counted is None else float(counted.stage_seconds(seconds, project.frame_rate_of(counted)))
 
 
 def from_stage(project: Project, clip: Clip | None, field: KeyedField, seconds: float) -> float:
-    """The opposite of ``to_stage``."""
+    """Inverse of ``to_stage``."""
     counted = counted_in(project, clip, field)
     return seconds if counted is None else float(counted.motion_seconds(seconds, project.frame_rate_of(counted)))
 
 
 def counted_in(project: Project, clip: Clip | None, field: KeyedField) -> Clip | None:
-    """The clip from whose motion the keys of a field count; None if they count from the stage."""
+    """Clip whose motion's time is used by the keys of a field; None for time of the stage."""
     if field.collection == "clips" and (clip is None or clip.id != field.entity_id):
         return project.clips.get(field.entity_id)
     return clip if field.collection in ("constraints", "clips") else None
 
 
 def with_times(keyed: Keyed, times: Mapping[int, float], speed: float = 1.0) -> Keyed:
-    """The same with the keys at some places at other times: of an activation those in their way are pushed along."""
+    """Copy with the keys at some indices at other times; those of an activation push others along."""
     if isinstance(keyed, Keys):
         return keyed.with_times(times, speed)
     order = dict(zip(sorted(times), sorted(times.values()), strict=True))

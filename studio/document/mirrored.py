@@ -1,4 +1,4 @@
-"""Constraints and contacts of a motion as a mirrored clip plays them: on the other side of the body."""
+"""Constraints and contacts of a motion as a mirrored clip plays them, on the other side of the body."""
 
 from dataclasses import fields
 from typing import cast
@@ -14,7 +14,7 @@ from studio.document.commands.replace import same_value
 
 
 def mirrored_entity(entity: RecordT) -> RecordT:
-    """A constraint, contact or correction on the other side; anything else as it is. Applied twice, it is as before."""
+    """Constraint, contact or correction on the other side; other entities unchanged. Its own inverse."""
     match entity:
         case Constraint():
             return cast(RecordT, mirrored_constraint(entity))
@@ -26,9 +26,9 @@ def mirrored_entity(entity: RecordT) -> RecordT:
 
 
 def mirrored_change(stored: RecordT, new: RecordT) -> RecordT:
-    """``stored`` with the edits that a view made in its mirror image, of which ``new`` came.
+    """``stored`` with the edits that a view made in its mirror image ``new``.
 
-    Fields that the view left alone stay the same objects.
+    Fields that the view did not change stay the same objects.
     """
     before, after = mirrored_entity(stored), mirrored_entity(new)
     if type(before) is not type(new):
@@ -41,7 +41,7 @@ def mirrored_change(stored: RecordT, new: RecordT) -> RecordT:
 
 
 def mirrored_project(project: Project, motion_id: str) -> Project:
-    """The project with the constraints and contacts of one motion on the other side."""
+    """Project with the constraints and contacts of one motion on the other side."""
     changed = {
         name: {
             key: mirrored_entity(each) if each.motion_id == motion_id else each

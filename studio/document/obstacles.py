@@ -1,4 +1,4 @@
-"""Props that bodies keep out of: one constraint a motion, of all who play it."""
+"""Props as obstacles: one constraint for each motion, for all its performers."""
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.area import AreaConstraint, AreaShape
@@ -16,7 +16,7 @@ FADE = 0.5
 
 
 def obstacles_of(project: Project, prop_id: str) -> dict[str, AreaConstraint]:
-    """The constraints that keep whole bodies out of a prop."""
+    """Constraints that keep whole bodies out of a prop."""
     return {
         key: each
         for key, each in project.constraints.items()
@@ -28,7 +28,7 @@ def obstacles_of(project: Project, prop_id: str) -> dict[str, AreaConstraint]:
 
 
 def set_obstacle(document: Document, prop_id: str, collides: bool) -> None:
-    """Keep all who play something out of a prop, or let them through again; one undo step."""
+    """Make a prop an obstacle for all performers, or no longer; one undo step."""
     project = document.project
     prop = project.props[prop_id]
     text = f"{'Keep bodies out of' if collides else 'Let bodies through'} {prop.name}"

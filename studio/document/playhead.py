@@ -28,7 +28,7 @@ INITIAL_PLAYHEAD = PlayheadState(0.0, 60.0, 0, 300)
 
 
 class Playhead(QObject):
-    """The current time of a project. Playback reads the time from the clock, so late frames are skipped."""
+    """Present time of a project. Playback reads the time from the clock, so late frames are skipped."""
 
     changed = Signal(float)
     playing_changed = Signal(bool)
@@ -52,7 +52,7 @@ class Playhead(QObject):
 
     @property
     def frame_rate(self) -> float:
-        """Frames a second by which frames are counted."""
+        """Frame rate in Hz."""
         return self._frame_rate
 
     @frame_rate.setter
@@ -65,7 +65,7 @@ class Playhead(QObject):
 
     @property
     def frame(self) -> int:
-        """The frame nearest to ``time``."""
+        """Frame nearest to ``time``."""
         return round(self._time * self._frame_rate)
 
     @property
@@ -75,7 +75,7 @@ class Playhead(QObject):
 
     @property
     def last(self) -> int:
-        """Last frame of the range, played too."""
+        """Last frame of the range, included."""
         return self._last
 
     @property
@@ -95,29 +95,29 @@ class Playhead(QObject):
 
     @property
     def run(self) -> PlaybackRun:
-        """Seconds on the stage over the clock, as playback goes on from here."""
+        """Conversion from the clock to seconds on the stage, for playback from now on."""
         started, start = self._anchor
         begin, end = self._range_times()
         return PlaybackRun(started, start, self._speed, begin, end, 1.0 / self._frame_rate, self.loop)
 
     @property
     def state(self) -> PlayheadState:
-        """All that a session that comes back needs of it."""
+        """State to be stored for recovery."""
         return PlayheadState(self._time, self._frame_rate, self._first, self._last)
 
     def restore(self, state: PlayheadState) -> None:
-        """Stand where ``state`` stood. Raises ValueError as the setters."""
+        """Restore a ``state``. Raises ValueError as the setters."""
         self.frame_rate = state.frame_rate
         self.set_range(state.first, state.last)
         self.set_time(state.time)
 
     def set_time(self, seconds: float) -> None:
-        """Go to ``seconds``; while playing, go on from there."""
+        """Move to ``seconds``; playback continues from there."""
         self._anchor = (self._clock(), seconds)
         self._move(seconds)
 
     def set_frame(self, frame: int) -> None:
-        """Go to a frame."""
+        """Move to a frame."""
         self.set_time(frame / self._frame_rate)
 
     def step(self, frames: int) -> None:
@@ -126,7 +126,7 @@ class Playhead(QObject):
         self.set_frame(min(max(self.frame + frames, self._first), self._last))
 
     def set_range(self, first: int, last: int) -> None:
-        """Play frames ``first`` to ``last``. Raises ValueError when they are not in order."""
+        """Play frames ``first`` to ``last``. Raises ValueError if they are not in order."""
         if not first <= last:
             raise ValueError(f"A range runs from a frame to a later one, not from {first} to {last}.")
         if (first, last) != (self._first, self._last):
@@ -134,7 +134,7 @@ class Playhead(QObject):
             self.range_changed.emit()
 
     def play(self) -> None:
-        """Run along the clock; from the end of the range, or outside it, begin again."""
+        """Start playback; at the end of the range, or outside it, from its begin."""
         if self.playing:
             return
         begin, end = self._range_times()
@@ -149,7 +149,7 @@ class Playhead(QObject):
         self.playing_changed.emit(True)
 
     def pause(self) -> None:
-        """Stop; no timer stays behind."""
+        """Stop playback and its timer."""
         if self._timer is None:
             return
         self._timer.stop()
@@ -158,7 +158,7 @@ class Playhead(QObject):
         self.playing_changed.emit(False)
 
     def toggle(self) -> None:
-        """Play or pause."""
+        """Start or stop playback."""
         if self.playing:
             self.pause()
         else:

@@ -1,6 +1,6 @@
-"""The order of a motion's constraints: edits of their priorities."""
+"""Edits of the priorities of a motion's constraints."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from itertools import accumulate, pairwise
 
@@ -13,31 +13,48 @@ def ties_of(constraints: Mapping[str, Constraint], order: Sequence[str]) -> list
     return [False, *(constraints[above].priority == constraints[below].priority for above, below in pairwise(order))]
 
 
-def ties_with_moved(constraints: Mapping[str, Constraint], order: Sequence[str], moved: str) -> list[bool]:
-    """The same once one was moved to its place in the order: between two of one priority it joins them."""
-    place = order.index(moved)
-    ties = ties_of(constraints, [key for key in order if key != moved])
-    between = 0 < place < len(ties) and ties[place]
-    return [*ties[:place], between, *ties[place:]] if len(order) > 1 else [False]
+def ties_with_moved(constraints: Mapping[str, Constraint], order: Sequence[str], moved: Collection[str]) -> list[bool]:
+    """``ties_of`` after one constraint was moved in the order: between two of equal priority it joins them."""
+    others = [key for key in order if key not in moved]
+    shared = {below for below, tied in zip(others, ties_of(constraints, others), strict=True) if tied}
+    below = dict[str, str | None]()
+    following: str | None = None
+    for key in reversed(order):
+        below[key] = following = following if key in moved else key
+    return [False] + [
+        constraints[one].priority == constraints[two].priority
+        if (one in moved) == (two in moved)
+        else below[two] in shared
+        for one, two in pairwise(order)
+    ]
 
 
 def put_priorities(document: Document, order: Sequence[str], ties: Sequence[bool], text: str) -> None:
-    """Give constraints the priorities of an order; one undo step. Raises StudioError for what contradicts itself."""
+    """Give constraints the priorities of an order; one undo step. Raises StudioError for conflicting constraints."""
     with document.group(text):
         for key, priority in zip(order, accumulate(int(not tied) for tied in ties), strict=True):
             constraint = document.project.constraints[key]
             document.replace("constraints", key, replace(constraint, priority=priority - 1), text)
 
 
-def shift_priority(document: Document, constraint_id: str, step: int) -> None:
-    """Move a constraint one place up (-1) or down (1) in the order of its motion."""
-    constraint = document.project.constraints[constraint_id]
-    constraints = document.project.constraints_of(constraint.motion_id)
-    order = list(constraints)
-    place = order.index(constraint_id)
-    goal = min(max(place + step, 0), len(order) - 1)
-    order.insert(goal, order.pop(place))
-    if goal != place:
-        ties = ties_with_moved(constraints, order, constraint_id)
-        name = document.shown_project.constraints[constraint_id].name
-        put_priorities(document, order, ties, f"Reorder priority of {name}")
+def shift_priorities(document: Document, constraint_ids: Collection[str], step: int) -> bool:
+    """Move constraints together one place up (-1) or down (1) in the orders of their motions; one undo step.
+
+    False if none of them has a place to go to.
+    """
+    project, orders = document.project, list[list[str]]()
+    for motion_id in dict.fromkeys(project.constraints[key].motion_id for key in constraint_ids):
+        before = list(project.constraints_of(motion_id))
+        after = before if step < 0 else before[::-1]
+        for place in range(1, len(after)):
+            if after[place] in constraint_ids and after[place - 1] not in constraint_ids:
+                after = [*after[: place - 1], after[place], after[place - 1], *after[place + 1 :]]
+        order = after if step < 0 else after[::-1]
+        if order != before:
+            orders.append(order)
+    names = [document.shown_project.constraints[key].name for key in constraint_ids]
+    text = f"Reorder priority of {names[0] if len(names) == 1 else f'{len(names)} constraints'}"
+    with document.group(text):
+        for order in orders:
+            put_priorities(document, order, ties_with_moved(project.constraints, order, constraint_ids), text)
+    return bool(orders)

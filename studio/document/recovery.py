@@ -1,4 +1,4 @@
-"""Recovery: sessions whose process died with unsaved edits, and the project and history out of them."""
+"""Recovery of sessions whose process died with unsaved edits: their project and history."""
 
 import json
 import sqlite3
@@ -34,7 +34,7 @@ DAMAGED_FOLDER = "damaged"
 
 @dataclass(frozen=True)
 class Session:
-    """A journal that holds edits which no project file has."""
+    """Journal with edits that are in no project file."""
 
     file: Path
     document_id: str
@@ -54,7 +54,7 @@ class Session:
 
 @dataclass(frozen=True, eq=False)
 class Recovered:
-    """The newest state that is right, and the way there from ``base``."""
+    """Newest valid state, and the steps to it from ``base``."""
 
     project: Project
     base: Project
@@ -65,20 +65,22 @@ class Recovered:
 
 
 def recoverable_sessions(folder: Path, declined: bool = False) -> tuple[Session, ...]:
-    """Sessions of processes that are gone, newest first; with ``declined`` those too that the user gave up."""
+    """Sessions of processes that are gone, newest first; with ``declined`` also those that the user declined to
+    recover.
+    """
     found = [session for _, session in _abandoned(folder) if session is not None and not session.damage]
     wanted = [session for session in found if declined or not session.declined]
     return tuple(sorted(wanted, key=lambda session: session.begun, reverse=True))
 
 
 def put_damaged_aside(folder: Path) -> tuple[str, ...]:
-    """Move journals of which nothing can be read into a folder beside, and say of each that it is there."""
+    """Move unreadable journals into a folder beside; one sentence about each."""
     damaged = [session for _, session in _abandoned(folder) if session is not None and session.damage]
     return tuple(put_aside(session, session.damage) for session in damaged)
 
 
 def put_aside(session: Session, reason: str) -> str:
-    """Move a journal out of the way, where nothing deletes it; returns a sentence that says so."""
+    """Move a journal into a folder in which nothing is deleted; returns a sentence about it."""
     aside = session.file.parent / DAMAGED_FOLDER
     aside.mkdir(mode=0o700, exist_ok=True)
     for file in files_of(session.file):
@@ -89,7 +91,7 @@ def put_aside(session: Session, reason: str) -> str:
 
 
 def tidy(folder: Path, now: datetime | None = None) -> None:
-    """Take away sessions that hold nothing unsaved, and those that the user gave up a month ago."""
+    """Remove sessions without unsaved edits, and those declined a month ago."""
     long_ago = (now or datetime.now()) - KEPT_WHEN_DECLINED
     for file, session in _abandoned(folder):
         if session is None or (session.declined and not session.damage and session.begun < long_ago):
@@ -97,7 +99,7 @@ def tidy(folder: Path, now: datetime | None = None) -> None:
 
 
 def _abandoned(folder: Path) -> list[tuple[Path, Session | None]]:
-    """Journals of processes that are gone; with None where everything in them was saved."""
+    """Journals of processes that are gone; with None if everything in them was saved."""
     found = []
     for file in folder.glob("*.sqlite") if folder.is_dir() else ():
         try:
@@ -114,9 +116,10 @@ def _abandoned(folder: Path) -> list[tuple[Path, Session | None]]:
 
 
 def recover(session: Session) -> Recovered:
-    """The session's last state. Raises StudioError when not even its first state can be read.
+    """Last state of a session.
 
-    States are checked against their hashes; what comes after a damaged step is left out and told.
+    Raises StudioError if not even its first state can be read. States are checked against their hashes; steps after a
+    damaged one are left out and reported.
     """
     try:
         with closing(_opened(session.file)) as connection:
@@ -132,7 +135,7 @@ def recover(session: Session) -> Recovered:
 
 
 def mark_recovered(session: Session) -> None:
-    """Do not offer this session again; another journal holds its edits now. Its file stays."""
+    """Mark a session whose edits are in another journal now, so that it is not offered again. Its file stays."""
     with closing(sqlite3.connect(session.file, isolation_level=None)) as connection:
         connection.execute("INSERT OR REPLACE INTO session VALUES ('ended', 'declined')")
 
@@ -142,7 +145,7 @@ def _opened(file: Path) -> sqlite3.Connection:
 
 
 def _session(file: Path) -> Session | None:
-    """None for a journal without unsaved edits."""
+    """Session of a file; None for a journal without unsaved edits."""
     counted = _counted(file)
     begun = datetime.fromtimestamp(file.stat().st_mtime)
     try:
@@ -176,7 +179,7 @@ def _session(file: Path) -> Session | None:
 
 
 def _counted(file: Path) -> int:
-    """Number of steps by the file beside the journal; 0 if it holds no number."""
+    """Number of steps in the file beside the journal; 0 if it holds no number."""
     try:
         return max(int(steps_of(file).read_bytes()[:12]), 0)
     except (OSError, ValueError):
@@ -188,7 +191,9 @@ def _document_of(file: Path) -> str:
 
 
 def _stamp(told: str | None) -> Stamp:
-    """One that no file has where the journal says none: who saves is asked once too often then."""
+    """Stamp of the project file; if the journal has none, a stamp that never matches, so that saving asks once too
+    often.
+    """
     try:
         node, size, time = json.loads(told or "")
         return int(node), int(size), int(time)
@@ -210,7 +215,7 @@ def _begun(told: str | None, otherwise: datetime) -> datetime:
 
 
 def _readable(connection: sqlite3.Connection, question: str) -> list[StoredRow]:
-    """Rows up to the first that cannot be read; who asks knows how many there should be."""
+    """Rows up to the first unreadable one; the caller knows their number."""
     rows = []
     try:
         for row in connection.execute(question):
@@ -221,7 +226,7 @@ def _readable(connection: sqlite3.Connection, question: str) -> list[StoredRow]:
 
 
 def _recovered(connection: sqlite3.Connection) -> tuple[Recovered, int]:
-    """The newest state, and the number of the last step in it."""
+    """Newest state, and the number of the last step in it."""
 
     def load(name: str) -> Array:
         row = connection.execute("SELECT content FROM arrays WHERE name = ?", (name,)).fetchone()
@@ -256,7 +261,7 @@ def _playhead(connection: sqlite3.Connection) -> PlayheadState | None:
 
 
 def _foreign(connection: sqlite3.Connection) -> dict[str, bytes]:
-    """The members that belong to what a newer version wrote."""
+    """Members written by a newer version."""
     row = connection.execute("SELECT value FROM session WHERE key = 'foreign'").fetchone()
     names = json.loads(row[0]) if row else []
     select = "SELECT name, content FROM arrays WHERE name = ?"
@@ -264,7 +269,7 @@ def _foreign(connection: sqlite3.Connection) -> dict[str, bytes]:
 
 
 def _state(content: bytes, state: str, load: LoadArray, hashes: StateHash, foreign: dict[str, bytes]) -> Project | None:
-    """A snapshot's project, or None when it is not what was written."""
+    """Project of a snapshot, or None if its hash does not match."""
     try:
         project = project_of(parsed(content, "snapshot"), load).project
     except (StudioError, ValueError, TypeError):

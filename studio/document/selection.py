@@ -1,4 +1,4 @@
-"""Selection: which entities the user works on. Not undoable; never holds an entity that is gone."""
+"""Selection: the selected entities. Not undoable; never contains a missing entity."""
 
 from PySide6.QtCore import QObject, Signal
 
@@ -6,7 +6,7 @@ Item = tuple[str, str]
 
 
 class Selection(QObject):
-    """An ordered set of (collection, id); the last one is the current one."""
+    """Ordered set of (collection, id); the last one is the current one."""
 
     changed = Signal()
 
@@ -25,23 +25,23 @@ class Selection(QObject):
         return self._items[-1] if self._items else None
 
     def set(self, *items: Item) -> None:
-        """Select these and nothing else; emits ``changed`` only when something did change."""
+        """Replace the selection; emits ``changed`` only if it differs."""
         unique = tuple(dict.fromkeys((str(collection), str(entity_id)) for collection, entity_id in items))
         if unique != self._items:
             self._items = unique
             self.changed.emit()
 
     def clear(self) -> None:
-        """Select nothing."""
+        """Deselect everything."""
         self.set()
 
     def toggle(self, item: Item) -> None:
-        """Add the item, or take it out if it is selected: Ctrl+click."""
+        """Add the item, or remove it if it is selected: Ctrl+click."""
         rest = tuple(other for other in self._items if other != item)
         self.set(*(rest if item in self._items else (*rest, item)))
 
     def of(self, collection: str) -> tuple[str, ...]:
-        """The selected ids of one collection."""
+        """Selected ids of one collection."""
         return tuple(entity_id for name, entity_id in self._items if name == collection)
 
     def __contains__(self, item: object) -> bool:

@@ -1,4 +1,4 @@
-"""Cameras saved on the stage: stored under a key or without one, found again by it."""
+"""Saved cameras of the stage: stored with or without a key, and found by it."""
 
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ def camera_in_slot(project: Project, slot: int) -> str | None:
 
 
 def store_camera(document: Document, placement: CameraPlacement, slot: int | None = None) -> str:
-    """Save a placement as one undo step; the camera of the slot, if there is one, takes it. Returns the camera's id."""
+    """Save a placement as one undo step, in the camera of the slot if there is one. Returns the camera's id."""
     project = document.project
     known = camera_in_slot(project, slot) if slot is not None else None
     if known is not None:
@@ -27,7 +27,7 @@ def store_camera(document: Document, placement: CameraPlacement, slot: int | Non
 
 
 def give_slot(document: Document, camera_id: str, slot: int | None) -> None:
-    """Let a key recall a camera, and no other one, as one undo step."""
+    """Assign a key to a camera, and remove it from any other one, as one undo step."""
     camera = document.project.cameras[camera_id]
     with document.group(f"Key of {camera.name}"):
         holder = camera_in_slot(document.project, slot) if slot is not None else None

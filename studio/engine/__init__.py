@@ -1,1 +1,1 @@
-"""Background work: the newest request wins, results are values."""
+"""Background work of the window: the newest request wins, results are immutable values."""

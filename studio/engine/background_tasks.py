@@ -1,4 +1,4 @@
-"""TaskRunner: one-off jobs beside the window, with progress, cancelling and one way to fail."""
+"""TaskRunner: one-off jobs in the background, with progress, cancellation and error reports."""
 
 import itertools
 import logging
@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from PySide6.QtCore import QObject, Qt, Signal, SignalInstance
 
-from studio.core.errors import StudioError
+from studio.core.errors import INTERNAL_ERROR, StudioError
 
 Result = TypeVar("Result")
 CLOSE_WAIT_SECONDS = 0.25
@@ -20,25 +20,25 @@ _log = logging.getLogger(__name__)
 
 
 def join_all(threads: Iterable[threading.Thread], patience: float) -> None:
-    """Wait for threads, ``patience`` seconds for all of them; who is not ready then ends with the process."""
+    """Wait for threads, ``patience`` seconds for all of them; later ones end with the process."""
     end = time.monotonic() + patience
     for thread in threads:
         thread.join(max(end - time.monotonic(), 0.0))
 
 
 class CancelledError(Exception):
-    """The user does not want the job's result any more."""
+    """Cancellation of a job by the user."""
 
 
 class Progress:
-    """A job's way to tell how far it is; every report is a moment at which it may be cancelled."""
+    """Progress of a job; every report is a point at which the job may be cancelled."""
 
     def __init__(self, tell: Callable[[float, str], None]) -> None:
         self._tell = tell
         self._cancelled = threading.Event()
 
     def report(self, fraction: float, text: str = "") -> None:
-        """Tell ``fraction`` (0 to 1) and what is being done. Raises CancelledError once it is cancelled."""
+        """Report ``fraction`` (0 to 1) and a text. Raises CancelledError once the job is cancelled."""
         if self._cancelled.is_set():
             raise CancelledError
         self._tell(fraction, text)
@@ -46,7 +46,7 @@ class Progress:
     __call__ = report
 
     def cancel(self) -> None:
-        """Let the next report raise."""
+        """Make the next report raise CancelledError."""
         self._cancelled.set()
 
 
@@ -60,7 +60,7 @@ class _Task:
 
 
 class TaskRunner(QObject):
-    """Each job runs in a thread of its own; its signals and its ``on_done`` come on the window's thread."""
+    """Runner of jobs, each in a thread of its own; its signals and ``on_done`` arrive on the window's thread."""
 
     started = Signal(int, str)
     progressed = Signal(int, float, str)
@@ -78,7 +78,7 @@ class TaskRunner(QObject):
 
     @property
     def running(self) -> tuple[int, ...]:
-        """The ids of the jobs that have not ended."""
+        """Ids of the jobs that have not ended."""
         return tuple(self._tasks)
 
     def run(
@@ -88,9 +88,9 @@ class TaskRunner(QObject):
         on_done: Callable[[Result], object] = lambda _result: None,
         on_error: Callable[[StudioError], object] = lambda _error: None,
     ) -> int:
-        """Run ``job(progress)``, then ``on_done`` unless it failed or was cancelled. Returns the job's id.
+        """Run ``job(progress)``, then ``on_done`` unless it failed or was cancelled; returns the job's id.
 
-        ``on_error`` is called after ``failed`` with an error meant for the user, where there is more to offer.
+        ``on_error`` is called after ``failed`` with an error meant for the user, to offer further actions.
         """
         number = next(self._numbers)
         progress = Progress(lambda fraction, text: self._tell(self.progressed, number, fraction, text))
@@ -109,7 +109,7 @@ class TaskRunner(QObject):
         return number
 
     def cancel(self, task_id: int) -> None:
-        """Ask a job to stop; ``cancelled`` tells when it has. One that has ended is left alone."""
+        """Ask a job to stop; ``cancelled`` is emitted when it has. Does nothing for one that has ended."""
         if task_id in self._tasks:
             self._tasks[task_id].progress.cancel()
 
@@ -124,7 +124,7 @@ class TaskRunner(QObject):
         self._tasks.clear()
 
     def _tell(self, signal: SignalInstance, *values: object) -> None:
-        """From a job's thread, which may outlive the runner."""
+        """Emit a signal from a job's thread, which may outlive the runner."""
         with self._telling:
             if not self._closed:
                 signal.emit(*values)
@@ -146,6 +146,6 @@ class TaskRunner(QObject):
             task.on_error(sentence)
         except Exception as fault:  # noqa: BLE001 - told to the user and logged with its stack
             _log.exception("%s failed", task.title)
-            self.failed.emit(number, f"{task.title} failed (internal error: {type(fault).__name__}: {fault}).")
+            self.failed.emit(number, f"{task.title} failed ({INTERNAL_ERROR}: {type(fault).__name__}: {fault}).")
         else:
             self.finished.emit(number, result)

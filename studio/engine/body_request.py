@@ -39,7 +39,7 @@ Skin = tuple[SkinnedMesh, Morphology, Morphology]
 
 @dataclass(frozen=True)
 class BodyRequest:
-    """Everything that one performer's result depends on: if two are equal, no new solve is needed."""
+    """Dependencies of one performer's result: if two are equal, no new solve is needed."""
 
     performer: Performer = field(compare=False)
     motions: tuple[tuple[int, Clip, tuple[ContactInterval, ...]], ...]
@@ -60,7 +60,7 @@ class BodyRequest:
     """Corrections in seconds of the motion of the row."""
 
     def stands_as(self, other: "BodyRequest | None") -> bool:
-        """True if a body's grounding equals another one's."""
+        """True if the grounded motion is the same as another one's."""
         mine = self.motions, self.layers, self.morphology, self.ground, self.skin, self.limited, self.clears
         return other is not None and mine == (
             other.motions, other.layers, other.morphology, other.ground, other.skin, other.limited, other.clears
@@ -94,7 +94,7 @@ def body_request_of(project: Project, key: str, cycle: tuple[str, ...], result_o
 
 
 def player_of(project: Project, key: str, wanted: BodyRequest, prepare: Prepare) -> CycleMember:
-    """A performer with its request; what costs time is done here, in whatever thread asks."""
+    """Performer with its request; slow, to be called in the background."""
 
     def prepared(motion_id: str) -> tuple[NormalizedMotion, Morphology]:
         return prepare(project.captures[project.motions[motion_id].capture_id])

@@ -1,4 +1,4 @@
-"""Frames of reference footage, read beside the window; the last ones are kept in bounded memory."""
+"""Frames of reference footage, read in the background and cached in bounded memory."""
 
 import threading
 from collections import OrderedDict
@@ -35,7 +35,7 @@ class FootageFrame:
 
 
 class FootageFrames(QObject):
-    """One thread reads what was asked for last, then reads ahead."""
+    """Cache of frames whose thread reads the latest request first, then reads ahead."""
 
     frame_ready = Signal()
     """The frame that was asked for last can be had."""
@@ -57,11 +57,11 @@ class FootageFrames(QObject):
 
     @property
     def bytes_kept(self) -> int:
-        """Bytes of the frames that are kept."""
+        """Bytes of the cached frames."""
         return self._bytes
 
     def picture(self, frame: FootageFrame) -> Picture | None:
-        """Picture of a frame; None where it is read first, until ``frame_ready``."""
+        """Picture of a frame; None until it is read and ``frame_ready`` is emitted."""
         with self._changed:
             self._wanted = frame
             self._changed.notify()
@@ -72,6 +72,13 @@ class FootageFrames(QObject):
             self._thread = threading.Thread(target=self._serve, name="footage", daemon=True)
             self._thread.start()
         return found
+
+    def try_again(self, path: Path) -> None:
+        """Read a file anew that is another one by now, or could not be read."""
+        with self._changed:
+            self._refused.discard(path)
+            self._bytes -= sum(self._kept.pop(key).nbytes for key in [key for key in self._kept if key[0] == path])
+            self._changed.notify()
 
     def close(self) -> None:
         """End the thread, and the process from which it reads."""
@@ -106,7 +113,7 @@ class FootageFrames(QObject):
         return next((k for k in range(first, last + 1) if (wanted.path, k) not in self._kept), None)
 
     def _read(self, frame: FootageFrame, index: int) -> None:
-        """Read the next frame of the file on the way to ``index``; from there, where that is faster."""
+        """Read the next frame of the file on the way to ``index``, or from ``index`` if seeking is faster."""
         if self._place is None or self._place[0] != frame.path or not 0 <= index - self._place[1] <= WORTH_READING_ON:
             self._let_go()
             self._reading, self._place = footage_frames(frame.path, frame.file_rate, index), (frame.path, index)

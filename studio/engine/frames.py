@@ -4,7 +4,8 @@ A frame is solved from its own pose alone (``core.solver.adapt.hold``), so it eq
 for temporal smoothing. Performers that are being edited are solved before the picture is drawn, on the window's own
 thread: that costs less than a message to another thread, and the body follows the mouse in the same picture. The others
 are solved in the background while that picture is drawn, half of them at a time, and appear in the next. The cost of a
-frame is measured every time, on either thread: a body that was slow once returns to this thread once it is fast enough.
+frame is measured every time, on either thread: a body that was slow once returns to this thread as soon as it is fast
+enough.
 """
 
 import time
@@ -43,7 +44,7 @@ how many frames cost what it costs to join one more clip, or one more time that 
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """A row of a performer's motion as ``project`` asks it; ``asked_at`` as ``Live.asked_at``."""
+    """Row of a performer's motion solved for ``project``; ``asked_at`` as in ``Live.asked_at``."""
 
     project: Project
     wanted: BodyRequest
@@ -82,7 +83,7 @@ class Instant:
     solve: Solve
 
     def solved(self, cycle: Cycle) -> Outcome:
-        """The frames of a circle as they are asked now."""
+        """Frames of a cycle for the present requests."""
         begun, project = time.thread_time(), self.project
         rows = {key: row_at(project, project.performers[key], self.seconds) for key in cycle}
         asked = {key: body_request_of(project, key, cycle, self._seen) for key in cycle}

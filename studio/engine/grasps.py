@@ -1,4 +1,4 @@
-"""Moments in which captured hands hold a thing: where it is, and how high."""
+"""Moments in which captured hands hold a thing: its position and height."""
 
 import math
 from dataclasses import dataclass
@@ -20,9 +20,9 @@ GRASP_SAMPLES = 16
 
 @dataclass(frozen=True)
 class Grasp:
-    """A body that holds a thing at one moment: ``seconds`` of the stage, and the holder's pose.
+    """Moment in which a body holds a thing: ``seconds`` of the stage, and the holder's pose.
 
-    ``lowest`` is the least height of the middle of its hands above the ground while it holds it, in metres.
+    ``lowest`` is the least height of the middle of its hands above the ground during the hold, in metres.
     """
 
     seconds: float
@@ -30,12 +30,12 @@ class Grasp:
     lowest: float
 
     def lift(self, prop: Prop) -> float:
-        """Metres by which the prop is held above the middle of the hands, for it not to go into the ground."""
+        """Height in metres of the prop above the middle of the hands that keeps it out of the ground."""
         return max(prop.size[2] / 2 - self.lowest, 0.0)
 
 
 def grasp_near(project: Project, results: Results, performer_id: str, now: float) -> Grasp | None:
-    """The grasp of a performer at a second of the stage, else the next one, else the last."""
+    """Grasp of a performer at a second of the stage, else the next one, else the last."""
     spans = captured_grasps(project, performer_id)
     if not spans:
         return None
@@ -44,7 +44,7 @@ def grasp_near(project: Project, results: Results, performer_id: str, now: float
 
 
 def grasp_at(project: Project, results: Results, performer_id: str, now: float) -> Grasp | None:
-    """The grasp of a performer at a second of the stage, or as soon as hands reach a thing from then."""
+    """Grasp of a performer at a second of the stage, or the next one."""
     for first, last in captured_grasps(project, performer_id):
         if first - HAND_REACH_SECONDS <= now <= last:
             return _grasp(project, results, performer_id, (first, last), max(first, now))
@@ -64,7 +64,7 @@ def _grasp(
 
 
 def captured_grasps(project: Project, performer_id: str) -> list[tuple[float, float]]:
-    """Spans of stage seconds in which a performer's clips, as captured, hold a thing in both hands."""
+    """Ranges of stage seconds in which a performer's clips, as captured, hold a thing in both hands."""
     performer = project.performers.get(performer_id)
     spans = []
     for clip in performer.clips if performer else ():
@@ -78,14 +78,14 @@ def captured_grasps(project: Project, performer_id: str) -> list[tuple[float, fl
 
 
 def chest_heading(holder: Posed) -> float:
-    """Radians about Z on the stage in which a chest faces."""
+    """Heading of a chest on the stage, radians about Z."""
     layout = holder.motion.morphology.layout
     ahead = holder.placement.rotation @ holder.motion.rotations[holder.row, layout.segment(BodyPart.THORAX), :, 0]
     return math.atan2(ahead[1], ahead[0])
 
 
 def captured_grasp(holder: Posed) -> FloatArray:
-    """(3,) middle of the hands on the stage, as the motion has them without constraints."""
+    """(3,) middle of the hands on the stage, in the motion before constraints."""
     from studio.core.solver.performers.prop_tracks import Holder  # loads kernels
 
     track = Holder(holder.over_time, [holder.frame - holder.over_time.first_frame], holder.placement)

@@ -1,4 +1,4 @@
-"""Hand: time of the last mouse move of a drag, however late the window handles its event."""
+"""Hand: time of the last mouse move of a drag, independent of when the window handles its event."""
 
 import time
 
@@ -28,7 +28,7 @@ class Hand(QObject):
 
     @property
     def moved_at(self) -> float:
-        """Time (``time.monotonic``) of the last mouse move with a button down; now if unknown."""
+        """Time (``time.monotonic``) of the last mouse move with a button down; the present time if unknown."""
         return time.monotonic() if self._moved_at is None else self._moved_at
 
     def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
@@ -64,6 +64,8 @@ class Rest(QTimer):
 
 
 def when(milliseconds: int) -> float:
-    """Time (``time.monotonic``) of an event whose clock starts with the machine; now if that is not plausible."""
+    """Time (``time.monotonic``) of an event whose clock starts with the machine; the present time if that is not
+    plausible.
+    """
     now = time.monotonic()
     return 0.001 * milliseconds if 0.0 <= now - 0.001 * milliseconds < LATEST_EVENT else now

@@ -39,7 +39,7 @@ Realise = Callable[[NormalizedMotion, Morphology], AdaptedMotion]
 
 
 def normalised(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
-    """The capture's motion, and the measures of its actor."""
+    """Normalised motion of a capture, and the measures of its actor."""
     from studio.core.normalized.normalize import normalize
 
     motion, actor = normalize(capture)
@@ -47,7 +47,7 @@ def normalised(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
 
 
 def as_recorded(motion: NormalizedMotion, actor: Morphology) -> AdaptedMotion:
-    """The motion on the body it was recorded from."""
+    """Motion on the body with which it was recorded."""
     from studio.core.normalized.realize import realize
 
     positions, rotations = realize(motion, actor, play=True)
@@ -56,7 +56,7 @@ def as_recorded(motion: NormalizedMotion, actor: Morphology) -> AdaptedMotion:
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A worker's answers by performer, to what, when that was asked (``time.monotonic``), whether for whole motions."""
+    """Results of a worker by performer: the requests, their time (``time.monotonic``), and True for whole motions."""
 
     adapted: Mapping[str, AdaptedMotion]
     wanted: Mapping[str, BodyRequest]
@@ -65,7 +65,7 @@ class Solved:
 
 
 class LiveAdaptation(QObject):
-    """Asks for a solve whenever something changes that a visible performer depends on."""
+    """Requests a solve whenever a dependency of a visible performer changes."""
 
     adapted = Signal(str)
     reported_changed = Signal()
@@ -82,7 +82,7 @@ class LiveAdaptation(QObject):
         workers: int | None = None,
         warm_up: WarmUp | None = None,
     ) -> None:
-        """No solve begins before the kernels it needs are there."""
+        """Solves wait until the kernels that they need are compiled."""
         super().__init__(parent)
         self._document = document
         self._prepare = SolveCache(prepare)
@@ -167,7 +167,7 @@ class LiveAdaptation(QObject):
         return self._failures.get(performer_id, "")
 
     def result(self, performer_id: str) -> AdaptedMotion | None:
-        """The newest whole-clip result; while dragging, with the newest window in its place."""
+        """Newest whole-clip result; while dragging, with the newest window merged into it."""
         return self._results.get(performer_id)
 
     def bring(self, seconds: float) -> None:
@@ -186,7 +186,7 @@ class LiveAdaptation(QObject):
             self._beside.request(_FRAMES, self._document.revision, left)
 
     def _edited_first(self, project: Project) -> tuple[list[Cycle], list[Cycle]]:
-        """Performers who are worked on and whom these follow, then all others; leaders before who follows."""
+        """Edited performers and those that they follow, then all others; leaders before their followers."""
         cycles = [cycle for cycle in _cycles_of(project) if self._kernels.can_solve(project, cycle)]
         playing = [key for cycle in cycles for key in cycle]
         active = [key for key in playing if key == self._document.active_performer_id]
@@ -194,7 +194,7 @@ class LiveAdaptation(QObject):
         return [each for each in first if each in cycles], [each for each in cycles if each not in first]
 
     def _selected(self, performer_ids: Iterable[str]) -> list[str]:
-        """Performers who are worked on: the selected ones, else the one that is active."""
+        """Edited performers: the selected ones, else the active one."""
         selected = {*self._document.selection.of("performers")} or {self._document.active_performer_id or ""}
         return [key for key in performer_ids if key in selected]
 
@@ -215,7 +215,7 @@ class LiveAdaptation(QObject):
         return frame is None or not (frame.wanted.eased and frame.wanted.asked)
 
     def reported(self, performer_id: str) -> AdaptedMotion | None:
-        """As ``Live.reported``: read anew a tenth of a second after results have come, or have become out of date."""
+        """As ``Live.reported``: updated a tenth of a second after results have arrived, or have become out of date."""
         told = self._told.get(performer_id)
         if self.interactive:
             return told
@@ -240,7 +240,7 @@ class LiveAdaptation(QObject):
         self.reported_changed.emit()
 
     def motion(self, motion_id: str) -> NormalizedMotion:
-        """A motion of the project without its actor's body."""
+        """Normalised motion of the project."""
         project = self._document.project
         return self._prepare(project.captures[project.motions[motion_id].capture_id])[0]
 
@@ -260,18 +260,18 @@ class LiveAdaptation(QObject):
         return known[1]
 
     def show_until_solved(self, motions: Mapping[str, AdaptedMotion]) -> None:
-        """Show what is known already of performers, whose solves may have to wait for the kernels."""
+        """Show known results of performers whose solves may have to wait for the kernels."""
         for key in motions.keys() & {key for cycle in self._circles for key in cycle}:
             self._results[key] = motions[key]
             self.adapted.emit(key)
 
     def expect(self, capture: Capture) -> None:
-        """Start normalising a capture in the background before it is shown; from any thread."""
+        """Start normalising a capture in the background before it is shown; may be called from any thread."""
         if capture.body_map is not None:
             self._scheduler.request(f"{_EXPECTED}{id(capture)}", 0, lambda: self._prepared(capture))
 
     def wait(self, timeout: float = 10.0) -> bool:
-        """Run the event loop until all is solved and told; False when ``timeout`` seconds are not enough."""
+        """Run the event loop until everything is solved and reported; False after ``timeout`` seconds."""
         end = time.monotonic() + timeout
         while self._kernels.awaited or self._turn.isActive() or self._rest.isActive() or self._works:
             if time.monotonic() > end:
@@ -301,7 +301,7 @@ class LiveAdaptation(QObject):
         self._scheduler.close()
 
     def _play_changed(self, running: bool) -> None:
-        """While the stage plays live its worker solves what is asked; afterwards whole motions are."""
+        """Pause requests while the stage plays live, since its worker solves the frames; resume them afterwards."""
         if not running:
             self._schedule("performers", "")
 
@@ -332,7 +332,7 @@ class LiveAdaptation(QObject):
         self._refresh(whole=True)
 
     def _refresh(self, whole: bool) -> None:
-        """Ask for all that has changed: ``whole`` motions, or windows as long as a hand moves."""
+        """Request all that has changed: ``whole`` motions, or windows during a drag."""
         project = self._document.project
         cycles = _cycles_of(project)
         self._leaders = {leader for cycle in cycles for key in cycle for leader in leaders_of(project, key) - {*cycle}}
@@ -369,8 +369,8 @@ class LiveAdaptation(QObject):
     def _stages(
         self, project: Project, cycle: tuple[str, ...], wanted: Mapping[str, BodyRequest], whole: bool
     ) -> tuple[Callable[[], Solved], ...]:
-        """Stages of a solve: all frames, or first the frames round the playhead, unsmoothed, where the rest is
-        unchanged.
+        """Stages of a solve: all frames, or first the frames round the playhead, unsmoothed, if the
+        rest is unchanged.
         """
         asked_at, base = self._changed_at, self._results.get(cycle[0])
         if whole or base is None or not _fits(base, wanted[cycle[0]], project):
@@ -390,7 +390,7 @@ class LiveAdaptation(QObject):
         return (window,)
 
     def _prepared(self, capture: Capture) -> tuple[NormalizedMotion, Morphology]:
-        """A capture without its actor's body, for a worker: it waits for the kernels."""
+        """Normalised motion of a capture, for a worker, which waits for the kernels."""
         self._kernels.join_grounded()
         return self._prepare(capture)
 
@@ -472,7 +472,7 @@ def _raise(_key: str, _revision: int, error: Exception) -> None:
 
 
 def _cycles_of(project: Project) -> tuple[tuple[str, ...], ...]:
-    """All who play on the stage, leaders first; those who follow each other together."""
+    """Cycles of all performers that play on the stage, leaders first."""
     playing = [
         key
         for key, item in project.performers.items()
@@ -482,7 +482,7 @@ def _cycles_of(project: Project) -> tuple[tuple[str, ...], ...]:
 
 
 def merged(whole: AdaptedMotion, window: AdaptedMotion) -> AdaptedMotion:
-    """``whole`` with the frames of ``window`` in their place; both have the same constraints and layout."""
+    """``whole`` with the frames of ``window`` replaced; both have the same constraints and layout."""
     frames = slice(window.first_frame, window.first_frame + window.frame_count)
     arrays = {name: getattr(whole, name).copy() for name in ("positions", "rotations", "residuals")}
     arrays["positions"][frames] = window.positions[:]

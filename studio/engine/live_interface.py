@@ -18,7 +18,7 @@ class Live(Protocol):
 
     @property
     def adapted(self) -> SignalInstance:
-        """Signal(str): a newer result of that performer is there."""
+        """Signal(str): a newer result of that performer is available."""
 
     @property
     def ready(self) -> bool:
@@ -61,7 +61,7 @@ class Live(Protocol):
         """
 
     def shown(self, performer_id: str) -> AdaptedMotion | None:
-        """Pose for a picture: the frame that ``bring`` has solved, else the newest adapted motion."""
+        """Pose for a picture: the frame solved by ``bring``, else the newest adapted motion."""
 
     def is_eased(self, performer_id: str) -> bool:
         """True if the result of ``shown`` is smoothed as requested; a solved frame is not."""

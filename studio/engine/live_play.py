@@ -1,4 +1,4 @@
-"""LivePlay: the document's stage played live on a worker, a frame at a time, while everything may be edited."""
+"""LivePlay: the document's stage played live by a worker, frame by frame, while it can be edited."""
 
 import threading
 import time
@@ -42,7 +42,7 @@ class StageSnapshot:
 
 
 class LivePlay(QObject):
-    """Begins, feeds and ends the worker. The document's newest project is taken in with the next step."""
+    """Starts, feeds and stops the worker. Each step uses the document's newest project."""
 
     running_changed = Signal(bool)
     recording_changed = Signal(bool)
@@ -83,11 +83,11 @@ class LivePlay(QObject):
 
     @property
     def seconds(self) -> float:
-        """Seconds of the stage; where it does not play, of the playhead."""
+        """Seconds of the stage; those of the playhead while it does not play."""
         return self._document.playhead.time if self.moment is None else self.moment.seconds
 
     def begin(self) -> bool:
-        """Everybody begins with what it plays at the playhead; False while the solver is being prepared."""
+        """Start live play, every performer with the clip at the playhead; False while the kernels are not compiled."""
         if not self._ready():
             self.running_changed.emit(False)
             return False
@@ -102,7 +102,7 @@ class LivePlay(QObject):
         return True
 
     def record(self) -> None:
-        """Begin a recording, or end the present one."""
+        """Start a recording, or end the present one."""
         if self.recording:
             self._end_recording()
         elif self._worker is not None:
@@ -119,7 +119,7 @@ class LivePlay(QObject):
                 self.recorded.emit(take)
 
     def end(self) -> None:
-        """Stop, and end a recording; the playhead is where it was."""
+        """Stop, and end a recording; the playhead returns to its former time."""
         if self.recording:
             self._end_recording()
         worker, self._worker, self.moment = self._worker, None, None
@@ -131,7 +131,7 @@ class LivePlay(QObject):
             self.running_changed.emit(False)
 
     def drawn(self) -> None:
-        """Let the next step begin, since a picture shows the newest one."""
+        """Allow the next step, because the newest one has been drawn."""
         if self._worker is not None:
             self._worker.drawn.set()
 
@@ -187,7 +187,7 @@ class LivePlay(QObject):
 
 
 class _Worker:
-    """Steps the stage along the clock, in a thread of its own."""
+    """Steps the stage by the clock, in a thread of its own."""
 
     def __init__(self, stage: "LiveStage", made: Callable[[], object], broken: Callable[[Exception], object]) -> None:
         self.project = stage.project
@@ -208,12 +208,12 @@ class _Worker:
         join_all([self._thread], CLOSE_WAIT_SECONDS)
 
     def take(self) -> StageSnapshot | None:
-        """The newest moment."""
+        """Newest snapshot."""
         self._seen = True
         return self._newest
 
     def ask(self, question: "Callable[[LiveStage], object]") -> object:
-        """Answer of the stage between two steps; None where it has failed."""
+        """Answer of the stage to a question, evaluated between two steps; None if the stage has failed."""
         answers: list[object] = []
         answered = threading.Event()
 

@@ -1,4 +1,4 @@
-"""A performer at a moment, and what its constraints ask of it then: where keyed and followed targets are."""
+"""A performer at one moment, and the present targets of its constraints, keyed and followed ones included."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -72,7 +72,7 @@ class TargetContext:
         return None if track is None else own.moved(self.performer_id, self._in_legs(track.places[0], place))
 
     def _moved_own(self, target: Place, own: OwnPlace, begin: Vector, place: Vector) -> Place:
-        """A per-character target moved from ``begin``, where it is now, to ``place``."""
+        """Per-character target moved from its present position ``begin`` to ``place``."""
         further = self._in_legs(begin, place)
         if isinstance(target, KeyedOwnPlace):
             return target.moved_at(self.pose.seconds, self.performer_id, further)
@@ -131,7 +131,7 @@ class TargetContext:
         return None
 
     def _own_track(self, place: OwnPlace, unasked: Unasked) -> Track:
-        """A place that is the body's own, in the space of the motion that plays."""
+        """Per-character position, in the space of the playing motion."""
         from studio.core.solver.performers.followed_tracks import own_track  # as above
 
         pose, body = self.pose, self.pose.motion.body
@@ -145,7 +145,7 @@ class TargetContext:
         return Track(places + body.leg_length * np.array(place.offset), track.rotations)
 
     def outline(self) -> FloatArray | None:
-        """(N, 2) the outline of what stands now, in the motion's space; None where nothing does."""
+        """(N, 2) outline of the present contacts, in the motion's space; None without contacts."""
         from studio.core.solver.standing.support import corners, outlines, standing_mask  # as above
 
         motion, row = self.pose.motion, slice(self.pose.row, self.pose.row + 1)

@@ -31,7 +31,7 @@ Results = Callable[[str], AdaptedMotion | None]
 
 
 def motion_time(clip: Clip, frame_rate: float, time: float) -> float:
-    """Seconds of the clip's motion that play at stage ``time``, held at the clip's ends; of its first repeat."""
+    """Seconds of the clip's motion, in its first repeat, that play at stage ``time``, clamped to the clip."""
     seconds = float(clip.motion_seconds(time, frame_rate))
     return min(max(seconds, clip.first / frame_rate), clip.last / frame_rate)
 
@@ -49,7 +49,7 @@ def row_at(motion: AdaptedMotion, timing: Timing | None, time: float) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Posed:
-    """A performer at a moment: its motion, which row of it, and where it stands."""
+    """Performer at one moment: its motion, the row of it, and its placement."""
 
     performer: Performer
     motion: AdaptedMotion
@@ -67,17 +67,17 @@ class Posed:
 
     @property
     def frame(self) -> int:
-        """The frame of the whole motion."""
+        """Frame of the whole motion."""
         return self.row + self.motion.first_frame
 
     @property
     def over_time(self) -> AdaptedMotion:
-        """The newest motion that has more than the frame that is shown, if there is one."""
+        """Newest motion with more frames than the shown one, if there is one."""
         return self.around or self.motion
 
     @cached_property
     def points(self) -> FloatArray:
-        """(K+23, 3) the canonical points on the stage."""
+        """(K+23, 3) canonical points on the stage."""
         return self.placement.to_stage(self.motion.positions[self.row])
 
     def is_as_in(self, newer: AdaptedMotion) -> bool:
@@ -98,7 +98,7 @@ class Posed:
 
     @cached_property
     def seconds(self) -> float:
-        """The time that it shows of the motion that plays."""
+        """Seconds of the playing motion."""
         frame, composite = self.frame, self.motion.composite
         if composite is None or composite.is_plain:
             return frame / self.motion.frame_rate
@@ -107,13 +107,15 @@ class Posed:
 
     @cached_property
     def clip(self) -> Clip | None:
-        """The clip that plays."""
+        """Playing clip."""
         clips, played = self.performer.clips, self.played
         place = played.piece.origin[0] if played else 0
         return clips[min(place, len(clips) - 1)] if clips else None
 
     def grip(self, own: float) -> float:
-        """From -1, open, to 1, fists: as the clips that play about now say, else as props need it, else its ``own``."""
+        """Grip from -1, open, to 1, fists: that of the playing clips or, without one, of held props,
+        else its ``own``.
+        """
         own += self.holding * (self.holding_grip - own)
         clips, composite = self.performer.clips, self.motion.composite
         if composite is None or all(clip.grip is None for clip in clips):
@@ -134,7 +136,7 @@ class Posed:
 
     @property
     def motion_id(self) -> str | None:
-        """The motion that plays."""
+        """Id of the playing motion."""
         return self.clip.motion_id if self.clip else None
 
 
@@ -147,7 +149,7 @@ def pose_of(project: Project, performer: Performer, motion: AdaptedMotion, time:
 def posed_performers(
     project: Project, result_of: Results, time: float, around: Results = lambda _: None
 ) -> dict[str, Posed]:
-    """Every visible performer that has an adapted motion, at stage ``time``; ``around`` as ``Posed`` has it."""
+    """Pose of every visible performer that has an adapted motion, at stage ``time``; ``around`` as in ``Posed``."""
     posed = {}
     for performer_id, performer in project.performers.items():
         character = project.characters.get(performer.character_id) if performer.visible else None
@@ -165,7 +167,7 @@ def posed_performers(
 
 
 def _holding(project: Project, performer_id: str, time: float) -> tuple[float, float]:
-    """Weight from 0 to 1 with which a performer's hands hold a prop at a second of the stage, and their grip on it."""
+    """Weight from 0 to 1 of a performer's hold of a prop at a second of the stage, and the grip for it."""
     found = (0.0, 0.0)
     for prop in project.props.values():
         for hold in prop.holds:
@@ -188,8 +190,8 @@ def seen_now(document: Document, live: Live) -> tuple[Project, float, dict[str, 
 
 
 def root_paths(project: Project, result_of: Results) -> dict[str, FloatArray]:
-    """(T, 2) metres by which the root of each performer that has an adapted motion is away from its place on the stage,
-    as it faces where its motion does, from the beginning to the end of all clips.
+    """(T, 2) displacement in metres, over all clips, of the root of each performer that has an adapted motion from its
+    position on the stage, in the axes of its placement.
     """
     clips = [clip for performer in project.performers.values() for clip in performer.clips]
     end = max((clip.start + clip.length(project.frame_rate_of(clip)) for clip in clips), default=0.0)
@@ -204,7 +206,7 @@ def root_paths(project: Project, result_of: Results) -> dict[str, FloatArray]:
 
 
 def resting_performers(project: Project, posed: Mapping[str, Posed]) -> dict[str, Posed]:
-    """Rest pose, at its place on the stage, of every visible performer that is not in ``posed``."""
+    """Rest pose, at its position on the stage, of every visible performer that is not in ``posed``."""
     resting = {}
     for performer_id, performer in project.performers.items():
         character = project.characters.get(performer.character_id) if performer.visible else None

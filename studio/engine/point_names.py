@@ -34,6 +34,6 @@ POINT_NAMES: dict[tuple[BodyPart, bool], str] = {
 
 
 def point_words(point: BodyPoint) -> str:
-    """``right wrist``; an origin or end without a name of its own goes by its part."""
+    """Label of a point: ``right wrist``; an origin or end without a name of its own has the name of its part."""
     plain = point.part.label.lower() + (" end" if point.at_end else "")
     return POINT_NAMES.get((point.part, point.at_end), plain)

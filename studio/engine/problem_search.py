@@ -1,21 +1,24 @@
-"""Summary and problems of the stage, measured beside the window and kept up to date while somebody looks."""
+"""Summary and problems of the stage, measured in the background and kept up to date while shown."""
 
+import logging
 from functools import partial
 
 from PySide6.QtCore import QObject, QThreadPool, QTimer, Signal
 
+from studio.core.errors import INTERNAL_ERROR
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.engine.quality_summary import FoundProblem, SummaryRow, problems_in, summary_of
 
+_log = logging.getLogger(__name__)
 REST_MS = 300
 """Milliseconds without a new result after which the stage is measured."""
 
 
 class ProblemSearch(QObject):
-    """``rows`` and ``problems`` of the newest results that were measured."""
+    """Search whose ``rows`` and ``problems`` are those of the newest measured results."""
 
     found = Signal()
     """``rows`` and ``problems`` are new."""
@@ -40,7 +43,7 @@ class ProblemSearch(QObject):
         document.project_opened.connect(self._changed)
 
     def want(self, wanted: bool) -> None:
-        """Keep the summary up to date, or rest."""
+        """Turn keeping the summary up to date on or off."""
         self._wanted = wanted
         if wanted and not self._is_fresh:
             self._rest.start(0)
@@ -53,7 +56,7 @@ class ProblemSearch(QObject):
         return self._is_fresh
 
     def close(self) -> None:
-        """Wait for what is measured."""
+        """Wait for the running measurement."""
         self._rest.stop()
         self._number += 1
         self._pool.waitForDone()
@@ -65,7 +68,7 @@ class ProblemSearch(QObject):
             self._rest.start()
 
     def _source_came(self, _: str) -> None:
-        """A capture on its actor's own body may be there now, beside which peaks are measured."""
+        """Measure again, since a capture on its actor's own body is available for comparing peaks."""
         if self._lacks_source and not self._live.interactive:
             self._changed()
 
@@ -83,10 +86,11 @@ class ProblemSearch(QObject):
     def _work(
         self, number: int, project: Project, motions: dict[str, AdaptedMotion], sources: dict[str, AdaptedMotion]
     ) -> None:
-        """In a thread of its own."""
+        """Measure, in a thread of its own."""
         try:
             self._measured.emit(number, summary_of(project, motions, sources))
         except Exception as error:  # noqa: BLE001 - a thread has nobody above it; the sentence is shown
+            _log.exception("The summary of problems failed")
             self._measured.emit(number, error)
 
     def _take(self, number: int, result: tuple[SummaryRow, ...] | Exception) -> None:
@@ -94,7 +98,7 @@ class ProblemSearch(QObject):
             return
         self._is_fresh, self._asked = True, False
         if isinstance(result, Exception):
-            self.failed.emit(f"The summary of problems failed (internal error: {result}). Nothing was changed.")
+            self.failed.emit(f"The summary of problems failed ({INTERNAL_ERROR}: {result}). Nothing was changed.")
             return
         self.rows, self.problems = result, problems_in(result)
         self.found.emit()

@@ -34,7 +34,7 @@ FINGERS_RAISED = 2.0 / 3.0
 
 @dataclass(frozen=True, eq=False)
 class PropPose:
-    """A prop whose centre is at ``place`` (3,) on the stage at ``time``, along the columns of ``axes`` (3, 3)."""
+    """Prop with its centre at ``place`` (3,) on the stage at ``time``, with the columns of ``axes`` (3, 3) as axes."""
 
     prop: Prop
     place: FloatArray
@@ -45,7 +45,7 @@ class PropPose:
 
 
 def prop_at(project: Project, posed: Mapping[str, Posed], prop_id: str, time: float) -> PropPose:
-    """A prop at stage ``time``, at which ``posed`` are all who perform."""
+    """Pose of a prop at stage ``time``; ``posed`` are all performers then."""
     from studio.core.solver.performers.prop_tracks import (  # not before it is needed: it loads kernels
         Holder,
         stage_track,
@@ -66,7 +66,7 @@ def prop_at(project: Project, posed: Mapping[str, Posed], prop_id: str, time: fl
 
 
 def props_at(project: Project, posed: Mapping[str, Posed], time: float) -> dict[str, PropPose]:
-    """All props at a moment, by id."""
+    """Poses of all props at one moment, by id."""
     return {key: prop_at(project, posed, key, time) for key in project.props}
 
 
@@ -91,9 +91,9 @@ def moved_prop(pose: PropPose, place: FloatArray) -> Prop:
 
 
 def turned_prop(pose: PropPose, rotation: FloatArray) -> Prop:
-    """The prop rotated further by ``rotation`` (3, 3) of the stage about its centre.
+    """Prop rotated further by ``rotation`` (3, 3) of the stage about its centre.
 
-    A rotation about Z changes its heading, so that a keyed heading may go round more than once; any other its tilt.
+    A rotation about Z changes its heading, so that a keyed heading may exceed a full turn; any other changes its tilt.
     """
     prop, level = pose.prop, is_about_z(rotation)
     angle = math.atan2(rotation[1, 0], rotation[0, 0])
@@ -117,7 +117,7 @@ def turned_prop(pose: PropPose, rotation: FloatArray) -> Prop:
 
 
 def further_heading(heading: float | KeyedNumber, angle: float, time: float) -> float | KeyedNumber:
-    """A heading ``angle`` radians on; keyed, at ``time``."""
+    """Heading increased by ``angle`` in radians; if it is keyed, at ``time``."""
     if isinstance(heading, KeyedNumber):
         return heading.with_key(time, float(heading.at([time])[0, 0]) + angle)
     return wrapped(heading + angle)
@@ -129,7 +129,7 @@ def is_about_z(rotation: FloatArray) -> bool:
 
 
 def tilt_of(pose: PropPose) -> FloatArray:
-    """Rotation (3, 3) before that about Z by the heading; none for a prop in a hand, which has no heading."""
+    """Rotation (3, 3) before that about Z by the heading; the identity for a prop in a hand, which has no heading."""
     prop = pose.prop
     held = None if prop.lies_at(pose.time) else prop.held_at(pose.time)
     if isinstance(held, InHand):
@@ -142,18 +142,18 @@ def tilt_of(pose: PropPose) -> FloatArray:
 
 
 def heading_of(pose: PropPose) -> float:
-    """Radians by which it is rotated about Z, after its tilt."""
+    """Rotation about Z in radians, after the tilt."""
     headed = pose.axes @ tilt_of(pose).T
     return math.atan2(headed[1, 0], headed[0, 0])
 
 
 def wrapped(angle: float) -> float:
-    """The same turn, within half a turn to either side."""
+    """Equal angle between -pi and pi."""
     return math.remainder(angle, 2.0 * math.pi)
 
 
 def unheld(pose: PropPose, *, keyed: bool) -> Prop:
-    """The prop as it is then, by itself: for good, or with a first key."""
+    """Prop with its present position as its own: fixed, or as a first key."""
     x, y, z = pose.place.tolist()
     position: Vector | KeyedPlace = (x, y, z)
     around = heading_of(pose)
@@ -189,7 +189,7 @@ def in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Posed) 
 def between_hands(
     prop: Prop, performer_id: str, holder: Posed, *, heading: float | None = None, lift: float | None = None
 ) -> Carried:
-    """Hold that carries a prop in both hands: between them if they are in front of the body, else moved to the front.
+    """Hold that carries a prop in both hands: between them if they are in front of the body, else steady before it.
 
     With a ``heading`` (radians on the stage) the prop faces the nearest of the four quarter turns from the chest's
     heading. With a ``lift`` it stays at the hands of the motion, that many metres above their middle.
@@ -204,15 +204,17 @@ def between_hands(
     else:
         track = carried_track(held, known.positions[:], known.rotations[:], body)
         ways = np.einsum("fji,fj->fi", track.rotations, track.places - known.positions[:, 0]) / body.leg_length
-        ahead, aside, up = ways.mean(axis=0).tolist()
+        ahead, _, up = ways.mean(axis=0).tolist()
         needed = CARRIED_AHEAD + prop.size[turned % 2] / 2 / body.leg_length
         if ahead < needed:
-            held = replace(held, offset=(needed - ahead, -aside, max(CARRIED_HEIGHT - up, 0.0)))
+            held = replace(held, offset=(needed, 0.0, max(CARRIED_HEIGHT, up)), steady=True)
     return replace(held, heading=wrapped(turned * math.pi / 2))
 
 
 def elevation_of_hands(pose: PropPose, holder: Posed) -> float:
-    """Radians by which fingers on a prop are raised: part of the rise from the middle of the shoulders to the prop."""
+    """Upward angle in radians of fingers on a prop: a part of the elevation of the prop from the middle of the
+    shoulders.
+    """
     layout = holder.motion.morphology.layout
     shoulders = holder.points[[layout.collar(side) + 1 for side in range(2)]].mean(axis=0)
     x, y, z = (pose.place - shoulders).tolist()
@@ -220,9 +222,9 @@ def elevation_of_hands(pose: PropPose, holder: Posed) -> float:
 
 
 def takes_lower(prop: Prop, giver: Carried, taker: Carried) -> bool:
-    """True if a receiver's hands come to the sides that the giver's hold, so that they have to go below them.
+    """True if a receiver's hands grip the same sides as the giver's, and so have to be below them.
 
-    Who has taken it so itself gives it to hands in the middle.
+    A giver who took the prop that way gives it to hands in the middle.
     """
     giving, taking = (quarters(each.heading) for each in (giver, taker))
     handed = sum(one.end == after.begin for one, after in itertools.pairwise(prop.holds))
@@ -230,7 +232,7 @@ def takes_lower(prop: Prop, giver: Carried, taker: Carried) -> bool:
 
 
 def wrists_from(pose: PropPose, holder: Posed) -> float:
-    """Metres from a body's wrists to a prop's surface, of the farther one."""
+    """Distance in metres of a body's farther wrist from a prop's surface."""
     layout = holder.motion.morphology.layout
     wrists = np.stack([holder.points[layout.wrist(side)] for side in range(2)])
     inside = np.abs((wrists - pose.place) @ pose.axes) - np.array(pose.prop.size) / 2

@@ -1,6 +1,6 @@
-"""Summary of how well everything holds on every body, and the problems in it, the worst first.
+"""Summary of residuals and defects on every body, and the problems in it, the worst first.
 
-A row is a constraint on a body, with what the body does while that acts, or a body's whole motion.
+A row is a constraint on a body, with the body's measures while it is active, or a body's whole motion.
 """
 
 from collections.abc import Iterator, Mapping
@@ -16,16 +16,17 @@ from studio.core.solver.performers.stage import asked_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
 from studio.engine.performance import stage_time
-from studio.engine.residual_measures import LENGTH_MEASURE, PEAK, Measure
+from studio.engine.residual_measures import LENGTH_MEASURE, PEAK, SKATE, Measure
 from studio.engine.residuals import worst_residual
 
 FloatArray = NDArray[np.float64]
 
 WHOLE_MOTION = "Whole motion"
-ASPECTS = ("residual", "slide", "penetration", "peak")
+ASPECTS = ("residual", "slide", "skate", "penetration", "peak")
 ASPECT_HINTS = {
     "residual": "Worst error while fully active",
     "slide": "Farthest that a standing heel, toe, hand, knee or seat has moved since its contact began",
+    "skate": "Farthest that a foot goes along the ground, standing or not, while it is near it and slower than a swing",
     "penetration": "Deepest that a standing point or the sole of a foot is below the ground",
     "peak": "Highest angular acceleration of a limb, beside the highest of the same limb in the capture",
 }
@@ -41,7 +42,7 @@ class Finding:
 
     @property
     def words(self) -> str:
-        """The amount with its unit."""
+        """Amount with its unit."""
         return self.measure.words(self.amount)
 
     @property
@@ -83,7 +84,7 @@ class FoundProblem:
 def summary_of(
     project: Project, motions: Mapping[str, AdaptedMotion], sources: Mapping[str, AdaptedMotion]
 ) -> tuple[SummaryRow, ...]:
-    """A row for each visible body with a result, and for each constraint on it; ``sources`` by motion."""
+    """One row for each visible body with a result, and for each constraint on it; ``sources`` by motion."""
     return tuple(
         row
         for key, performer in project.performers.items()
@@ -93,7 +94,7 @@ def summary_of(
 
 
 def problems_in(rows: tuple[SummaryRow, ...]) -> tuple[FoundProblem, ...]:
-    """The problems, the worst first: residuals of constraints, and the rest of whole motions."""
+    """Problems, the worst first: residuals of constraints, and the other aspects of whole motions."""
     found = [
         FoundProblem(row, aspect, finding)
         for row in rows
@@ -143,9 +144,9 @@ def _worst(values: FloatArray, times: FloatArray, measure: Measure) -> Finding |
 def _tracks(
     project: Project, performer_id: str, motion: AdaptedMotion, sources: Mapping[str, AdaptedMotion]
 ) -> dict[str, tuple[FloatArray, Measure]]:
-    """(F,) of each aspect but residuals, NaN where nothing is known, with its measure."""
+    """(F,) values and measure of each aspect except residuals, NaN where unknown."""
     from studio.core.quality.contact_tracks import contact_tracks  # not before a result is there: they load kernels
-    from studio.core.quality.metrics import swing_depths
+    from studio.core.quality.metrics import skate_distances, swing_depths
 
     performer = project.performers[performer_id]
     ground = project.ground.seen_from(performer.position, performer.heading)
@@ -155,6 +156,7 @@ def _tracks(
     depths = np.concatenate([-heights, swing_depths(motion, contacts, ground)])
     tracks = {
         "slide": (np.fmax.reduce(slides, axis=0), LENGTH_MEASURE),
+        "skate": (skate_distances(motion, ground).max(axis=0), SKATE),
         "penetration": (np.maximum(np.fmax.reduce(depths, axis=0), 0.0), LENGTH_MEASURE),
     }
     source = sources.get(performer.clips[0].motion_id)
@@ -164,7 +166,7 @@ def _tracks(
 
 
 def _peaks(motion: AdaptedMotion, source: AdaptedMotion) -> FloatArray:
-    """(F,) angular acceleration of the limb that turns most abruptly, in parts of its highest in the source."""
+    """(F,) greatest angular acceleration of a limb segment, as a fraction of its peak in the source."""
     from studio.core.normalized.transition import QUIET_PEAK
     from studio.core.quality.metrics import LIMB_BONES, angular_acceleration, turning_peaks
 

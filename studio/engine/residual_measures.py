@@ -4,6 +4,10 @@ import math
 from dataclasses import dataclass
 
 from studio.core.constraints.base import Constraint
+from studio.document.length_units import length_text
+
+WITH_DECIMAL = 9.95
+"""Amount in millimetres or degrees below which a decimal is shown."""
 
 
 @dataclass(frozen=True)
@@ -24,9 +28,10 @@ class Measure:
     def words(self, amount: float) -> str:
         """Amount as text: ``0.4 mm``, ``42 mm``, ``1.20 m``; ``0.4°``, ``42°``."""
         value = amount * self.factor
-        if self is LENGTH_MEASURE and value >= 1000.0:
-            return f"{amount:.2f} m"
-        return f"{value:.1f}{self.sign}" if value < 9.95 else f"{value:.0f}{self.sign}"
+        decimals = 1 if value < WITH_DECIMAL else 0
+        if self is LENGTH_MEASURE:
+            return length_text(amount, "m", 2) if value >= 1000.0 else length_text(amount, "mm", decimals)
+        return f"{value:.{decimals}f}{self.sign}"
 
     def weight(self, amount: float) -> float:
         """Badness of an amount relative to its visible tolerance: compares lengths with angles."""
@@ -34,6 +39,8 @@ class Measure:
 
 
 LENGTH_MEASURE = Measure(" mm", 1000.0, held_below=0.001, partly_below=0.020, worth_saying=0.005, worst_shown=0.1)
+SKATE = Measure(" mm", 1000.0, held_below=0.02, partly_below=0.2, worth_saying=0.1, worst_shown=0.5)
+"""Distance that a foot goes along the ground. Feet of captures go up to 9 cm as they land and leave."""
 ANGLE = Measure(
     "°",
     math.degrees(1.0),

@@ -1,7 +1,7 @@
 """Residual of a constraint on a body: one rule for every view.
 
-The residual is that of the worst frame in which the constraint is fully active, or, if it never is, of the worst in
-which it is active at all. A foot's constraint is fully active only where no contact holds that foot.
+The residual is that of the worst frame in which the constraint is fully active or, if there is none, of the worst in
+which it is active at all. A foot's constraint is fully active only where the foot has no contact.
 """
 
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ class Residual:
 
     @property
     def words(self) -> str:
-        """The amount with its unit."""
+        """Amount with its unit."""
         return self.measure.words(self.amount)
 
     @property
@@ -55,7 +55,7 @@ class Residual:
 
     @property
     def remark(self) -> str:
-        """Remark beside the number; mostly empty."""
+        """Remark beside the number; usually empty."""
         return "" if self.fully_active else "never fully active"
 
 

@@ -1,4 +1,4 @@
-"""Saving beside the window: the snapshot is taken now, a worker writes it, the document learns of it after."""
+"""Saving in the background: the snapshot is taken at once, a worker writes it, the document is notified."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -18,7 +18,7 @@ def save_in_background(
     on_saved: Callable[[], None] = lambda: None,
     on_error: Callable[[StudioError], None] = lambda _error: None,
 ) -> int:
-    """Start a save and return its task id. Raises StudioError at once when there is no place to save to."""
+    """Start a save and return its task id. Raises StudioError at once if there is no file to save to."""
     saving = document.saving(path, thumbnail, overwrite)
 
     def saved(stamp: Stamp) -> None:

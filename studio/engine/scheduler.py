@@ -1,4 +1,4 @@
-"""SolveScheduler: the newest request wins. Plain threads work; answers arrive on the window's thread."""
+"""SolveScheduler: the newest request wins. Plain threads work; results arrive on the window's thread."""
 
 import os
 import threading
@@ -30,10 +30,11 @@ class _Answer:
 
 
 class SolveScheduler(QObject):
-    """Runs requests by key: a newer one takes an older one's place; no key is ever worked on twice at once.
+    """Scheduler of requests by key: a newer request replaces an older one, and no key is solved twice at once.
 
-    A request has one or more stages; the first stages of all keys come before the second ones of any. Workers
-    hold values only. Answers are emitted on the thread that owns the scheduler, none older than was shown.
+    A request has one or more stages; the first stages of all keys come before the second ones of any. Workers hold
+    immutable values only. Results are emitted on the thread that owns the scheduler, never an older one after a newer
+    one.
     """
 
     answered = Signal(str, int, object)
@@ -64,7 +65,7 @@ class SolveScheduler(QObject):
             return bool(self._waiting or self._running or self._undelivered)
 
     def request(self, key: str, revision: int, *stages: Stage) -> None:
-        """Ask for ``stages`` in turn instead of what waits for this key; an older revision is ignored."""
+        """Replace the waiting request of this key by ``stages``, to be run in turn; an older revision is ignored."""
         with self._condition:
             if revision < self._newest.get(key, revision):
                 return
@@ -74,14 +75,14 @@ class SolveScheduler(QObject):
             self._condition.notify()
 
     def forget(self, key: str) -> None:
-        """Drop what waits for this key, and any answer that is on its way."""
+        """Drop the waiting request of this key, and any result under way."""
         with self._condition:
             self._order += 1
             self._waiting.pop(key, None)
             self._shown[key] = (self._order, 0)
 
     def close(self, patience: float = CLOSE_WAIT_SECONDS) -> None:
-        """Drop what waits, give what runs ``patience`` seconds to end. Nothing is emitted afterwards."""
+        """Drop waiting requests, and wait ``patience`` seconds for running ones. Nothing is emitted afterwards."""
         with self._condition:
             self._closed = True
             self._waiting.clear()
@@ -90,7 +91,7 @@ class SolveScheduler(QObject):
         self._done.disconnect(self._deliver)
 
     def _next(self) -> _Request | None:
-        """The request to work on: early stages first, then first come; None when the scheduler is closed."""
+        """Next request: early stages first, then in order of arrival; None when the scheduler is closed."""
         with self._condition:
             while not self._closed:
                 free = [item for key, item in self._waiting.items() if key not in self._running]
@@ -107,7 +108,7 @@ class SolveScheduler(QObject):
             pass
 
     def _work_once(self) -> bool:
-        """Wait for a request and work on it; a worker that waits for the next one holds nothing of it any more.
+        """Wait for a request and run it; nothing of it is referenced afterwards.
 
         Returns False once the scheduler is closed.
         """

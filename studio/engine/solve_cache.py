@@ -1,4 +1,4 @@
-"""Cache of costly results that depend on one immutable value only, kept while that value is in use."""
+"""Cache of costly results, each of which depends on one immutable value and is kept while that value is in use."""
 
 import threading
 from collections import OrderedDict
@@ -17,9 +17,9 @@ class _Slot(Generic[Key, Result]):
 
 
 class SolveCache(Generic[Key, Result]):
-    """``compute(key)`` by the identity of ``key``; threads that ask at once share one computation.
+    """``compute(key)`` by the identity of ``key``; threads that call it together share one computation.
 
-    The ``size`` keys that were used last are held. An exception is not kept: it comes again when asked again.
+    The ``size`` keys that were used last are kept. Exceptions are not cached.
     """
 
     def __init__(self, compute: Callable[[Key], Result], size: int = 32) -> None:
@@ -33,7 +33,7 @@ class SolveCache(Generic[Key, Result]):
         return slot is not None and bool(slot.results)
 
     def __call__(self, key: Key) -> Result:
-        """The result for ``key``; raises what ``compute`` raises."""
+        """Result for ``key``; raises the errors of ``compute``."""
         with self._lock:
             slot = self._slots.setdefault(id(key), _Slot(key))
             self._slots.move_to_end(id(key))
@@ -45,7 +45,7 @@ class SolveCache(Generic[Key, Result]):
             return slot.results[0]
 
     def keep(self, keys: Iterable[Key]) -> None:
-        """Let go of what is held for any other key."""
+        """Drop the results of all other keys."""
         kept = {id(each) for each in keys}
         with self._lock:
             for other in self._slots.keys() - kept:

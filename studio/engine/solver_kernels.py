@@ -1,4 +1,4 @@
-"""SolverKernels: which bodies can be solved while the kernels of a first start are still compiled."""
+"""SolverKernels: bodies that can be solved while the kernels of a first start are still being compiled."""
 
 from collections.abc import Iterable
 
@@ -13,7 +13,7 @@ LOOKED_AT_MILLISECONDS = 100
 
 
 class SolverKernels(QObject):
-    """Follows a ``WarmUp``; without one all kernels are there."""
+    """Follows a ``WarmUp``; without one all kernels count as compiled."""
 
     changed = Signal()
     """More bodies can be solved."""
@@ -29,12 +29,12 @@ class SolverKernels(QObject):
 
     @property
     def ready(self) -> bool:
-        """True once all kernels are compiled: an earlier call waits seconds."""
+        """True once all kernels are compiled; an earlier call would wait for seconds."""
         return self._warm_up is None or self._warm_up.ready
 
     @property
     def grounded(self) -> bool:
-        """True once the kernels of grounding are compiled, enough without constraints."""
+        """True once the kernels of grounding are compiled, which suffice without constraints."""
         return self._warm_up is None or self._warm_up.grounded
 
     @property
@@ -47,7 +47,7 @@ class SolverKernels(QObject):
         return self.ready or (self.grounded and not any(asked_of(project, key) for key in performer_ids))
 
     def join_grounded(self) -> None:
-        """Wait until bodies can be set on the ground, in a worker. Raises CancelledError when they never will be."""
+        """Wait, in a worker, until bodies can be grounded. Raises CancelledError if they never will be."""
         if self._warm_up is not None:
             self._warm_up.join_grounded()
 

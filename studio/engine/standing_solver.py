@@ -1,4 +1,4 @@
-"""StandingSolver: the solver, which keeps how each body stands on the ground."""
+"""StandingSolver: solver with a cache of grounded motions."""
 
 import threading
 from dataclasses import dataclass, replace
@@ -22,12 +22,12 @@ Windows = tuple[tuple[int, int], ...]
 
 
 class StandingSolver:
-    """The solver; it keeps how each body stands on the ground, so that a dragged target asks only for the rest.
+    """Solver that caches the grounded motion of each body, so that a dragged target needs only the rest of the solve.
 
-    Asked for some frames it puts only the arms right that these have to do with: the rest of a body that is dragged
-    is not seen. Such a body is another one in every picture and takes the place of no body that stands wholly. With a
-    ground that goes up or down bodies go along as they stand. What is kept, and the answers, take half the memory that
-    solving takes. Any thread may call it.
+    For a request of some frames, self-contacts are solved only around them, because the other frames of a dragged body
+    are not shown; such a result is replaced by the next picture's, and never replaces a complete one. A ground that
+    only changes its height translates the cached bodies. Cached values and results take half the memory of a solve. Any
+    thread may call it.
     """
 
     def __init__(self) -> None:
@@ -42,7 +42,7 @@ class StandingSolver:
         return solve(grounded(request, standing), request, first, last).kept()
 
     def forget(self) -> None:
-        """Let go of all that is kept."""
+        """Empty the cache."""
         with self._lock:
             self._whole.clear()
             self._partly.clear()
@@ -75,7 +75,7 @@ class StandingSolver:
 
 @dataclass(frozen=True)
 class GroundingKey:
-    """All of a request that a standing depends on, but for motion and body."""
+    """All of a request on which its grounded motion depends, except motion and body."""
 
     ground: Ground
     rest: tuple[object, ...]
@@ -86,7 +86,7 @@ class GroundingKey:
         return GroundingKey(request.ground, (request.contacts, request.volume, request.actor, *bound))
 
     def at_height(self, height: float) -> "GroundingKey":
-        """The same with its ground higher or lower."""
+        """Copy with another ground height."""
         return replace(self, ground=self.ground.at_height(height))
 
 
@@ -100,7 +100,7 @@ class Kept:
 
 
 def own_frames(request: AdaptRequest) -> Windows:
-    """The frames, first and past the last, that the body's own places are of which constraints ask."""
+    """Range of frames, first and past the last, in which per-character targets have their reference positions."""
     rate, last = request.motion.frame_rate, request.motion.frame_count - 1
     places = (place for each in request.constraints for place in own_places_of(each))
     rows = sorted({min(max(round(place.time * rate), 0), last) for place in places})

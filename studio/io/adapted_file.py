@@ -1,6 +1,6 @@
-"""Adapted motions in a small file, to be shown before anything can be solved: the sample that the studio opens with.
+"""Adapted motions in a small file, shown before anything can be solved: the sample with which the studio opens.
 
-Places to a tenth of a millimetre and rotations to a ten-thousandth of a radian, as differences from frame to frame.
+Positions to a tenth of a millimetre and rotations to a ten-thousandth of a radian, as differences from frame to frame.
 """
 
 from collections.abc import Mapping
@@ -27,7 +27,7 @@ def write_adapted(path: Path, motions: Mapping[str, AdaptedMotion]) -> None:
 
 
 def read_adapted(path: Path, bodies: Mapping[str, Morphology], frame_rate: float) -> dict[str, AdaptedMotion]:
-    """The motions of those ``bodies`` that the file has."""
+    """Motions in the file for ``bodies``."""
     with np.load(path, allow_pickle=False) as arrays:
         kept = {
             name: (arrays[f"{name}.places"], arrays[f"{name}.turns"]) for name in bodies if f"{name}.places" in arrays
@@ -46,7 +46,7 @@ def read_adapted(path: Path, bodies: Mapping[str, Morphology], frame_rate: float
 def _motion(
     body: Morphology, frame_rate: float, positions: NDArray[np.float64], rotations: NDArray[np.float64]
 ) -> AdaptedMotion:
-    """Of which nothing is asked: so it is also how the body stands before anything is."""
+    """Motion without constraints, which is also its own grounded motion."""
     nothing = np.empty((0, len(positions)))
     return AdaptedMotion(body, frame_rate, 0, positions, rotations, nothing, unasked=Unasked(positions, rotations))
 

@@ -1,4 +1,4 @@
-"""Files that a file names: only those that lie in its own folder are ever opened."""
+"""Files that another file names: only those in its own folder are ever opened."""
 
 import base64
 import binascii
@@ -37,9 +37,9 @@ _TAR_AT = 257
 
 
 def refuse_archive(name: str, head: bytes, own: Set[str]) -> None:
-    """Raise StudioError where the file ``name``, which begins with ``head``, is an archive of other files.
+    """Raise StudioError if the file ``name``, which begins with ``head``, is an archive of other files.
 
-    Kinds in ``own`` are left to the reader of a format whose files may be such archives.
+    Kinds in ``own`` are accepted for a format whose files may be such archives.
     """
     kinds = [kind for kind, begin in _ARCHIVES.items() if head.startswith(begin)]
     if head[_TAR_AT:].startswith(b"ustar"):
@@ -49,7 +49,7 @@ def refuse_archive(name: str, head: bytes, own: Set[str]) -> None:
 
 
 def refuse_stand_in(name: str, head: bytes) -> None:
-    """Raise StudioError where the file ``name``, which begins with ``head``, is only what stands for another one."""
+    """Raise StudioError if the file ``name``, which begins with ``head``, is only a placeholder for another one."""
     if head.startswith(_POINTERS):
         raise StudioError(f"{name} is a Git LFS pointer, not the file itself. Fetch it with 'git lfs pull'.")
     if _PAGE.match(head):
@@ -59,7 +59,9 @@ def refuse_stand_in(name: str, head: bytes) -> None:
 
 
 def refuse_devices(path: Path) -> None:
-    """Raise StudioError where ``path`` is a pipe, a device or a folder: reading might never end; or no file's name."""
+    """Raise StudioError if ``path`` is a pipe, a device or a folder, since reading might never end, or
+    no file's name.
+    """
     try:
         ordinary = S_ISREG(path.stat().st_mode)
     except FileNotFoundError:
@@ -72,7 +74,7 @@ def refuse_devices(path: Path) -> None:
 
 
 def read_bytes(path: Path, largest: int = LARGEST_REFERENCED_FILE) -> bytes:
-    """The content of an ordinary file. Raises StudioError when it is none, is too large or cannot be read."""
+    """Content of an ordinary file. Raises StudioError if it is none, is too large or cannot be read."""
     refuse_devices(path)
     try:
         if not path.is_file():
@@ -87,9 +89,9 @@ def read_bytes(path: Path, largest: int = LARGEST_REFERENCED_FILE) -> bytes:
 
 
 def content_of(uri: str, beside: Path, where: str) -> bytes:
-    """The bytes that ``uri`` says: inside itself (``data:``), or in a file of the folder of ``beside``.
+    """Bytes at ``uri``: inside itself (``data:``), or in a file of the folder of ``beside``.
 
-    Raises StudioError that begins with ``where`` when it leads out of the folder or holds nothing readable.
+    Raises StudioError that begins with ``where`` if it leads out of the folder or holds nothing readable.
     """
     if uri.startswith("data:"):
         head, _, body = uri.partition(",")
@@ -106,7 +108,7 @@ def content_of(uri: str, beside: Path, where: str) -> bytes:
 
 
 def path_beside(uri: str, beside: Path, where: str) -> Path:
-    """The file in the folder of ``beside``, or below it, that ``uri`` names; StudioError where it leads elsewhere."""
+    """File in the folder of ``beside``, or below it, named by ``uri``; StudioError if it leads elsewhere."""
     name = unquote(uri)
     shown = name if len(name) < 80 else f"{name[:80]}…"
     windows = PureWindowsPath(name)

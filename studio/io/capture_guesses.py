@@ -1,4 +1,4 @@
-"""Guesses of every reader of captures where the file says nothing: body, ground, reference pose."""
+"""Guesses of all capture readers about values that a file does not give: body, ground, reference pose."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -30,7 +30,9 @@ FloatArray = NDArray[np.float64]
 
 
 def loose_guesses(feet: Collection[int], hands: Collection[int], behind: float) -> list[Guess]:
-    """Feet and hands that do not hang from their limbs; the body was ``behind`` the feet, in the unit of the poses."""
+    """Guesses about feet and hands that are not descendants of their limbs; the body was ``behind`` the feet, in the
+    unit of the poses.
+    """
     guesses = []
     for ends, subject, limbs, bones in ((feet, "feet", "legs", "shanks"), (hands, "hands", "arms", "forearms")):
         if ends:
@@ -45,10 +47,10 @@ def loose_guesses(feet: Collection[int], hands: Collection[int], behind: float) 
 
 
 def body_by_shape_in(skeleton: Skeleton, rest: FloatArray, points: FloatArray, up_axis: str | None) -> FoundBody | None:
-    """The body that stands like one at rest (J, 3), whatever its joints are called; None where none does.
+    """Body by the shape of its rest pose (J, 3), whatever its joints are called; None if it is not human.
 
-    ``points`` (F, J, 3), both in the file's axes, tell which knees are the left ones. Any axis may be up unless the
-    user says which one is.
+    ``points`` (F, J, 3), both in the file's axes, distinguish the knees. All axes are tried as up axis unless the user
+    has chosen one.
     """
     sides = named_sides(skeleton)
     for axis in (axis_called(up_axis),) if up_axis else FILE_AXES:
@@ -59,7 +61,7 @@ def body_by_shape_in(skeleton: Skeleton, rest: FloatArray, points: FloatArray, u
 
 
 def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -> list[Guess]:
-    """Guesses by which the body was found, or missing limbs with what looks like them; empty where the user said."""
+    """Guesses by which the body was found, or missing limbs with similar names; empty if the user has chosen."""
     if found.body_map is None:
         offers = {limb: similar_joints(skeleton, limb) for limb in found.missing}
         reason = "; ".join(f"no {limb} (candidates: {', '.join(names) or 'none'})" for limb, names in offers.items())
@@ -77,7 +79,7 @@ def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -
 
 
 def with_sides_right(found: FoundBody, points: FloatArray, guesses: list[Guess]) -> FoundBody:
-    """The body with left and right as ``points`` (F, J, 3) show them, in any axes, and a guess where names say else."""
+    """Body with left and right by ``points`` (F, J, 3), in any axes, and a guess if names disagree."""
     exchanged = exchanged_limbs(found.body_map, points) if found.body_map is not None else ()
     if found.body_map is None or not exchanged:
         return found
@@ -90,8 +92,8 @@ def with_sides_right(found: FoundBody, points: FloatArray, guesses: list[Guess])
 
 @dataclass(frozen=True, eq=False)
 class ReadJoints:
-    """Joints of a file, in world axes and metres: ``positions`` (F, J, 3) is where the poses place them;
-    ``unit`` and ``up_axis`` are those of the file.
+    """Joints of a file, in world axes and metres: ``positions`` (F, J, 3) by their poses; ``unit`` and ``up_axis`` are
+    those of the file.
     """
 
     path: Path
@@ -105,7 +107,7 @@ class ReadJoints:
 
 
 def stood_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, guesses: list[Guess]) -> Capture:
-    """The capture of joints when its first frame, ground and reference pose are found."""
+    """Capture of joints, with its first frame, ground and reference pose found."""
     poses = read.poses
     if found.body_map is not None:
         poses, swing = with_bones_followed(read.skeleton, poses, found.body_map)
@@ -155,7 +157,7 @@ def cleaned_joints(read: ReadJoints, body_map: BodyMap, options: ImportOptions, 
 def floor_of(
     read: ReadJoints, first_frame: int, body_map: BodyMap | None, options: ImportOptions, guesses: list[Guess]
 ) -> float:
-    """Height of the ground in metres, as the user says or as the feet tell from ``first_frame`` on."""
+    """Height of the ground in metres, from the user or from the feet after ``first_frame``."""
     if options.floor is not None:
         return options.floor
     if body_map is None:
@@ -172,9 +174,9 @@ def reference_of(
     options: ImportOptions,
     guesses: list[Guess],
 ) -> FloatArray:
-    """(J, 4) local rotations that stand the body upright, as the user says or as they are found.
+    """(J, 4) local rotations of the upright body, chosen by the user or found.
 
-    Raises StudioError for a choice that there is not.
+    Raises StudioError for an unknown choice.
     """
     if options.reference is not None:
         return chosen_reference(skeleton, poses, body_map, options.reference)
@@ -191,7 +193,7 @@ def reference_of(
 def chosen_reference(
     skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap | None, chosen: str | Mapping[str, Sequence[float]]
 ) -> FloatArray:
-    """(J, 4) local rotations of the pose that ``ImportOptions.reference`` names; StudioError where there is none."""
+    """(J, 4) local rotations of the pose that ``ImportOptions.reference`` names; StudioError if there is none."""
     zero = np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))
     if not isinstance(chosen, str):
         return _pose_by_joint(skeleton, chosen, zero)

@@ -1,4 +1,4 @@
-"""Processes beside this one: followed line by line, and ended with whoever asked for them."""
+"""Child processes: followed line by line, and ended together with their parent."""
 
 import os
 import queue
@@ -31,10 +31,10 @@ def child_process(
     stderr: Streams = None,
     behind: int = CHILD_NICENESS,
 ) -> Iterator["subprocess.Popen[bytes]"]:
-    """A process that is gone after the block: killed, unless it has ended by itself.
+    """Process that is killed at the end of the block, unless it has ended by itself.
 
-    Where processors are scarce it is ``behind`` this one, which may have a window to keep alive. Ctrl-C in a terminal
-    ends this one alone, and so both.
+    If processors are scarce it has a lower priority than this one, which may have a window. Ctrl-C in a terminal ends
+    only this process, and so both.
     """
     group = 0 if POSIX else None
     process = subprocess.Popen(command, stdin=stdin, stdout=stdout, stderr=stderr, cwd=STUDIO_ROOT, process_group=group)
@@ -53,7 +53,9 @@ def child_process(
 
 
 def said_lines(stream: IO[bytes]) -> Iterator[str | None]:
-    """Lines as they come, until there are no more; None now and then while there is none, to look at other things."""
+    """Lines as they arrive, until the stream ends; None now and then without any, so that the caller
+    can do other work.
+    """
     lines: queue.Queue[bytes | None] = queue.Queue()
     threading.Thread(target=_read, args=(stream, lines), daemon=True).start()
     while True:
@@ -68,7 +70,7 @@ def said_lines(stream: IO[bytes]) -> Iterator[str | None]:
 
 
 def wait_for(process: "subprocess.Popen[bytes]", alive: Callable[[], object]) -> int:
-    """The exit code of a process; ``alive`` is called while waiting and may raise to stop."""
+    """Exit code of a process; ``alive`` is called while waiting and may raise to stop."""
     while True:
         alive()
         try:

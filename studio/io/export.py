@@ -1,4 +1,4 @@
-"""Motions out to files: adapted ones on a character's own skeleton, captures on theirs."""
+"""Export of motions to files: adapted ones on a character's own skeleton, captures on theirs."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -35,7 +35,7 @@ _BONES = "#C8CDD2"
 
 @dataclass(frozen=True, eq=False)
 class Take:
-    """A motion on its way out: joints and poses for every format, and what more is known for those that hold it."""
+    """Motion to be exported: joints and poses for every format, and further data for those that can hold it."""
 
     capture: Capture
     """Motion to be written, as if it had been captured: joints, poses, body map, ground."""
@@ -60,12 +60,12 @@ class Take:
 
     @property
     def name(self) -> str:
-        """Name of the motion, or of who performs it."""
+        """Name of the motion, or of its performer."""
         return self.capture.name
 
     @property
     def carried(self) -> tuple[str, ...]:
-        """Joints behind a character's own that it carries along, the ends of bones aside."""
+        """Extra joints after a character's own, without the ends of bones."""
         if self.adapted is None or self.character is None:
             return ()
         own = len(joint_segments(self.adapted.morphology.layout))
@@ -74,7 +74,7 @@ class Take:
 
     @property
     def skeleton(self) -> Skeleton:
-        """The joints that are written."""
+        """Joints to be written."""
         return self.capture.skeleton
 
     @property
@@ -89,24 +89,24 @@ class Take:
 
 
 def skin_of(take: Take) -> JointSkin:
-    """The character's skin on the joints of ``take``, or a figure of bones where there is none."""
+    """Character's skin on the joints of ``take``, or a figure of bones if there is none."""
     if take.bound is not None:
         return take.bound
     return character_skin(take.character, take.skeleton) if take.character else bone_skin(take.skeleton)
 
 
 def plain_material(take: Take) -> Material:
-    """The one material of a skin that has no appearance."""
+    """Single material of a skin without an appearance."""
     return Material(take.name, take.character.colour if take.character else _BONES)
 
 
 def take_of_capture(capture: Capture, annotations: Annotations | None = None) -> Take:
-    """A capture with its own joints, poses and frame rate."""
+    """Take of a capture with its own joints, poses and frame rate."""
     return Take(capture, annotations or Annotations())
 
 
 def take_of_standing(character: Character) -> Take:
-    """A character as it stands at rest, for one frame."""
+    """Take of a character at rest, one frame."""
     positions, rotations = (each[None] for each in rest_pose(character.morphology))
     still = AdaptedMotion(character.morphology, _STILL_RATE, 0, positions, rotations, np.empty((0, 1)))
     return take_of_adapted(character.name, still, character)
@@ -119,9 +119,9 @@ def take_of_adapted(
     request: AdaptRequest | None = None,
     along: tuple[Capture, SourceRig] | None = None,
 ) -> Take:
-    """An adapted motion on the skeleton of its body; ``name`` says in errors whose motion it is.
+    """Take of an adapted motion on the skeleton of its body; ``name`` is used in errors.
 
-    ``along`` is the capture whose ``carried_joints`` (fingers, props) are to be carried along, with its actor.
+    ``along`` is the capture whose ``carried_joints`` (fingers, props) are exported too, with its actor.
     """
     try:
         skeleton, poses = character_skeleton(adapted.morphology), character_poses(adapted)
@@ -155,10 +155,9 @@ def take_of_actor(
     request: AdaptRequest | None = None,
     place: Placement = NOWHERE,
 ) -> Take:
-    """A motion adapted to the actor of its own capture, on the capture's joints: fingers, eyes, props and all others
-    that play no part of the body move as they were captured.
-
-    It stays where it was captured, or stands at ``place`` on the stage where one is chosen.
+    """Take of a motion adapted to the actor of its own capture, on the capture's joints: fingers, eyes, props and all
+    others that belong to no body part move as captured. It stays where it was captured, or stands at ``place`` on
+    the stage if that is given.
     """
     try:
         poses = own_poses(actor, adapted.positions[:], adapted.rotations[:], adapted.first_frame)
@@ -172,7 +171,7 @@ def take_of_actor(
 
 
 def _met(request: AdaptRequest | None, adapted: AdaptedMotion) -> Annotations:
-    """Contacts as they stand in the frames that are written; the constraints are in the poses already."""
+    """Contacts in the exported frames; constraints are in the poses already."""
     if request is None:
         return Annotations()
     start, last = adapted.first_frame, adapted.frame_count - 1
@@ -186,7 +185,7 @@ def _met(request: AdaptRequest | None, adapted: AdaptedMotion) -> Annotations:
 
 
 def format_for(path: Path, job: str = "motion_writer") -> Format:
-    """The format that the file's suffix asks for; StudioError naming those there are."""
+    """Format of the file's suffix; StudioError with the existing ones."""
     known = known_formats()
     for each in known.that_can(job):
         if path.suffix.lower() in each.suffixes:
@@ -199,9 +198,10 @@ def format_for(path: Path, job: str = "motion_writer") -> Format:
 
 
 def write_take(take: Take, path: Path, progress: Progress = lambda share, text: None) -> Format:
-    """Write a take in the format that the suffix of ``path`` asks for, which is returned. Raises StudioError.
+    """Write a take in the format of the suffix of ``path``, and return that.
 
-    ``progress`` hears a share from 0 to 1 and may raise to cancel; the file is then as it was, or absent.
+    Raises StudioError. ``progress`` is called with a fraction from 0 to 1 and may raise to cancel; the file is then as
+    before, or absent.
     """
     chosen = format_for(path)
     chosen.write_motion(path, take, progress)

@@ -1,4 +1,4 @@
-"""Names of the choices for a file that is written, without what they compute with."""
+"""Names of the choices for an exported file, separate from their computation."""
 
 REST_POSES = {"t": "T-pose", "own": "Bind pose"}
 """Poses in which every angle of a file is zero, by key."""

@@ -1,4 +1,4 @@
-"""Options of an exported file beside its kind: the same for all kinds, the window, shell and scripts."""
+"""Options of an exported file, the same for all formats, for window, shell and scripts."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -27,9 +27,8 @@ _ENDS = 1e-6
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """Options of an export; an empty one keeps what the take has.
-
-    That is a T-pose and HumanIK's names for characters, a capture's own for a capture.
+    """Options of an export; empty ones keep the take's own values: a T-pose and HumanIK's names for characters, a
+    capture's own for a capture.
     """
 
     joint_names: str = ""
@@ -50,11 +49,11 @@ class ExportOptions:
     """Leave a body where its own motion begins, instead of where it stands on the stage."""
 
     def carries(self, path: Path) -> bool:
-        """True if a character's file is to have the capture's other joints as well: skeletons have them, tables not."""
+        """True if a character's file also gets the capture's other joints: skeletons do, tables do not."""
         return not self.body_only and path.suffix.lower() in SKELETAL
 
     def check(self, path: Path) -> None:
-        """Raise StudioError where a choice does not fit the kind of file that ``path`` is."""
+        """Raise StudioError if a choice does not fit the format of ``path``."""
         suffix = path.suffix.lower()
         if self.rest_pose and suffix not in RESTING:
             raise StudioError(f"{path.name} has no rest pose to choose. Skeletons have: {', '.join(RESTING)}.")
@@ -67,7 +66,7 @@ class ExportOptions:
             raise StudioError(f"A range runs from a second to a later one, not from {self.begin:g} to {self.end:g}.")
 
     def applied_to(self, take: Take, path: Path) -> Take:
-        """``take`` as it shall be written to ``path``. Raises StudioError where a choice does not fit."""
+        """``take`` with the options applied for a file at ``path``. Raises StudioError if a choice does not fit."""
         self.check(path)
         if path.suffix.lower() == ".s4d" and take.annotations.constraints and self._is_timed(take):
             raise StudioError(
@@ -78,20 +77,20 @@ class ExportOptions:
         return self._shaped(self._timed(take) if self._is_timed(take) else take, path)
 
     def applied_over(self, take: Take, seconds: FloatArray, frame_rate: float, path: Path) -> Take:
-        """``applied_to`` in frames at ``seconds`` (N,) of the stage, whatever the range is; outside its own the take
-        holds still.
+        """``applied_to`` in frames at ``seconds`` (N,) of the stage, ignoring the range; outside its own frames the
+        take holds still.
         """
         self.check(path)
         return self._shaped(sampled(self._on_joints(take, path), seconds - take.begin, frame_rate), path)
 
     def _on_joints(self, take: Take, path: Path) -> Take:
-        """The take on the joints that are chosen, frame by frame as it was adapted."""
+        """Take on the chosen joints, frame by frame as adapted."""
         if not self.joint_names and path.suffix.lower() in JOINTED and has_own_rig(take):
             return on_own_rig(take, path.suffix.lower())
         return take
 
     def _shaped(self, take: Take, path: Path) -> Take:
-        """The take in its place, with the zero pose, the root and the names that are chosen."""
+        """Take with the chosen placement, zero pose, root and names."""
         if not self.at_origin:
             take = placed(take)
         take = self._from_rest_pose(take, path)
@@ -108,12 +107,12 @@ class ExportOptions:
         return take
 
     def _is_timed(self, take: Take) -> bool:
-        """True if other frames are written than those of the take."""
+        """True if other frames than those of the take are written."""
         others = self.frame_rate not in (None, take.frame_rate)
         return others or self.begin is not None or self.end is not None
 
     def _timed(self, take: Take) -> Take:
-        """The take in the frames that are chosen."""
+        """Take in the chosen frames."""
         own, rate = take.frame_rate, self.frame_rate or take.frame_rate
         last = (take.poses.frame_count - 1) / own
         start = 0.0 if self.begin is None else max(self.begin - take.begin, 0.0)
@@ -129,7 +128,7 @@ class ExportOptions:
         return sampled(take, start + np.arange(count) / rate, rate)
 
     def _from_rest_pose(self, take: Take, path: Path) -> Take:
-        """The take with its angles counted from the pose that is chosen."""
+        """Take with the chosen zero pose."""
         if take.rest_rotations is not None:
             if self.rest_pose != "t" and path.suffix.lower() != ".bvh":
                 return take
@@ -147,7 +146,7 @@ class ExportOptions:
 
 
 def sampled(take: Take, seconds: FloatArray, frame_rate: float) -> Take:
-    """The take at ``seconds`` (N,) from its own first frame, as N frames at ``frame_rate``."""
+    """Take at ``seconds`` (N,) from its own first frame, as N frames at ``frame_rate``."""
     frames = seconds * take.frame_rate
     first, last = frames[0], frames[-1]
 
@@ -188,7 +187,7 @@ def sampled(take: Take, seconds: FloatArray, frame_rate: float) -> Take:
 
 
 def placed(take: Take) -> Take:
-    """The take where it stands on the stage."""
+    """Take at its position on the stage."""
     capture, place = take.capture, take.place
     if place.position == (0.0, 0.0) and place.heading == 0.0:
         return take

@@ -1,4 +1,4 @@
-"""Guesses of what a file does not say: unit, floor, frame rate, first frame of the motion."""
+"""Guesses of values that a file does not give: unit, floor, frame rate, first frame of the motion."""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -59,16 +59,16 @@ _LONGEST_SNAP = 0.1
 
 
 class Scale(NamedTuple):
-    """A unit by name, and metres a unit."""
+    """Unit by name, and its metres."""
 
     unit: str
     metres: float
 
 
 def leg_and_trunk(positions: FloatArray, body_map: BodyMap | None) -> tuple[float, float] | tuple[None, None]:
-    """Mean length of thigh and shank together, and distance of the shoulders' middle from the hips', over frames.
+    """Mean length of thigh and shank together, and mean distance from the middle of the shoulders to that of the hips.
 
-    In the unit of ``positions`` (F, J, 3); None where there is no body.
+    In the unit of ``positions`` (F, J, 3); None if there is no body.
     """
     if body_map is None:
         return None, None
@@ -84,10 +84,10 @@ def leg_and_trunk(positions: FloatArray, body_map: BodyMap | None) -> tuple[floa
 def find_unit(
     leg: float | None, said: Scale | None = None, chosen: str | None = None, trunk: float | None = None
 ) -> tuple[Scale, Guess | None]:
-    """The unit of a file: ``chosen`` by the user, else as it, or its format, has ``said`` where that fits its legs.
+    """Unit of a file: ``chosen`` by the user, else ``said`` by the file or its format if that fits its legs.
 
-    ``leg`` is their length in file units, None where no body is known, ``trunk`` that from hips to shoulders. The
-    guess is None where nothing was guessed.
+    ``leg`` is their length in file units, None without a known body, ``trunk`` that from hips to shoulders. The guess
+    is None if nothing was guessed.
     """
     if chosen is not None:
         return unit_called(chosen, leg), None
@@ -104,13 +104,13 @@ def find_unit(
 
 
 def said_unit(metres: float) -> Scale:
-    """The unit of so many metres, by name where it has one."""
+    """Unit of that many metres, by name if it has one."""
     named = (unit for unit, length in METRES_PER_UNIT.items() if abs(length - metres) < _SAME_UNIT * metres)
     return Scale(next(named, f"{metres:.9g}"), metres)
 
 
 def guess_unit(leg: float, trunk: float | None = None) -> tuple[Scale, Guess]:
-    """The unit in which a leg of ``leg`` units, under a ``trunk`` of so many, is most like a human's."""
+    """Unit in which a leg of ``leg`` units, under a trunk of ``trunk``, is nearest to a human's."""
     stout = trunk is not None and leg < _ADULT_SLENDER * trunk
     units = [name for name in METRES_PER_UNIT if _fits(name, leg)]
     fits = [name for name in units if not (stout and name in _RARE)]
@@ -156,7 +156,7 @@ def unit_called(text: str, leg: float | None) -> Scale:
 
 
 def guess_frame_rate(frame_time: float | None, digit: float) -> tuple[float, Guess | None]:
-    """Frames a second; a whole number where the frame time is one within its last ``digit``."""
+    """Frame rate in Hz; a whole number if the frame time is that of one within its last ``digit``."""
     if frame_time is None:
         return _USUAL_RATE, Guess(
             "frame rate", "30 Hz", "The file does not say a usable frame time.", Confidence.DOUBTFUL
@@ -172,9 +172,9 @@ def guess_frame_rate(frame_time: float | None, digit: float) -> tuple[float, Gue
 
 
 def guess_first_frame(positions: FloatArray, frame_rate: float) -> tuple[int, Guess | None]:
-    """First frame of the motion when it starts with a calibration pose and a snap; ``positions`` (F, J, 3) m.
+    """First frame of the motion if it starts with a calibration pose and a jump; ``positions`` (F, J, 3) m.
 
-    The snap may be smeared over some frames by a filter: the motion begins where the joints are calm again.
+    The jump may be spread over some frames by a filter: the motion begins where the joints are calm again.
     """
     if len(positions) < 24:
         return 0, None
@@ -193,15 +193,15 @@ def guess_first_frame(positions: FloatArray, frame_rate: float) -> tuple[int, Gu
 
 
 def _steps(positions: FloatArray) -> FloatArray:
-    """(F - 1,) metres by which the joint that moves most, seen from the first one, moves from frame to frame."""
+    """(F - 1,) greatest displacement in metres of a joint, relative to the first one, from frame to frame."""
     relative = positions - positions[:, :1]
     return np.asarray(np.linalg.norm(np.diff(relative, axis=0), axis=2).max(axis=1))
 
 
 def guess_floor(skeleton: Skeleton, positions: FloatArray, body_map: BodyMap, frame_rate: float) -> Guess:
-    """Height of the ground by where the feet are lowest; ``positions`` (F, J, 3) metres, world axes.
+    """Height of the ground by the lowest positions of the feet; ``positions`` (F, J, 3) metres, world axes.
 
-    Of several heights on which a take stands, as on stairs or off a stage, the lowest is the floor.
+    Of several heights in a take, as on stairs or off a stage, the lowest is the floor.
     """
     feet = {body_map[BodyPart.LEFT_FOOT], body_map[BodyPart.RIGHT_FOOT]}
     below = {joint for foot in feet for joint in skeleton.descendants(foot)}
@@ -236,7 +236,7 @@ def guess_floor(skeleton: Skeleton, positions: FloatArray, body_map: BodyMap, fr
 
 
 def _rests(feet: list[FloatArray], frame_rate: float) -> list[float]:
-    """Heights, in order, on which one of ``feet`` (F, n, 3) rests alone or with the other."""
+    """Sorted heights at which one of ``feet`` (F, n, 3) rests alone or with the other."""
     rests = []
     lowest = np.min([joints[1:, :, 2].min(axis=1) for joints in feet], axis=0)
     for joints in feet:
@@ -250,7 +250,7 @@ def _rests(feet: list[FloatArray], frame_rate: float) -> list[float]:
 
 
 def _levels(rests: list[float]) -> list[float]:
-    """The first of ``rests``, in order, and each that lies a step above the level before it."""
+    """First of ``rests``, in order, and each that is a step above the level before it."""
     levels: list[float] = []
     for level in rests:
         if not levels or level > levels[-1] + _STEP:

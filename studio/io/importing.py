@@ -1,4 +1,4 @@
-"""From a file to a capture or a character, whatever its format, with what the user knows better."""
+"""Import of a capture or a character from a file of any format, with the user's settings."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ImportOptions:
-    """Import settings of the user; what is None is guessed and listed."""
+    """Import settings of the user; None is guessed and listed."""
 
     unit: str | None = None
     """``m``, ``dm``, ``cm``, ``mm``, ``inch``, ``foot``, ``cmu``, ``unknown``, or metres a unit as a number."""
@@ -44,7 +44,7 @@ GUESS_ALL = ImportOptions()
 def read_file(
     path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None
 ) -> ReadCapture | ReadCharacter:
-    """The capture or the character in the file at ``path``, whichever it holds; raises as ``read_capture`` does."""
+    """Capture or character in the file at ``path``; raises as ``read_capture``."""
     path = Path(path)
     found = recognise(path, "capture_reader", "character_reader")
     read = found.format.read(path, options, progress or _unheard)
@@ -52,10 +52,10 @@ def read_file(
 
 
 def read_capture(path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None) -> ReadCapture:
-    """The capture in the file at ``path`` with what the file says of its motion, found in one pass.
+    """Capture in the file at ``path`` with its annotations, read in one pass.
 
-    ``progress`` hears a share from 0 to 1 and what is being done. Raises StudioError with file, line and what
-    to do when the file is damaged or the options do not fit it.
+    ``progress`` is called with a fraction from 0 to 1 and a text. Raises StudioError with file, line and what to do if
+    the file is damaged or the options do not fit it.
     """
     path = Path(path)
     found = recognise(path, "capture_reader")
@@ -63,7 +63,7 @@ def read_capture(path: Path | str, options: ImportOptions = GUESS_ALL, progress:
 
 
 def _identified(read: ReadCapture, digest: str) -> ReadCapture:
-    """``read`` with the ``digest`` of its file in its capture, however often that is interpreted."""
+    """``read`` with the ``digest`` of its file in its capture, also when interpreted again."""
     inner = read.interpret
 
     def interpret(options: ImportOptions, progress: Progress) -> Capture:
@@ -74,19 +74,19 @@ def _identified(read: ReadCapture, digest: str) -> ReadCapture:
 
 
 def _of_file(capture: Capture, digest: str) -> Capture:
-    """``capture`` with the digest of its file; what it says of the file's name can be written as text."""
+    """``capture`` with the digest of its file, and a file name that can be written as text."""
     return replace(
         capture, digest=digest, source=readable(capture.source), repairs=tuple(map(readable, capture.repairs))
     )
 
 
 def load_capture(path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None) -> Capture:
-    """The capture in the file at ``path`` alone; raises as ``read_capture`` does."""
+    """Capture in the file at ``path`` alone; raises as ``read_capture``."""
     return read_capture(path, options, progress).capture
 
 
 def known_of_motion(capture: Capture, said: Annotations, motion_id: str) -> Annotations:
-    """Annotations of a motion that its file has ``said``; contacts are detected where it says nothing."""
+    """Annotations ``said`` by a motion's file; contacts are detected if it has none."""
     from studio.core.normalized.normalize import detected_contacts  # late: it loads kernels
 
     said = said.of_motion(motion_id)
@@ -96,7 +96,7 @@ def known_of_motion(capture: Capture, said: Annotations, motion_id: str) -> Anno
 def load_character(
     path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None
 ) -> ReadCharacter:
-    """The character in the file at ``path`` with what was guessed; raises as ``read_capture`` does."""
+    """Character in the file at ``path`` with the guesses about it; raises as ``read_capture``."""
     path = Path(path)
     return format_of(path, "character_reader").read_character(path, options, progress or _unheard)
 

@@ -1,4 +1,4 @@
-"""Names of joints in other programs: ``resources/joint_names``, for files that are written."""
+"""Joint names of other programs for exported files: ``resources/joint_names``."""
 
 import json
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ _SIDES = ({"side": "left", "Side": "Left", "s": "l", "S": "L"}, {"side": "right"
 
 @dataclass(frozen=True)
 class JointNaming:
-    """The names that one group of programs gives: one for each part, and one for each vertebra above the pelvis."""
+    """Names of one group of programs: one for each part, and one for each vertebra above the pelvis."""
 
     name: str
     parts: Mapping[BodyPart, str]
@@ -36,9 +36,9 @@ def joint_namings() -> Mapping[str, JointNaming]:
 
 
 def with_joint_names(capture: Capture, key: str) -> Capture:
-    """The same capture with the names of one table; joints that play no part keep theirs.
+    """Capture with the names of one table; joints that belong to no body part keep theirs.
 
-    Raises StudioError when there is no such table, or no body map to say what the joints are.
+    Raises StudioError if there is no such table, or no body map.
     """
     namings = joint_namings()
     if key not in namings:

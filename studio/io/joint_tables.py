@@ -1,4 +1,4 @@
-"""Places of all joints in all frames, as a table (CSV) and as arrays (NPZ), for other programs to compute with.
+"""Positions of all joints in all frames, as a table (CSV) and as arrays (NPZ), for computations elsewhere.
 
 Metres and world axes, Z up; rotations as quaternions x, y, z, w.
 """
@@ -27,9 +27,8 @@ _POSED = 0.2
 
 
 def write_csv(path: Path, take: Take, progress: Progress) -> None:
-    """A row a frame: its time, seven numbers a joint (``Hips.x``), and by how much each constraint is missed.
-
-    Residuals are metres or radians, empty where the constraint is not active. Raises StudioError.
+    """Write a row for each frame: its time, seven numbers for each joint (``Hips.x``), and the residual of each
+    constraint. Residuals are metres or radians, empty where the constraint is inactive. Raises StudioError.
     """
     write_pieces(path, _table(path, take, progress))
 
@@ -49,11 +48,11 @@ def _table(path: Path, take: Take, progress: Progress) -> Iterator[bytes]:
 
 
 def write_npz(path: Path, take: Take, progress: Progress) -> None:
-    """Arrays that ``numpy.load`` gives by name; no pickle. Raises StudioError.
+    """Write arrays that ``numpy.load`` gives by name; no pickle.
 
-    ``times`` (F,), ``joints`` (J,) names, ``parents`` (J,), ``offsets`` (J, 3), ``positions`` (F, J, 3) and
-    ``rotations`` (F, J, 4) in the world, ``local_rotations`` (F, J, 4), ``local_translations`` (F, J, 3),
-    ``constraints`` (C,) names and ``residuals`` (C, F) by how much each is missed, NaN where it is not active.
+    Raises StudioError. ``times`` (F,), ``joints`` (J,) names, ``parents`` (J,), ``offsets`` (J, 3), ``positions`` (F,
+    J, 3) and ``rotations`` (F, J, 4) in the world, ``local_rotations`` (F, J, 4), ``local_translations`` (F, J, 3),
+    ``constraints`` (C,) names and their ``residuals`` (C, F), NaN where inactive.
     """
     frames, joints = take.poses.frame_count, take.skeleton.joint_count
     positions, rotations = np.empty((frames, joints, 3)), np.empty((frames, joints, 4))
@@ -92,7 +91,7 @@ def _times(take: Take) -> FloatArray:
 
 
 def _residuals(take: Take) -> dict[str, FloatArray]:
-    """By a name of its own, what each constraint of an adapted motion is missed by at every frame."""
+    """Residuals of each constraint of an adapted motion in every frame, by a unique name."""
     if take.adapted is None or take.request is None:
         return {}
     named: dict[str, FloatArray] = {}

@@ -1,4 +1,4 @@
-"""Records out of foreign JSON: every value is asked for by kind, and what does not fit is told by its place."""
+"""Records from foreign JSON: every value is read by its type, and errors name its place."""
 
 import math
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ _ABSURD = 1e12
 
 @dataclass(frozen=True)
 class Record:
-    """A JSON object; ``where`` (``hero.glb, nodes[3]``) begins the sentence of every error."""
+    """JSON object; ``where`` (``hero.glb, nodes[3]``) begins the sentence of every error."""
 
     value: dict[str, Any]
     where: str
@@ -22,7 +22,7 @@ class Record:
         return key in self.value
 
     def wrong(self, key: str, expected: str) -> StudioError:
-        """The sentence for a value that is not what it should be."""
+        """Error for a value that is not of the expected kind."""
         return StudioError(f"{self.where}: '{key}' should be {expected}. {_AGAIN}")
 
     def inner(self, key: str) -> "Record":

@@ -1,4 +1,4 @@
-"""JSON that anybody may have written: what no file of the studio's holds is refused before anyone walks through it."""
+"""JSON from any source: values that no file of the studio contains are refused while parsing."""
 
 import json
 import re
@@ -38,7 +38,7 @@ def read_json(path: Path, largest: int = LARGEST_REFERENCED_FILE) -> Any:
 def json_of(content: bytes, parse_float: Parse | None = None, parse_constant: Parse | None = None) -> Any:
     """Value in ``content``; ``parse_float`` and ``parse_constant`` as for ``json.loads``.
 
-    Raises ValueError, also for what is nested too deeply, half characters and whole numbers beyond all bounds.
+    Raises ValueError, also for deep nesting, lone surrogates and integers of excessive size.
     """
     kinds = np.frombuffer(_STRING.sub(b"", _ESCAPE.sub(b"", content)), dtype=np.uint8)
     if np.cumsum(_OPENING[kinds] - _CLOSING[kinds]).max(initial=0) > DEEPEST_RECORD:
@@ -59,5 +59,5 @@ def _whole(text: str) -> int:
 
 
 def write_json(path: Path, value: object) -> None:
-    """Write ``value`` as JSON, whole or not at all. Raises StudioError when it cannot be written."""
+    """Write ``value`` as JSON, whole or not at all. Raises StudioError if it cannot be written."""
     write_text(path, json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False) + "\n")

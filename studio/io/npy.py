@@ -1,4 +1,4 @@
-"""Arrays out of ``.npy`` and ``.npz`` files that anybody may have written: no header is believed, none is evaluated."""
+"""Arrays from ``.npy`` and ``.npz`` files of any source: headers are checked and never evaluated."""
 
 import math
 import mmap
@@ -25,7 +25,7 @@ _HEADER = re.compile(
 
 
 def array_of(content: Content) -> Array:
-    """A read-only array over the bytes of an ``.npy`` file. Raises ValueError when they are not one."""
+    """Read-only array over the bytes of an ``.npy`` file. Raises ValueError if they are not one."""
     header = _HEADER.match(content)
     if header is None:
         raise ValueError("it is not a plain array")

@@ -1,6 +1,6 @@
-"""Numbers from text, strictly: what is not a plain decimal number is refused with its line.
+"""Numbers from text, strictly: words that are not plain decimal numbers are refused with their line.
 
-Programs write a missing value as a word (``nan``, ``1.#IND``, ``null``); a table may hold it, as NaN.
+Programs write a missing value as a word (``nan``, ``1.#IND``, ``null``); tables may contain it, as NaN.
 """
 
 import re
@@ -28,7 +28,7 @@ _PIECE = 1 << 18
 
 
 def number(text: str, where: str) -> float:
-    """The number that ``text`` says; ``where`` (``walk.bvh, line 12``) begins the sentence of the error."""
+    """Number in ``text``; ``where`` (``walk.bvh, line 12``) begins the sentence of the error."""
     if not _NUMBER.fullmatch(text):
         raise not_a_number(text, where)
     value = float(text)
@@ -38,12 +38,12 @@ def number(text: str, where: str) -> float:
 
 
 def parted(line: str) -> str:
-    """The line with a blank before every signed number that follows another one directly."""
+    """Line with a blank before every signed number that directly follows another one."""
     return _GLUED.sub(" ", line)
 
 
 def glued_words(name: str, lines: list[int]) -> list[str]:
-    """The sentence of the repair that ``parted`` makes, where it makes one."""
+    """Sentence about the repair by ``parted``, if there is one."""
     if not lines:
         return []
     more = f", as on {len(lines) - 1} more lines" if len(lines) > 1 else ""
@@ -51,9 +51,9 @@ def glued_words(name: str, lines: list[int]) -> list[str]:
 
 
 def filled_in_time(course: NDArray[np.float64], period: float | None = None) -> NDArray[np.float64]:
-    """``course`` (F,) with NaN replaced by what lies between its neighbours in time; of angles the shorter way round.
+    """``course`` (F,) with NaN interpolated in time, angles along the shorter arc.
 
-    ``period`` is a whole turn in the unit of ``course`` where it is an angle. At least one value must be known.
+    ``period`` is a whole turn in the unit of ``course`` if it is an angle. At least one value must be known.
     """
     known = np.isfinite(course)
     frames = np.arange(len(course))
@@ -71,9 +71,9 @@ def not_a_number(text: str, where: str) -> StudioError:
 
 
 def lines_of(content: bytes, start: int = 0) -> list[bytes]:
-    """The lines from byte ``start`` on, of whatever system, without ends; one more, empty, where the last has one.
+    """Lines from byte ``start`` on, with any line ends, without these; one more, empty, if the last has one.
 
-    Taken piece by piece, so that other threads are never kept waiting for long.
+    Split piece by piece, so that other threads are never blocked for long.
     """
     ended = content.endswith((b"\n", b"\r")) or start >= len(content)
     end = b"\n" if content.find(b"\n", start) >= 0 else b"\r"
@@ -103,10 +103,10 @@ def count_per_line(lines: list[bytes]) -> NDArray[np.int64]:
 def table(
     lines: list[bytes], counts: NDArray[np.int64], name: str, first_line: int, progress: Callable[[float], object]
 ) -> NDArray[np.float64]:
-    """All numbers of ``lines``, flat, ``counts`` in each; ``first_line`` is where they begin in file ``name``.
+    """All numbers of ``lines``, flat, ``counts`` in each; ``first_line`` is their first line in file ``name``.
 
-    NaN for a missing value. ``progress`` hears the share that is read. Raises StudioError at the first other word that
-    is not a plain, believable number.
+    NaN for a missing value. ``progress`` is called with the fraction that is read. Raises StudioError at the first
+    other word that is not a plain, plausible number.
     """
     ends = np.concatenate([[0], np.cumsum(counts)])
     values = np.empty(int(ends[-1]))

@@ -48,7 +48,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Offer:
-    """An entry point that is not loaded yet."""
+    """Entry point that is not loaded yet."""
 
     entry: EntryPoint
     words: str
@@ -65,7 +65,7 @@ class Offer:
         return self.entry.dist.name if self.entry.dist else self.entry.value
 
     def load(self, accepted: Callable[[Any], T]) -> T:
-        """Load the object and return what ``accepted`` makes of it; raises StudioError, whatever the package raises."""
+        """Load the object and return the result of ``accepted``; raises StudioError for any error of the package."""
         try:
             return accepted(self.entry.load())
         except Exception as error:  # another's code may raise anything
@@ -76,7 +76,7 @@ class Offer:
 
 @dataclass(frozen=True)
 class Loaded(Generic[T]):
-    """All that could be loaded of a group, and a sentence for each that could not."""
+    """Loaded objects of a group, and one sentence for each failure."""
 
     found: tuple[T, ...]
     failures: tuple[str, ...]

@@ -1,6 +1,6 @@
-"""The kinds of files that captures, characters and motions stand in, and which one a file is.
+"""Registry of file formats for captures, characters and motions, and recognition of a file's format.
 
-A format is one file: functions to ``sniff``, ``read`` or ``write``, named by the ``Format`` here for the studio's own,
+A format is one file: functions to ``sniff``, ``read`` or ``write``, named by a ``Format`` here for the built-in ones,
 or by an entry point of the group ``morpho_studio.formats`` for others (example: ``examples/formats/trace_format.py``).
 """
 
@@ -33,7 +33,7 @@ _EARLIER = "It was written for an earlier version of the studio: docs/formats.md
 
 @dataclass(frozen=True)
 class ImportReport:
-    """Assumptions and repairs that it took to read a file."""
+    """Assumptions and repairs made while reading a file."""
 
     guesses: tuple["Guess", ...] = ()
     repairs: tuple[str, ...] = ()
@@ -41,7 +41,7 @@ class ImportReport:
 
 @dataclass(frozen=True)
 class ReadCapture:
-    """A capture from a file with all that the file says of its motion, found in one pass."""
+    """Capture from a file with all annotations in it, read in one pass."""
 
     capture: "Capture"
     """In world axes and metres."""
@@ -58,7 +58,7 @@ class ReadCapture:
 
 @dataclass(frozen=True)
 class ReadCharacter:
-    """A character from a file, with what had to be assumed and repaired to read it."""
+    """Character from a file, with assumptions and repairs made while reading it."""
 
     character: "Character"
     guesses: tuple["Guess", ...] = ()
@@ -71,10 +71,11 @@ class ReadCharacter:
 
 @dataclass(frozen=True)
 class Format:
-    """A kind of file. Each job is a function as ``module:function``, imported when first needed; empty where it cannot.
+    """File format.
 
-    All raise StudioError with file, place and what to do. A reader reports what it guessed and repaired in what it
-    returns; a writer leaves the whole file or none (``studio.io.replacing``).
+    Each job is a function as ``module:function``, imported when first needed; empty if not supported. All raise
+    StudioError with file, place and what to do. A reader returns its guesses and repairs with the content; a writer
+    leaves the whole file or none (``studio.io.replacing``).
     """
 
     name: str
@@ -129,7 +130,7 @@ class Format:
         return read
 
     def _checked(self, read: ReadCapture, path: Path) -> ReadCapture:
-        """``read`` with a capture of believable size, however often it is interpreted; raises StudioError."""
+        """``read`` with a check of the capture's size, also when interpreted again; raises StudioError."""
         if not isinstance(read, ReadCapture):
             kind = type(read).__name__
             raise StudioError(f"{path.name}: the reader of {self.name} returns a {kind}, not a ReadCapture. {_EARLIER}")
@@ -145,15 +146,15 @@ class Format:
         return replace(read, interpret=interpret)
 
     def write_motion(self, path: Path, take: "Take", progress: Progress) -> None:
-        """The whole file or none of it; raises StudioError."""
+        """Write the whole file or none of it; raises StudioError."""
         self._function("motion_writer")(path, take, progress)
 
     def write_stage(self, path: Path, stage: "ExportedStage", progress: Progress) -> None:
-        """The whole file or none of it; raises StudioError."""
+        """Write the whole file or none of it; raises StudioError."""
         self._function("stage_writer")(path, stage, progress)
 
     def write_character(self, path: Path, character: "Character", progress: Progress) -> None:
-        """The whole file or none of it; raises StudioError."""
+        """Write the whole file or none of it; raises StudioError."""
         self._function("character_writer")(path, character, progress)
 
     def _function(self, job: str) -> Callable[..., Any]:
@@ -289,24 +290,24 @@ def _check_size(capture: "Capture", path: Path) -> None:
 
 @dataclass(frozen=True)
 class KnownFormats:
-    """Known formats, and a sentence for each entry point that failed."""
+    """Known formats, and one sentence for each entry point that failed."""
 
     formats: tuple[Format, ...]
     failures: tuple[str, ...]
 
     def that_can(self, job: str) -> tuple[Format, ...]:
-        """Those with a function for ``job``, a field of ``Format`` (``capture_reader``)."""
+        """Formats with a function for ``job``, a field of ``Format`` (``capture_reader``)."""
         return tuple(known for known in self.formats if getattr(known, job))
 
     def suffixes(self, *jobs: str) -> tuple[str, ...]:
-        """The suffixes of all that can do one of ``jobs``, each once."""
+        """Unique suffixes of all formats that support one of ``jobs``."""
         found = (suffix for job in jobs for known in self.that_can(job) for suffix in known.suffixes)
         return tuple(dict.fromkeys(found))
 
 
 @lru_cache(maxsize=1)
 def known_formats() -> KnownFormats:
-    """The studio's own formats and those that are installed beside it; never raises."""
+    """Built-in and installed formats; never raises."""
     names = {known.name for known in OWN_FORMATS}
 
     def accepted(added: object) -> Format:
@@ -331,9 +332,9 @@ class Recognised:
 
 
 def format_of(path: Path, *jobs: str) -> Format:
-    """The format of a file that can do one of ``jobs``, by its first bytes, else by its suffix; else StudioError.
+    """Format of a file that supports one of ``jobs``, by its first bytes, else by its suffix; else StudioError.
 
-    Formats of the suffix are asked first, so that no other is imported for a file that is what it is called.
+    Formats of the suffix are tried first, so that no other one is imported needlessly.
     """
     return recognise(path, *jobs).format
 

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all: written beside the old one, seen onto the disk, put in its place."""
+"""Atomic writing of files: written beside the old one, flushed to the disk, then renamed."""
 
 import contextlib
 import errno
@@ -19,7 +19,7 @@ _UNTOUCHED = "Nothing was changed on the disk."
 
 
 class FolderNotWritable(StudioError):  # noqa: N818 - it names what is the matter
-    """The file cannot be written where it is; another folder may do."""
+    """File that cannot be written in its folder; another folder may do."""
 
 
 @contextmanager
@@ -31,11 +31,11 @@ def replacing(path: Path) -> Iterator[Path]:
 
 @contextmanager
 def replacing_all(*paths: Path) -> Iterator[tuple[Path, ...]]:
-    """Empty files to be filled in the block; they take the places of ``paths``, in order, once all are on the disk.
+    """Empty files to be filled in the block; they replace ``paths``, in order, once all are on the disk.
 
-    Each keeps the mode of the file that it replaces, or has the usual one; a link stays and its target is
-    replaced. Whatever the block raises, ``paths`` stay as they were and nothing is left beside them. Raises
-    FolderNotWritable where another folder is needed and StudioError for any other OSError, also of the block.
+    Each keeps the mode of the file that it replaces, or has the default one; a link stays and its target is replaced.
+    If the block raises, ``paths`` are unchanged and nothing is left beside them. Raises FolderNotWritable if another
+    folder is needed and StudioError for any other OSError, also of the block.
     """
     targets = [Path(os.path.realpath(path)) for path in paths]
     parts = [part_of(target) for target in targets]
@@ -59,27 +59,27 @@ def replacing_all(*paths: Path) -> Iterator[tuple[Path, ...]]:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Put ``content`` in the place of ``path``, or leave what is there. Raises as ``replacing_all`` does."""
+    """Replace ``path`` by ``content``, or leave it unchanged. Raises as ``replacing_all``."""
     with replacing(path) as part:
         part.write_bytes(content)
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write ``text`` as UTF-8 by ``write_whole``; bytes of file names that are no UTF-8 become escapes, as JSON has."""
+    """Write ``text`` as UTF-8 by ``write_whole``; bytes of file names that are not UTF-8 become escapes, as in JSON."""
     write_whole(path, text.encode(errors="backslashreplace"))
 
 
 def write_pieces(path: Path, pieces: Iterable[bytes | memoryview]) -> None:
-    """``write_whole`` of a content that comes in pieces; what makes them may raise to cancel."""
+    """``write_whole`` of a content in pieces, whose iterator may raise to cancel."""
     with replacing(path) as part, open(part, "wb") as file:
         file.writelines(pieces)
 
 
 @contextmanager
 def new_folder(path: Path) -> Iterator[Path]:
-    """A folder to be filled in the block, which then appears as ``path``; nothing of it stays when the block raises.
+    """Folder to be filled in the block, which then appears as ``path``; nothing of it stays if the block raises.
 
-    Raises StudioError where there is something already that is no empty folder, and as ``replacing_all`` does.
+    Raises StudioError if ``path`` exists and is not an empty folder, and as ``replacing_all``.
     """
     target = Path(os.path.realpath(path))
     part = part_of(target)
@@ -101,12 +101,12 @@ def new_folder(path: Path) -> Iterator[Path]:
 
 
 def part_of(path: Path) -> Path:
-    """A name beside ``path`` that no other process or thread uses."""
+    """Name beside ``path`` that no other process or thread uses."""
     return path.with_name(f".{path.name}.{os.getpid()}-{secrets.token_hex(4)}{_SUFFIX}")
 
 
 def remove_leftovers(path: Path) -> None:
-    """Remove what killed writers left beside ``path``; only for who knows that nobody else writes it now."""
+    """Remove files left beside ``path`` by killed writers; only if no other process writes it now."""
     with contextlib.suppress(OSError):  # where files cannot be removed, writing says so
         for item in path.parent.iterdir():
             if item.name.startswith(f".{path.name}.") and item.suffix == _SUFFIX:

@@ -1,4 +1,4 @@
-"""Sources that have moved: found again by their content, else by their name."""
+"""Source files that have moved: found by their content, else by their name."""
 
 import hashlib
 from collections.abc import Iterable, Iterator
@@ -15,12 +15,12 @@ MOST_FILES = 2000
 
 
 class SourceMissing(StudioError):  # noqa: N818 - it names what is the case
-    """The file of a capture is nowhere where the studio looked."""
+    """File of a capture that was not found anywhere."""
 
 
 @dataclass(frozen=True)
 class SourceFile:
-    """A file with the name and the content of a capture's source, or only with one of them."""
+    """File with the name and the content of a capture's source, or only with one of them."""
 
     path: Path
     digest: str
@@ -28,7 +28,7 @@ class SourceFile:
 
 
 def digest_of(path: Path) -> str:
-    """SHA-256 of a file's content. Raises StudioError where it cannot be read."""
+    """SHA-256 of a file's content. Raises StudioError if it cannot be read."""
     try:
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
@@ -37,10 +37,10 @@ def digest_of(path: Path) -> str:
 
 
 def find_source(capture: Capture, known: Path | None, folders: Iterable[Path], progress: Progress) -> SourceFile:
-    """The file with the content of a capture's source, else one of its name.
+    """File with the content of a capture's source, else one with its name.
 
-    Looked at are ``known``, where it lay, then files in ``folders`` and the folders in them: those of its name first,
-    then others that hold captures. Raises SourceMissing where there is neither.
+    Searched are ``known``, its former path, then files in ``folders`` and their subfolders: those of its name first,
+    then other captures. Raises SourceMissing if there is neither.
     """
     name, digest = capture.source, capture.digest
     files = list(dict.fromkeys(_files(folders)))[:MOST_FILES]
@@ -62,7 +62,7 @@ def find_source(capture: Capture, known: Path | None, folders: Iterable[Path], p
 
 
 def _files(folders: Iterable[Path]) -> Iterator[Path]:
-    """Files that may hold captures, those in a folder before those in the folders in it."""
+    """Files that may be captures, those in a folder before those in its subfolders."""
     suffixes = known_formats().suffixes("capture_reader")
     for folder in folders:
         try:

@@ -18,14 +18,14 @@ from studio.io.export import Take, take_of_adapted
 
 
 def file_name(project: Project, performer_id: str, suffix: str = ".bvh") -> str:
-    """``front_kick tall man.bvh``: the motion, of several the first, and who performs it."""
+    """``front_kick tall man.bvh``: the motion, or the first of several, and its performer."""
     performer = project.performers[performer_id]
     motion = project.motions[performer.clips[0].motion_id]
     return safe_name(f"{motion.name} {performer.name.lower()}{suffix}")
 
 
 def take_of_performer(project: Project, performer_id: str, performance: Performance, *, along: bool = False) -> Take:
-    """Take of one performer on its character; ``along`` has it carry the other joints of its only capture."""
+    """Take of one performer on its character; with ``along`` it has the other joints of its only capture."""
     performer = project.performers[performer_id]
     character = project.characters[performer.character_id]
     clips = performer.clips
@@ -42,7 +42,7 @@ def take_of_performer(project: Project, performer_id: str, performance: Performa
 
 
 def labels_played(project: Project, performer_id: str) -> tuple[Label, ...]:
-    """The labels of the motions that a performer plays, in frames of its row of clips, as often as they are played."""
+    """Labels of the motions that a performer plays, in frames of its row of clips, once for each repeat."""
     performer = project.performers[performer_id]
     timing, played = timing_of(project, performer), []
     for clip in performer.clips:
@@ -59,7 +59,7 @@ def labels_played(project: Project, performer_id: str) -> tuple[Label, ...]:
 
 
 def other_joints(capture: Capture) -> tuple[str, ...]:
-    """The capture's joints that a character can carry along."""
+    """Capture's joints that can be transferred to a character."""
     if capture.body_map is None:
         return ()
     skeleton = capture.skeleton

@@ -1,4 +1,4 @@
-"""The direction of a file that is up: one of six axes, or a direction between them where a camera was tilted."""
+"""Up direction of a file: one of six axes, or a direction between them for a tilted camera."""
 
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -77,7 +77,7 @@ class BodyPoints:
 
 
 def axis_called(text: str) -> str:
-    """The name of ``FILE_AXES``, or the direction ``x y z`` of length 1, that a user means. Raises StudioError."""
+    """Name in ``FILE_AXES``, or unit direction ``x y z``, given by a user. Raises StudioError."""
     name = text.strip().upper().removeprefix("+")
     if name in FILE_AXES:
         return name
@@ -93,7 +93,10 @@ def axis_called(text: str) -> str:
 
 
 def turn_to_world(up_axis: str) -> FloatArray:
-    """(3, 3) from file axes to world axes, by a name of ``FILE_AXES`` or a direction ``x y z``. Raises StudioError."""
+    """(3, 3) rotation from file axes to world axes, by a name of ``FILE_AXES`` or a direction ``x y z``.
+
+    Raises StudioError.
+    """
     name = axis_called(up_axis)
     if name in FILE_AXES:
         return FILE_AXES[name]
@@ -108,7 +111,7 @@ def guess_up_axis(
     """Guess of the up direction of a file, by the standing and moving body, ``usual`` axes and the rest pose.
 
     ``rest`` (3,) is the direction from ankles to shoulders at rest. The highest score of the six axes wins: the body
-    stands along it in one line, lies above what rests on the ground, whose level keeps its height, near zero.
+    stands upright along it, is above the parts that rest on the ground, and these keep their height, near zero.
     """
     names, axes = list(FILE_AXES), np.array([turn[2] for turn in FILE_AXES.values()])
     along, straight = _standing(body)
@@ -142,7 +145,7 @@ def guess_up_axis(
 
 
 def _standing(body: BodyPoints) -> tuple[FloatArray, FloatArray]:
-    """Directions (F, 3) from ankles to shoulders, and (F,) how much the body stands in one line on its soles, 0 to 1.
+    """Directions (F, 3) from ankles to shoulders, and (F,) how straight the body stands on its soles, 0 to 1.
 
     One that crawls is bent at its hips; one that lies stretches its feet.
     """
@@ -156,7 +159,9 @@ def _standing(body: BodyPoints) -> tuple[FloatArray, FloatArray]:
 
 
 def _supported(body: BodyPoints) -> FloatArray | None:
-    """(3,) mean way, in leg lengths, from what rests in a frame to the middle of the body; None for a root at rest."""
+    """(3,) mean vector, in leg lengths, from the parts that rest in a frame to the middle of the body; None for a root
+    at rest.
+    """
     if np.ptp(body.hips[0].mean(axis=1), axis=0).max() < _TRAVELS * body.leg:
         return None
     moved = np.linalg.norm(body.everything[1] - body.everything[0], axis=-1)
@@ -170,9 +175,9 @@ def _supported(body: BodyPoints) -> FloatArray | None:
 
 
 def _tilted(body: BodyPoints, along: FloatArray, straight: NDArray[np.bool_]) -> FloatArray | None:
-    """(3,) direction that is up where no axis is: that in which the body stands, square to where it goes and rests.
+    """(3,) up direction if no axis is up: that of the standing body, perpendicular to its travel and its rests.
 
-    A camera's tilt stays the same through the take; one who leans over does not.
+    A camera's tilt is constant through the take; that of a leaning body is not.
     """
     if straight.mean() < 0.5 or len(along) < _FEWEST:
         return None
@@ -197,7 +202,7 @@ def _tilted(body: BodyPoints, along: FloatArray, straight: NDArray[np.bool_]) ->
 
 
 def said_axis(name: str) -> dict[str, float]:
-    """The ``usual`` of a file that says which axis is up."""
+    """``usual`` axes of a file that gives its up axis."""
     return {name: _SAID}
 
 

@@ -1,4 +1,4 @@
-"""ZIP files: written in pieces, so that long ones can be followed and cancelled; read within bounds."""
+"""ZIP files: written in pieces, with progress and cancellation; read within bounds."""
 
 import lzma
 import struct
@@ -28,7 +28,7 @@ _DAMAGE = (
 
 
 class UnpacksTooFarError(ValueError):
-    """An archive that is small only as long as it is packed."""
+    """Archive whose unpacked size exceeds the limit."""
 
 
 def write_zip(path: Path, members: Mapping[str, bytes], level: int | None, progress: Progress) -> None:
@@ -57,9 +57,9 @@ def _aligned(name: str, start: int) -> zipfile.ZipInfo:
 
 
 def unpacked(content: bytes, most: int, names: Sequence[str] = ()) -> dict[str, bytes]:
-    """The members of an archive by name, or those of ``names``; together they unpack to ``most`` bytes at most.
+    """Members of an archive by name, or those of ``names``; together they unpack to at most ``most`` bytes.
 
-    Raises ValueError with what is wrong with it, UnpacksTooFarError before anything is unpacked.
+    Raises ValueError with its fault, UnpacksTooFarError before anything is unpacked.
     """
     try:
         with zipfile.ZipFile(BytesIO(content)) as archive:

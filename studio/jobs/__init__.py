@@ -1,1 +1,1 @@
-"""Whole jobs that the command line, the window and scripts share: a capture or a project adapted, with its report."""
+"""Whole jobs shared by the command line, the window and scripts: a capture or a project adapted, with its report."""

@@ -19,6 +19,7 @@ from studio.core.quality.report import (
     BLOCKED_BY_CONTACTS,
     BLOCKED_BY_CORRECTIONS,
     BLOCKED_BY_FOLLOWED,
+    BLOCKED_BY_GROUND,
     BLOCKED_BY_LIMITS,
     BLOCKED_BY_NOTHING,
     BLOCKED_BY_REACH,
@@ -52,6 +53,7 @@ OTHERS = {
     BLOCKED_BY_TOLERANCE: "tolerance",
     BLOCKED_BY_CORRECTIONS: "corrections",
     BLOCKED_BY_FOLLOWED: "followed character",
+    BLOCKED_BY_GROUND: "ground",
 }
 """Causes other than another constraint that keep a constraint from being met, by code; None for no cause."""
 
@@ -143,10 +145,9 @@ def constraint_records(
     request: AdaptRequest, adapted: AdaptedMotion, report: Report, by_frame: bool
 ) -> list[JsonObject]:
     """Record of each constraint: number of frames in which it is fully active and in which it is met, its worst
-    residual in the former, and for the frames in which it is not met the number blocked by each cause.
-
-    Contacts on its limb count as a cause as well. With ``by_frame`` also the residual and the cause in every frame,
-    null where there is none.
+    residual in the former, and for the frames in which it is not met the number blocked by each cause. Contacts on
+    its limb count as a cause as well. With ``by_frame`` also the residual and the cause in every frame, null if
+    there is none.
     """
     records = []
     frames = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)

@@ -28,7 +28,7 @@ ADAPTED_MOTION_ID = "motion"
 
 @dataclass(frozen=True, eq=False)
 class ReadyCapture:
-    """A capture with its motion, its actor, and what came with it."""
+    """Capture with its motion, its actor, and its annotations."""
 
     capture: Capture
     motion: NormalizedMotion
@@ -37,17 +37,17 @@ class ReadyCapture:
 
     @property
     def contacts(self) -> tuple[ContactInterval, ...]:
-        """Contacts that came with the file, else those detected."""
+        """Contacts of the file, else detected ones."""
         return self.annotations.contacts or ()
 
     @cached_property
     def source(self) -> AdaptedMotion:
-        """The motion on its own actor, with which adapted ones are compared."""
+        """Motion on its own actor, to which adapted ones are compared."""
         return source_motion(self.motion, self.actor)
 
 
 def make_folder(folder: Path) -> None:
-    """The folder with those above it; StudioError when it cannot be made."""
+    """Make the folder and its parents; StudioError if that fails."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -98,7 +98,7 @@ def spans_by_foot(contacts: Sequence[ContactInterval]) -> dict[str, list[list[in
 
 
 def chosen_characters(names: Sequence[str]) -> dict[str, Character]:
-    """The bundled characters and character files named, by short name; all bundled ones where none is."""
+    """Bundled characters and character files by short name; all bundled ones for no names."""
     bundled = bundled_characters()
     if not names:
         return dict(bundled)
@@ -113,7 +113,7 @@ def chosen_characters(names: Sequence[str]) -> dict[str, Character]:
 
 
 def _own_key(stem: str, taken: Container[str]) -> str:
-    """``hero``, or ``hero_2`` where another file of that name is there."""
+    """``hero``, or ``hero_2`` if another file has that name."""
     keys = chain([stem], (f"{stem}_{number}" for number in count(2)))
     return next(key for key in keys if key not in taken)
 

@@ -35,7 +35,7 @@ class BatchSettings:
 
 @dataclass(frozen=True)
 class FileDone:
-    """One more file of a batch is done."""
+    """Progress report: one more file of a batch is done."""
 
     number: int
     """Number of files done, this one included."""
@@ -65,7 +65,7 @@ class BatchResult:
 
     @property
     def words(self) -> str:
-        """Sentence for people."""
+        """Summary as a sentence."""
         return (
             f"{counted(len(self.records), 'file')}: {self.adapted} adapted, {self.unchanged} unchanged,"
             f" {self.failed} failed."
@@ -73,12 +73,12 @@ class BatchResult:
 
     @property
     def table(self) -> Path:
-        """Summary for other programs."""
+        """Summary as a table for other programs."""
         return self.out / TABLE
 
     @property
     def page(self) -> Path:
-        """Summary for people."""
+        """Summary as a page with plots."""
         return self.out / PAGE
 
 
@@ -87,9 +87,9 @@ def run_batch(
 ) -> BatchResult:
     """Adapt captures without a current result, and write the summary.
 
-    ``told`` hears each file, ``waited`` is called some times a second. When one of them raises, the workers end, and
-    the summary has what is done; a later run goes on from there. Raises StudioError for folders and characters that
-    cannot be used; an error in one file is its record.
+    ``told`` is called with each file, ``waited`` some times a second. If one of them raises, the workers end, and the
+    summary has the finished files; a later run continues from there. Raises StudioError for unusable folders and
+    characters; an error in one file is its record.
     """
     settings.adapt.cast()  # what is missing is told before any work
     jobs = find_jobs(settings.source, settings.out, settings.adapt)

@@ -62,7 +62,7 @@ def find_jobs(source: Path, out: Path, settings: AdaptSettings) -> list[BatchJob
 
 
 def done_before(job: BatchJob) -> JsonObject | None:
-    """Record of an earlier run with the same inputs, whose files are still as it wrote them; None if there is none."""
+    """Record of an earlier run with the same inputs, whose files are unchanged; None if there is none."""
     try:
         record: JsonObject = json.loads(job.report.read_bytes())
         written = dict(record["written"])

@@ -1,4 +1,4 @@
-"""Projects that verbs play or draw: files, or scenes that come with the studio, by name."""
+"""Projects that verbs play or draw: files, or bundled scenes, by name."""
 
 from pathlib import Path
 
@@ -17,7 +17,7 @@ def is_project(source: Path) -> bool:
 
 
 def open_project(source: Path) -> Project:
-    """The project in a file, or the bundled scene of that name. Raises StudioError where there is neither."""
+    """Project in a file, or the bundled scene of that name. Raises StudioError if there is neither."""
     if source.exists() or source.suffix:
         return read_project(source).project
     if (scene := BUNDLED_SCENES.get(str(source))) is None:

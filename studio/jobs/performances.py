@@ -12,7 +12,7 @@ from studio.core.stage.project import Project
 
 
 def adapted_performers(project: Project) -> dict[str, AdaptedMotion]:
-    """The adapted motion of every visible performer that plays human motions."""
+    """Adapted motion of every visible performer that plays human motions."""
     return {key: each.adapted for key, each in performances(project).performances.items()}
 
 
@@ -27,11 +27,11 @@ def performances(project: Project) -> Staged:
 
 
 def prepared(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
-    """A capture's motion, and the measures of its actor."""
+    """Normalised motion of a capture, and the measures of its actor."""
     motion, actor = normalize(capture)
     return motion, actor.morphology
 
 
 def stage_duration(project: Project, performer_id: str) -> float:
-    """Seconds on the stage until a performer's last clip has ended."""
+    """End of a performer's last clip, in seconds of the stage."""
     return timing_of(project, project.performers[performer_id]).end

@@ -28,8 +28,8 @@ def with_tracks(
 ) -> dict[str, AdaptRequest]:
     """Requests by character, with the tracks that their constraints follow; ``places`` are the characters' placements.
 
-    Characters who follow others are solved together with them, as on a stage, until nobody moves who is followed.
-    Raises StudioError naming the constraint where somebody or something followed is not there.
+    Characters who follow others are solved together with them, as on a stage, until no followed point moves. Raises
+    StudioError naming the constraint if a followed character or object is missing.
     """
     constraints = next(iter(requests.values())).constraints if requests else ()
     for each in constraints:
@@ -54,7 +54,7 @@ def with_tracks(
 
 
 def _played(request: AdaptRequest) -> Composite:
-    """The whole motion of a request, from second 0 on."""
+    """Whole motion of a request, from second 0 on."""
     return compose_pieces((MotionPiece(request.motion, request.contacts, 0, request.motion.frame_count - 1),))
 
 
@@ -87,7 +87,7 @@ def _check_followed(constraints: tuple[Constraint, ...], requests: Mapping[str, 
 def _with_own_tracks(
     request: AdaptRequest, capture: Capture, props: Mapping[str, Prop], place: Placement
 ) -> AdaptRequest:
-    """The request with the tracks of props and captured joints."""
+    """Request with the tracks of props and captured joints."""
     tracks: dict[Follow | OwnPlace | Support, Track] = {}
     for constraint in request.constraints:
         for follow in follows_of(constraint):

@@ -1,15 +1,14 @@
 """Clusters of a library's poses, as in P09 (3.3.2): a map to look at, not used by the search.
 
-K-means over features of a pose that do not change with a turn or a shift: the distance of each joint from the middle,
-and its height.
+K-centres (farthest point first) over features of a pose that do not change with a turn or a shift: the distance of each
+joint from the middle, and its height. K-means puts most of its clusters where most poses are, and in a library of
+strikes nearly all of them into the guard.
 """
 
-import warnings
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.cluster.vq import kmeans2
 
 from studio.core.kernels import pose_search as at
 from studio.core.retrieval import SearchTable, pose_distances
@@ -17,19 +16,21 @@ from studio.core.retrieval import SearchTable, pose_distances
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-CLUSTER_ROUNDS = 40
 CLUSTER_LINKS = 4
+LEAST_CLUSTER_DISTANCE = 0.08
+"""Metres by which the features of two representatives differ at least; poses nearer to each other look alike."""
 
 
 @dataclass(frozen=True, eq=False)
 class PoseMap:
-    """Map of poses: ``clusters`` (F,) has the cluster of each row of a table; of G clusters ``centroids`` (G, 40),
-    ``representatives`` (G,) the row nearest to each, ``links`` (G, L) the clusters whose representatives are most
-    similar, the nearest first.
+    """Map of poses: ``clusters`` (F,) has the cluster of each row of a table.
+
+    Of G clusters, ``representatives`` (G,) is the row in the middle of each, ``centres`` (G, 40) its features, and
+    ``links`` (G, L) the clusters whose representatives are most similar, the nearest first.
     """
 
     clusters: IntArray
-    centroids: FloatArray
+    centres: FloatArray
     representatives: IntArray
     links: IntArray
 
@@ -62,26 +63,22 @@ def unturned(rows: ArrayLike) -> FloatArray:
     return np.concatenate([np.hypot(poses[:, : at.Y], poses[:, at.Y : at.Z]), poses[:, at.Z : at.SQUARE]], axis=1)
 
 
-def map_of(table: SearchTable, count: int, seed: int = 0) -> PoseMap:
-    """Map of a table's poses with at most ``count`` clusters; the same seed gives the same clusters."""
+def map_of(table: SearchTable, count: int) -> PoseMap:
+    """Map of a table's poses with at most ``count`` clusters, whose representatives differ."""
     features = unturned(table.rows)
-    count = min(count, len(features))
-    if count == 0:
+    if count == 0 or not len(features):
         none = np.empty(0, dtype=np.int64)
         return PoseMap(none, np.empty((0, 2 * at.POSE_JOINTS)), none, np.empty((0, 0), dtype=np.int64))
-    starts = features[np.random.default_rng(seed).choice(len(features), count, replace=False)]
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "One of the clusters is empty")  # where poses are alike; it is left out below
-        centroids, found = kmeans2(features, starts, iter=CLUSTER_ROUNDS, minit="matrix")
-    groups = np.unique(found)
-    representatives = np.array([_nearest(features, found == group, centroids[group]) for group in groups])
+    found = [int(np.argmin(np.linalg.norm(features - features.mean(axis=0), axis=1)))]
+    clusters, apart = np.zeros(len(features), dtype=np.int64), np.linalg.norm(features - features[found[0]], axis=1)
+    while len(found) < count and apart.max() > LEAST_CLUSTER_DISTANCE:
+        found.append(int(np.argmax(apart)))
+        from_new = np.linalg.norm(features - features[found[-1]], axis=1)
+        clusters[from_new < apart] = len(found) - 1
+        apart = np.minimum(apart, from_new)
+    representatives = np.array(found)
     poses = table.rows[representatives]
-    apart = np.array([pose_distances(pose, poses)[0] for pose in poses])
-    np.fill_diagonal(apart, np.inf)
-    links = np.argsort(apart, axis=1)[:, : min(CLUSTER_LINKS, len(groups) - 1)]
-    return PoseMap(np.searchsorted(groups, found), centroids[groups], representatives, links)
-
-
-def _nearest(features: FloatArray, among: NDArray[np.bool_], centroid: FloatArray) -> int:
-    rows = np.flatnonzero(among)
-    return int(rows[np.argmin(np.linalg.norm(features[rows] - centroid, axis=1))])
+    between = np.array([pose_distances(pose, poses)[0] for pose in poses])
+    np.fill_diagonal(between, np.inf)
+    links = np.argsort(between, axis=1)[:, : min(CLUSTER_LINKS, len(found) - 1)]
+    return PoseMap(clusters, features[representatives], representatives, links)

@@ -1,7 +1,7 @@
 """Contacts of one foot of a live body, decided from past frames alone (METHOD 6).
 
-Heel or ball begin to stand when they are low and slow, and stop when they are clearly higher or faster. They stand
-where they were last shown; the difference at such a change decays, so that nothing jumps.
+A contact of heel or ball begins when it is low and slow, and ends when it is clearly higher or faster. Its position is
+where the foot was last shown; the difference at such a change decays, so that nothing jumps.
 """
 
 import math
@@ -67,8 +67,8 @@ class DampedHeight:
 
 @dataclass(frozen=True, eq=False)
 class _Print:
-    """Footprint of a heel or of toes (``state``, a bit): the ``pivot`` that stands, its position ``place`` (3,), and
-    the ``tilt`` (3, 3) of the ground there.
+    """Footprint of a heel or of toes (``state``, a bit): the ``pivot`` in contact, its position ``place`` (3,), and the
+    ``tilt`` (3, 3) of the ground there.
     """
 
     state: int
@@ -136,7 +136,7 @@ class Foothold:
             self.climb.follow(float(self.ground.height_at([*points, *(points + way)]).max()), dt)
 
     def _found(self, own: FootPose, low: float, dt: float) -> int:
-        """Parts of the foot that stand, as bits."""
+        """Parts of the foot in contact, as bits."""
         if self._printed is not None and self._is_torn(own):
             return 0
         size, points, speeds = self.body.leg_length / USUAL_LEG, self.points_of(own), np.zeros(2)

@@ -67,10 +67,8 @@ class _Part:
 
 class LiveStage:
     """Live playback: call ``step`` for each frame; ``project`` may be replaced before any step, ``start`` begins a
-    clip.
-
-    ``results`` has one frame of each performer, in the space of its motion, ``failures`` the reasons why others have
-    none. A behaviour controls its performers; ``send`` and ``press`` pass events and keys to behaviours.
+    clip. ``results`` has one frame of each performer, in the space of its motion, ``failures`` the reasons why
+    others have none. A behaviour controls its performers; ``send`` and ``press`` pass events and keys to behaviours.
     """
 
     def __init__(self, project: Project, prepare: Prepare, seconds: float = 0.0) -> None:

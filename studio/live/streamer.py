@@ -1,4 +1,4 @@
-"""VMC output of performers: bundles of at most 1,500 bytes, each bone once a frame."""
+"""VMC output of performers: bundles of at most 1,500 bytes, with each bone once in a frame."""
 
 import socket
 import threading
@@ -92,7 +92,7 @@ class Broadcast:
 
 
 class Streamer:
-    """Sender of frames to one address; use it in a ``with``. Raises StudioError if the address cannot be found."""
+    """Sender of frames to one address; a context manager. Raises StudioError if the address cannot be found."""
 
     def __init__(self, port: int, address: str = LOOPBACK) -> None:
         try:
@@ -121,6 +121,6 @@ class Streamer:
 
 
 def unreachable(address: str, error: Exception) -> StudioError:
-    """Error for an address that cannot be found or sent to, with its sentence."""
+    """Error for an address that cannot be found or sent to."""
     reason = getattr(error, "strerror", None) or error
     return StudioError(f"Nothing can be sent to {address}: {reason}. Choose another address.")

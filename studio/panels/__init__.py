@@ -1,1 +1,1 @@
-"""Docks round the viewport, one a file."""
+"""Docks around the viewport, one file for each."""

@@ -32,7 +32,7 @@ _CLICKED = frozenset(SEGMENT_SHAPES) - {BodyPart.ABDOMEN}
 
 @dataclass(frozen=True, eq=False)
 class MappedBody:
-    """Joints of a capture or a character at rest, ``positions`` (J, 3) with Z up, and the part that each plays."""
+    """Joints of a capture or a character at rest, ``positions`` (J, 3) with Z up, and the part of each."""
 
     name: str
     skeleton: Skeleton
@@ -46,7 +46,7 @@ class MappedBody:
 
 
 def body_of_capture(capture: Capture) -> MappedBody | None:
-    """The body of a capture in its reference pose; None if no body was found in it."""
+    """Body of a capture in its reference pose; None if no body was found in it."""
     if capture.body_map is None:
         return None
     rest = joint_positions(capture.skeleton, rest_poses(capture.skeleton, capture.reference_rotations))[0]
@@ -54,7 +54,7 @@ def body_of_capture(capture: Capture) -> MappedBody | None:
 
 
 def body_of_character(character: Character) -> MappedBody | None:
-    """The body of a character as it was bound; None if it has no joints of its own."""
+    """Body of a character in its bind pose; None if it has no joints of its own."""
     rig = character.skin.rig
     if rig is None:
         return None
@@ -65,7 +65,7 @@ def body_of_character(character: Character) -> MappedBody | None:
 
 
 class PartFigure(BodyFigure):
-    """The parts of a body; the one whose joint is being chosen is bright."""
+    """Figure of the parts of a body; the one whose joint is being chosen is bright."""
 
     def tip(self, part: BodyPart | None) -> str:
         """Name of the part under the mouse."""
@@ -89,7 +89,7 @@ class BodyMapSection(Section):
         self.head.addWidget(self._fold)
 
     def refresh(self) -> None:
-        """Fetch the joints of all parts that are on show."""
+        """Update the joints of all visible parts."""
         body = self._find()
         self.setVisible(body is not None)
         if body is None or not self._choices:
@@ -150,7 +150,7 @@ class BodyMapSection(Section):
         self._apply(names, f"Map chest of {body.name} to {joint}")
 
     def _map(self, part: str, words: str, joint: str) -> None:
-        """Give a part a joint; the part that it played until now gets the one that is free."""
+        """Assign a joint to a part; the joint's former part gets the one that becomes free."""
         body = self._find()
         if body is not None:
             joints = body.joints
@@ -188,7 +188,7 @@ class BodyMapSection(Section):
         dialog.open()
 
     def load_from(self, path: Path) -> None:
-        """Apply the body map in a file; what is wrong with it is reported as a message."""
+        """Apply the body map in a file; errors in it are reported as a message."""
         body = self._find()
         try:
             names = read_body_map(path)
@@ -209,7 +209,7 @@ class BodyMapSection(Section):
 
 
 def capture_section(editor: Editor[Capture]) -> BodyMapSection:
-    """Section for the capture that ``editor`` shows."""
+    """Section for the capture of ``editor``."""
 
     def put(names: Mapping[str, str], text: str) -> None:
         editor.put(lambda: editor.entity.with_body_map(names), text)
@@ -220,10 +220,10 @@ def capture_section(editor: Editor[Capture]) -> BodyMapSection:
 def character_section(
     editor: Editor[object], character_id: Callable[[], str], remap: Callable[[str, Mapping[str, str], str], None]
 ) -> BodyMapSection:
-    """Section for a character that ``editor`` shows, alone or as that of a performer.
+    """Section for the character of ``editor``, alone or as that of a performer.
 
-    ``remap`` gets the character's id, the joint of each part and the text of the undo step: measuring and binding a
-    body takes too long for the window's thread.
+    ``remap`` is called with the character's id, the joint of each part and the text of the undo step, because measuring
+    and binding a body takes too long for the window's thread.
     """
 
     def put(names: Mapping[str, str], text: str) -> None:

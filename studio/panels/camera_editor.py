@@ -2,7 +2,7 @@
 
 import math
 
-from PySide6.QtWidgets import QCheckBox, QLineEdit
+from PySide6.QtWidgets import QCheckBox
 
 from studio.core.changed_records import with_fields
 from studio.core.stage.saved_camera import CAMERA_SLOTS, SavedCamera
@@ -10,7 +10,7 @@ from studio.document.document import Document
 from studio.document.stored_cameras import give_slot
 from studio.engine.live_interface import Live
 from studio.panels.constraint_editors.vector_row import VectorRow
-from studio.panels.editor import Editor
+from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import Choice, NumberField, Section
 
 NO_SLOT = "none"
@@ -22,8 +22,7 @@ class CameraEditor(Editor[SavedCamera]):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Camera")
-        self._name = QLineEdit()
-        self._name.editingFinished.connect(self._rename)
+        self._name = EntityNameField(self)
         section.add_row("Name", self._name)
         self._slot = Choice("Shortcut", [(NO_SLOT, "None"), *((str(slot), f"Camera {slot}") for slot in CAMERA_SLOTS)])
         self._slot.value_chosen.connect(
@@ -50,10 +49,10 @@ class CameraEditor(Editor[SavedCamera]):
         self.finish()
 
     def refresh(self) -> None:
-        """Show the camera as it is saved."""
+        """Show the saved camera."""
         camera = self.entity
         placement = camera.placement
-        self._name.setText(camera.name)
+        self._name.show_name()
         self._slot.show_value(str(camera.slot) if camera.slot else NO_SLOT)
         self._target.show_values(placement.target)
         self._distance.show_value(placement.distance)
@@ -63,8 +62,3 @@ class CameraEditor(Editor[SavedCamera]):
 
     def _place(self, **values: object) -> None:
         self.change(f"Place {self.entity.name}", placement=with_fields(self.entity.placement, **values))
-
-    def _rename(self) -> None:
-        name = self._name.text().strip()
-        if self.entity is not None and name and name != self.entity.name:
-            self.change(f"Rename {self.entity.name}", name=name)

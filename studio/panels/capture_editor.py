@@ -1,6 +1,7 @@
-"""A capture and its import report: what the file says, what was guessed and why, what was repaired."""
+"""Form of a capture with its import report: values of the file, guesses with their reasons, repairs."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from html import escape
 
 from PySide6.QtCore import Signal
@@ -8,12 +9,13 @@ from PySide6.QtWidgets import QWidget
 
 from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.remarks import remarks_on
+from studio.core.stage.project import Motion
 from studio.document import colours
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.body_map_section import capture_section
 from studio.panels.editor import Editor
-from studio.panels.fields import Choice, NumberField, Section, labelled, press_button
+from studio.panels.fields import Choice, NumberField, Section, TagField, labelled, press_button
 from studio.panels.reference_figure import ReferenceFigure
 
 UNIT_CHOICES = (
@@ -25,7 +27,7 @@ UP_AXIS_CHOICES = tuple((axis, f"{axis} up") for axis in ("X", "Y", "Z", "-X", "
 
 
 class CaptureEditor(Editor[Capture]):
-    """Facts, guesses that can be overruled, repairs. Unit and axis need the file to be read again."""
+    """Facts, guesses that can be overruled, repairs. Another unit or axis reads the file again."""
 
     reimport_requested = Signal(str, object)
     """Capture id, {option: value}."""
@@ -43,6 +45,9 @@ class CaptureEditor(Editor[Capture]):
         self._values = {name: labelled("", "value") for name in ("File", "Frames", "Length", "Joints")}
         for name, value in self._values.items():
             self._facts.add_row(name, value)
+        self._tags = TagField("walk, fast", "the search of the library finds them")
+        self._tags.tags_edited.connect(self._set_tags)
+        self._facts.add_row("Tags", self._tags)
         self.column.addWidget(self._facts)
         self._add_options()
         self._markers = labelled("", "value")
@@ -91,7 +96,7 @@ class CaptureEditor(Editor[Capture]):
         self.column.addWidget(section)
 
     def refresh(self) -> None:
-        """Fetch facts, guesses and repairs."""
+        """Update facts, guesses and repairs."""
         capture: Capture | None = self.entity
         if capture is None:
             return
@@ -103,6 +108,8 @@ class CaptureEditor(Editor[Capture]):
         )
         for label, text in zip(self._values.values(), facts, strict=True):
             label.setText(text)
+        self._tags.show_tags(next((each.tags for each in self._motions.values()), ()))
+        self._tags.setEnabled(bool(self._motions))
         self._actor.setEnabled(capture.body_map is not None)
         self._reference.show_value(None)
         _show(self._unit, capture.unit)
@@ -116,6 +123,22 @@ class CaptureEditor(Editor[Capture]):
             self._markers.setText(capture.markers.marker_map.name)
         self._show_report(capture)
 
+    @property
+    def _motions(self) -> dict[str, Motion]:
+        """Motions of the capture, by id: their tags are its tags."""
+        motions = self.document.shown_project.motions.items()
+        return {key: motion for key, motion in motions if motion.capture_id == self.entity_id}
+
+    def _set_tags(self, tags: tuple[str, ...]) -> None:
+        text = f"Set tags of {self.entity.name}"
+        with self.document.group(text):
+            for key, motion in self._motions.items():
+                self.document.replace("motions", key, replace(motion, tags=tags), text)
+
+    def concerns(self, collection: str, entity_id: str) -> bool:
+        """Its tags are those of its motions."""
+        return collection == "motions" or super().concerns(collection, entity_id)
+
     def _show_report(self, capture: Capture) -> None:
         report = self._make_report(capture)
         if self._report is None:
@@ -126,7 +149,7 @@ class CaptureEditor(Editor[Capture]):
         self._report = report
 
     def _make_report(self, capture: Capture) -> QWidget:
-        """The guesses with their reasons and what they offer, then the repairs, then what is odd."""
+        """Guesses with their reasons and choices, then the repairs, then warnings."""
         section = Section(f"Guessed · {len(capture.guesses)}")
         for guess in capture.guesses:
             section.add_wide(_guess_lines(guess))

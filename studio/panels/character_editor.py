@@ -1,10 +1,9 @@
-"""The body of a character: sliders for stature and every part, presets, back to the build."""
+"""Form of a character's body: sliders for stature and every part, presets, reset to the build."""
 
 from collections.abc import Callable
 from dataclasses import fields, replace
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QLineEdit
 
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Morphology, Proportions
@@ -14,15 +13,15 @@ from studio.core.mesh.character import Character
 from studio.core.mesh.skin import Blending
 from studio.core.stage.project import Performer
 from studio.document.document import Document
+from studio.document.length_units import length_text
 from studio.engine.live_interface import Live
 from studio.panels.body_map_section import character_section
-from studio.panels.editor import Editor
-from studio.panels.fields import Choice, Section, labelled, press_button
+from studio.panels.editor import Editor, EntityNameField
+from studio.panels.fields import Choice, Section, TagField, labelled, press_button
 from studio.panels.growth_row import GrowthRow
 from studio.panels.sliders import ValueSlider
 
 LEAST_PROPORTION, MOST_PROPORTION = 0.5, 1.6
-SHOWN_CENTIMETRES = 100.0
 BUILD = Proportions()
 BLENDINGS = ((Blending.LINEAR, "Linear blending"), (Blending.DUAL_QUATERNIONS, "Dual quaternions"))
 PRESETS: dict[str, Proportions] = {
@@ -35,7 +34,7 @@ PRESETS: dict[str, Proportions] = {
 
 
 def measure_of(name: str, body: Morphology) -> float:
-    """Length in metres of the proportion that a slider sets."""
+    """Length in metres that is scaled by a proportion's slider."""
     lengths: dict[str, Callable[[], float]] = {
         "stature": lambda: body.stature,
         "trunk": lambda: body.spine_length,
@@ -58,7 +57,7 @@ def grip_words(grip: float) -> str:
 
 
 class BodySection(Section):
-    """All proportions of one character; every picture follows while a slider moves."""
+    """All proportions of one character; every view follows a moving slider."""
 
     def __init__(self, editor: Editor[Character | Performer], character_id: Callable[[], str]) -> None:
         super().__init__("Body")
@@ -82,6 +81,9 @@ class BodySection(Section):
         self.add_row("Hands", self._grip)
         self._growth = GrowthRow(editor, self, character_id)
         self._sliders = {field.name: self._make_slider(field.name) for field in fields(Proportions)}
+        self._tags = TagField("hero, tall", "the search of the library finds them")
+        self._tags.tags_edited.connect(self._set_tags)
+        self.add_row("Tags", self._tags)
         self._odd = labelled("", "hint")
         self.add_wide(self._odd)
         editor.document.playhead.changed.connect(self._playhead_moved)
@@ -101,23 +103,24 @@ class BodySection(Section):
         return slider
 
     def refresh(self) -> None:
-        """Fetch all lengths."""
+        """Update all lengths."""
         character = self._character
         self.refresh_now()
         self._blending.show_value(character.blending)
+        self._tags.show_tags(character.tags)
         self._grip.setEnabled(character.skin.hands is not None)
         self._grip.show_value(character.grip, grip_words(character.grip))
         self._odd.setText("\n".join(f"Warning: {remark.sentence}" for remark in remarks_on_body(character.build)))
         self._odd.setVisible(bool(self._odd.text()))
 
     def refresh_now(self) -> None:
-        """Update the proportions of a body that grows to those at the playhead."""
+        """Update the proportions of a growing body to those at the playhead."""
         character = self._character
         held = character.proportions_at(self._growth.now)
         body = held.applied_to(character.build)
         for name, slider in self._sliders.items():
             metres = measure_of(name, body)
-            words = f"{metres:.2f} m" if name == "stature" else f"{metres * SHOWN_CENTIMETRES:.1f} cm"
+            words = length_text(metres, "m", 2) if name == "stature" else length_text(metres, "cm", 1)
             slider.show_value(getattr(held, name), words)
         self._preset.show_value(held)
         self._growth.refresh()
@@ -142,6 +145,12 @@ class BodySection(Section):
         make = lambda: replace(self._character, grip=round(grip, 2))  # noqa: E731
         self._editor.put_other("characters", self._character_id(), make, f"Close the hands of {self._character.name}")
 
+    def _set_tags(self, tags: tuple[str, ...]) -> None:
+        if self._editor.entity is not None:
+            make = lambda: replace(self._character, tags=tags)  # noqa: E731
+            text = f"Set tags of {self._character.name}"
+            self._editor.put_other("characters", self._character_id(), make, text)
+
     def _put(self, held: Proportions, text: str) -> None:
         """Set these proportions: constant, or as a key at the playhead if they are keyed."""
         keyed = self._character.proportions
@@ -151,7 +160,7 @@ class BodySection(Section):
 
 
 class CharacterEditor(Editor[Character]):
-    """Form of a character that no performer plays."""
+    """Form of a character without a performer."""
 
     remap_requested = Signal(str, object, str)
     """Character id, {part: joint}, text of the undo step."""
@@ -159,8 +168,7 @@ class CharacterEditor(Editor[Character]):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Character")
-        self._name = QLineEdit()
-        self._name.editingFinished.connect(self._rename)
+        self._name = EntityNameField(self)
         section.add_row("Name", self._name)
         self._body = BodySection(self, lambda: self.entity_id)
         self.column.addWidget(section)
@@ -170,13 +178,8 @@ class CharacterEditor(Editor[Character]):
         self.finish()
 
     def refresh(self) -> None:
-        """Fetch name and lengths."""
+        """Update name and lengths."""
         if self.entity is not None:
-            self._name.setText(self.entity.name)
+            self._name.show_name()
             self._body.refresh()
             self._body_map.refresh()
-
-    def _rename(self) -> None:
-        name = self._name.text().strip()
-        if name and name != self.entity.name:
-            self.change(f"Rename {self.entity.name}", name=name)

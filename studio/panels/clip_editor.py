@@ -16,6 +16,7 @@ from studio.core.stage.clip import MOST_REPEATS, Clip
 from studio.core.stage.clip_row import ClipEdit, begun_at, ended_at, players_of
 from studio.document import clip_edits
 from studio.document.document import Document
+from studio.document.mnemonics import literal
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled, press_button, short
@@ -131,7 +132,7 @@ class ClipEditor(Editor[Clip]):
         self._players.setText(", ".join(each.name for each in players.values()))
         active = players.get(self.document.active_performer_id or "")
         self._own.setVisible(len(players) > 1 and active is not None)
-        self._own.setText(f"Make unique for {short(active.name, self._own)}" if active else "")
+        self._own.setText(literal(f"Make unique for {short(active.name, self._own)}") if active else "")
         shown = {
             self._start: clip.start, self._first: clip.first, self._last: clip.last, self._speed: self._speed_of(clip),
             self._repeats: clip.repeats, self._turn: math.degrees(clip.turn), self._ease: clip.ease,
@@ -172,7 +173,7 @@ class ClipEditor(Editor[Clip]):
         return float(speed_at(clip.speed, self._time_of(clip)))
 
     def _set_speed(self, number: float) -> None:
-        """Another speed; a key at the playhead where it is keyed."""
+        """Set the speed; as a key at the playhead if it is keyed."""
         self._change_speed(
             lambda clip: (
                 clip.speed.with_key(self._time_of(clip), number) if isinstance(clip.speed, KeyedNumber) else number
@@ -181,7 +182,7 @@ class ClipEditor(Editor[Clip]):
         )
 
     def _set_keyed(self, on: bool) -> None:
-        """Key the speed at the playhead, or let the one there hold for the whole clip."""
+        """Key the speed at the playhead, or make its value there that of the whole clip."""
         self._change_speed(
             lambda clip: KeyedNumber((self._time_of(clip),), (self._speed_of(clip),)) if on else self._speed_of(clip),
             "Key" if on else "Fix",

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PySide6.QtCore import QEvent, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QKeyEvent, QKeySequence, QPainter, QPaintEvent
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLineEdit, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QVBoxLayout, QWidget
 
 from studio.document import colours
 from studio.library.clip_labels import SEGMENTS, ClipLabel, Kind, Limb
 from studio.panels.clip_line import ClipLine, ClipMark, with_mark
-from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, TagField, labelled, press_button
 from studio.panels.stick_figure import Look, paint_sticks
 
 if TYPE_CHECKING:
@@ -40,9 +40,7 @@ class ClipForm(QScrollArea):
         self.limb = Choice("Limb", [(limb, limb.words.capitalize()) for limb in Limb])
         self.kind = Choice("Kind", [(kind, kind.capitalize()) for kind in Kind])
         self.segment = Choice("Hits with", [])
-        self.tags = QLineEdit()
-        self.tags.setPlaceholderText("high, spinning")
-        self.tags.setToolTip("Your own tags, separated by commas; `search --tag` finds clips by them")
+        self.tags = TagField("high, spinning", "`search --tag` finds clips by them")
         self.frames = {mark: NumberField(f"Frame: {mark}", "", 0, 0, 1, 0) for mark in ClipMark}
         self.undo = press_button("Undo", self._undo)
         self.confirm = press_button("Confirm", self._confirm, "main")
@@ -52,7 +50,7 @@ class ClipForm(QScrollArea):
 
     @property
     def label(self) -> ClipLabel:
-        """Label as the form shows it now."""
+        """Label in the present state of the form."""
         return self._steps[-1]
 
     def open(self, opened: "OpenedClip") -> None:
@@ -92,7 +90,7 @@ class ClipForm(QScrollArea):
         self.limb.value_chosen.connect(self._choose_limb)
         self.kind.value_chosen.connect(lambda kind: self._put(replace(self.label, kind=kind)))
         self.segment.value_chosen.connect(lambda segment: self._put(replace(self.label, segment=segment)))
-        self.tags.editingFinished.connect(self._read_tags)
+        self.tags.tags_edited.connect(lambda tags: self._put(replace(self.label, tags=tags)))
         for mark, field in self.frames.items():
             field.begun.connect(lambda: self._steps.append(self.label))
             field.edited.connect(lambda value, mark=mark: self._set_frame(mark, round(value)))
@@ -108,12 +106,6 @@ class ClipForm(QScrollArea):
         wrong = Kind.KICK if limb.is_arm else Kind.PUNCH
         kind = swapped[wrong] if self.label.kind is wrong else self.label.kind
         self._put(replace(self.label, limb=limb, segment=segment, kind=kind))
-
-    def _read_tags(self) -> None:
-        words = [word.strip() for word in self.tags.text().split(",")]
-        tags = tuple(dict.fromkeys(word for word in words if word))
-        if tags != self.label.tags:
-            self._put(replace(self.label, tags=tags))
 
     def _put(self, label: ClipLabel) -> None:
         if label != self.label:
@@ -142,8 +134,7 @@ class ClipForm(QScrollArea):
         self.segment.offer([(each, each.capitalize()) for each in SEGMENTS[label.limb.is_arm]])
         for choice, value in ((self.limb, label.limb), (self.kind, label.kind), (self.segment, label.segment)):
             choice.show_value(value)
-        if not self.tags.hasFocus() or self._tags_differ():
-            self.tags.setText(", ".join(label.tags))
+        self.tags.show_tags(label.tags)
         for mark, field in self.frames.items():
             field.show_value(getattr(label, mark))
         self.line.show_label(label)
@@ -151,9 +142,6 @@ class ClipForm(QScrollArea):
         self.undo.setEnabled(len(self._steps) > 1)
         self.confirm.setEnabled(True)
         self.hint.setText(SAID if label.confirmed and len(self._steps) == 1 else HINT)
-
-    def _tags_differ(self) -> bool:
-        return [word.strip() for word in self.tags.text().split(",") if word.strip()] != list(self.label.tags)
 
     def _lay_out(self) -> None:
         inside = QWidget()
@@ -195,7 +183,7 @@ def _undoes(event: QEvent) -> bool:
 
 
 class Figures(QWidget):
-    """The body at the beginning of the cut, at the hit and at the end, seen so that the limb goes to the right."""
+    """Body at the beginning of the cut, at the hit and at the end, seen so that the limb moves to the right."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -214,7 +202,7 @@ class Figures(QWidget):
         self.update()
 
     def stress(self, mark: ClipMark | None) -> None:
-        """Show one of them stronger than the others; None for none."""
+        """Emphasise one of the figures; None for none."""
         self._stressed = mark
         self.update()
 

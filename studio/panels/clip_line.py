@@ -48,9 +48,10 @@ class FrameScale:
 
 
 class ClipLine(QWidget):
-    """``dragged`` tells each label on the way, ``begun`` the first press of a drag, ``marked`` the mark under the hand.
+    """Small timeline.
 
-    More of the take comes into sight when a mark was dragged to the edge and is let go.
+    ``dragged`` is emitted with each intermediate label, ``begun`` at the begin of a drag, ``marked`` with the mark
+    under the mouse. If a mark is dragged to the edge, more of the take is shown on release.
     """
 
     begun = Signal()
@@ -88,7 +89,7 @@ class ClipLine(QWidget):
         self.update()
 
     def place_of(self, mark: ClipMark) -> QPointF:
-        """Pixel position at which a mark can be grabbed."""
+        """Pixel at which a mark can be grabbed."""
         frame = 0 if self._label is None else getattr(self._label, mark)
         return QPointF(
             self._seen.x(frame),

@@ -1,5 +1,6 @@
 """Command palette: every action by a few letters of its name. And the sheet of all shortcuts."""
 
+import re
 from collections.abc import Iterable, Sequence
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt
@@ -31,16 +32,16 @@ PALETTE_KEYS = {*ROW_STEPS, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Esca
 
 def plain_text(action: QAction) -> str:
     """Text of an action without its mnemonic mark and ellipsis."""
-    return action.text().replace("&", "").removesuffix("…")
+    return re.sub("&(.)", r"\1", action.text()).removesuffix("…")
 
 
 def lasting_text(action: QAction) -> str:
-    """Constant name of an action, whatever it would do just now: ``Undo``."""
+    """Constant name of an action, independent of its present text: ``Undo``."""
     return str(action.property("name") or plain_text(action)).removesuffix("…")
 
 
 def shortcut_text(action: QAction) -> str:
-    """First shortcut of an action, as the user's platform writes it."""
+    """First shortcut of an action, in the platform's notation."""
     return action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
 
 
@@ -50,7 +51,7 @@ def detail_text(action: QAction) -> str:
 
 
 def ranked(actions: Iterable[QAction], words: str) -> list[QAction]:
-    """Actions that hold all letters of ``words`` in order: those where they stand together, and early, first."""
+    """Actions that contain all letters of ``words`` in order, those with adjacent and early letters first."""
     wanted = words.casefold().strip()
     found = []
     for place, action in enumerate(actions):
@@ -68,7 +69,7 @@ def _in_order(letters: str, text: str) -> bool:
 
 
 class CommandPalette(QFrame):
-    """Opens over the window's top, closes with Esc or when it loses the keyboard."""
+    """Palette at the window's top that closes with Esc or when it loses the focus."""
 
     def __init__(self, window: QWidget, actions: Sequence[QAction]) -> None:
         super().__init__(window)
@@ -99,7 +100,7 @@ class CommandPalette(QFrame):
         self.hide()
 
     def open(self) -> None:
-        """Show it, ready to type."""
+        """Show it, with the focus in its field."""
         self.field.clear()
         self._find("")
         self.move((self._window.width() - PALETTE_WIDTH) // 2, 52)
@@ -108,7 +109,7 @@ class CommandPalette(QFrame):
         self.field.setFocus()
 
     def offer(self, title: str, actions: Sequence[QAction]) -> None:
-        """Offer these choices in place of the previous ones."""
+        """Show these choices instead of the actions."""
         for action in self._actions:
             action.deleteLater()
         self._actions = actions
@@ -117,7 +118,7 @@ class CommandPalette(QFrame):
         self.open()
 
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
-        """Arrow keys walk, Return runs, Esc closes."""
+        """Move through the list by arrow keys, run by Return, close by Esc."""
         if event.type() == QEvent.Type.FocusOut:
             self.hide()
         if not isinstance(event, QKeyEvent):

@@ -1,4 +1,4 @@
-"""A Python console: ``scene`` is the open project, and what it changes are undo steps of the window."""
+"""Python console: ``scene`` is the open project, and its changes are undo steps of the window."""
 
 import rlcompleter
 
@@ -17,7 +17,7 @@ _INDENT = "    "
 
 
 class ConsoleEntry(QPlainTextEdit):
-    """Statements being written: Enter runs whole ones, Up and Down go through those before, Tab completes a name."""
+    """Entry field: Enter runs complete statements, Up and Down go through earlier ones, Tab completes a name."""
 
     def __init__(self, console: "Console") -> None:
         super().__init__()
@@ -122,7 +122,7 @@ class Console(QWidget):
         return True
 
     def show_text(self, text: str) -> None:
-        """Add text at the end."""
+        """Append text."""
         self.shown.moveCursor(QTextCursor.MoveOperation.End)
         self.shown.insertPlainText(text)
         self.shown.moveCursor(QTextCursor.MoveOperation.End)

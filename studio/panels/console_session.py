@@ -1,4 +1,4 @@
-"""Python statements on a document of the window, run on another thread so that nothing freezes."""
+"""Python statements on a document of the window, run in another thread so that nothing freezes."""
 
 import ast
 import codeop
@@ -8,20 +8,21 @@ import io
 import threading
 import traceback
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from PySide6.QtCore import QObject, Qt, Signal, SignalInstance
 
 from studio.core.errors import StudioError
 from studio.document.document import Document
 
+Result = TypeVar("Result")
 CONSOLE_FILE = "<console>"
 _WAIT = 0.1
 """Seconds between two checks of a waiting statement that the window is still open."""
 
 
 class WindowThread(QObject):
-    """The thread that made this object: other threads run functions on it and wait for the results."""
+    """Thread of the window: other threads run functions on it and wait for the results."""
 
     _asked = Signal(object)
 
@@ -31,7 +32,7 @@ class WindowThread(QObject):
         self._home = threading.get_ident()
         self._asked.connect(self._run, Qt.ConnectionType.QueuedConnection)
 
-    def run(self, work: Callable[[], object]) -> object:
+    def run(self, work: Callable[[], Result]) -> Result:
         """Result of ``work``, run on the window's thread. Raises its error, or SystemExit once the window is closed."""
         if threading.get_ident() == self._home:
             return work()
@@ -44,15 +45,16 @@ class WindowThread(QObject):
             raise call.error
         return call.result
 
-    def _run(self, call: "_Call") -> None:
+    def _run(self, call: "_Call[object]") -> None:
         call()
 
 
-class _Call:
-    def __init__(self, work: Callable[[], object]) -> None:
+class _Call(Generic[Result]):
+    result: Result
+
+    def __init__(self, work: Callable[[], Result]) -> None:
         self._work = work
         self.done = threading.Event()
-        self.result: object = None
         self.error: BaseException | None = None
 
     def __call__(self) -> None:
@@ -65,7 +67,7 @@ class _Call:
 
 
 class OnWindowThread:
-    """A QObject of the window for another thread: its methods run where the window does."""
+    """Proxy of a QObject of the window for another thread: its methods run on the window's thread."""
 
     def __init__(self, target: QObject, thread: WindowThread) -> None:
         self._target, self._thread = target, thread
@@ -80,21 +82,45 @@ class OnWindowThread:
 
 
 class DocumentOnWindowThread(OnWindowThread):
-    """The window's document, edited from another thread."""
+    """The window's document, edited from another thread.
+
+    No undo step is open while the window goes on: edits inside ``group`` are those of one gesture, so that an edit of
+    the user in between is a step of its own, and what was edited before it another one.
+    """
+
+    def __init__(self, target: Document, thread: WindowThread) -> None:
+        super().__init__(target, thread)
+        self._document = target
+        self.step: tuple[str, int] | None = None
+        """Text and gesture of the group that is open."""
+
+    def __getattr__(self, name: str) -> object:
+        value = super().__getattr__(name)
+        if not callable(value) or self.step is None:
+            return value
+        method, step = getattr(self._target, name), self.step
+
+        def edit(*arguments: object, **named: object) -> object:
+            with self._document.group(*step):
+                return method(*arguments, **named)
+
+        return lambda *arguments, **named: self._thread.run(lambda: edit(*arguments, **named))
 
     @contextlib.contextmanager
-    def group(self, text: str) -> Iterator[None]:
-        """One undo step of all edits inside, as ``EditedProject.group``."""
-        step = contextlib.ExitStack()
-        self._thread.run(lambda: step.enter_context(self._target.group(text)))  # type: ignore[attr-defined]
+    def group(self, text: str, gesture: int | None = None) -> Iterator[None]:
+        """One undo step of all edits inside; an exception takes them back, up to an edit of the user in between."""
+        if self.step is not None:
+            yield
+            return
+        number = self._thread.run(self._document.new_gesture) if gesture is None else gesture
+        self.step = text, number
         try:
             yield
-        except BaseException as error:
-            raised = error  # the name of an ``except`` clause ends with it
-            self._thread.run(lambda: step.__exit__(type(raised), raised, raised.__traceback__))
+        except BaseException:
+            self._thread.run(lambda: self._document.take_back(number))
             raise
-        else:
-            self._thread.run(step.close)
+        finally:
+            self.step = None
 
 
 class ConsoleSession(QObject):
@@ -107,9 +133,11 @@ class ConsoleSession(QObject):
 
     def __init__(self, document: Document) -> None:
         super().__init__()
-        self._document = document
         self._window = WindowThread()
+        self._document = DocumentOnWindowThread(document, self._window)
         self._running: threading.Thread | None = None
+        self._stoppable, self._stopping = False, threading.Lock()
+        """True while a KeyboardInterrupt would be raised in the statement; the lock is held while it is sent."""
         self.namespace: dict[str, object] = {}
         self.ended.connect(self._end)  # on the window's thread, after all that was written
 
@@ -126,18 +154,17 @@ class ConsoleSession(QObject):
             return True
 
     def run(self, source: str) -> None:
-        """Run statements beside the window; ``ended`` tells when they are through. RuntimeError while others run."""
+        """Run statements in the background; ``ended`` is emitted afterwards. RuntimeError while others run."""
         if self._running is not None:
             raise RuntimeError("a statement is still running")
         self._running = threading.Thread(target=self._work, args=(source,), daemon=True, name="console")
         self._running.start()
 
     def stop(self) -> None:
-        """Raise KeyboardInterrupt in the statement that runs, at its next step in Python."""
-        if self._running is not None and self._running.ident is not None:
-            ctypes.pythonapi.PyThreadState_SetAsyncExc(
-                ctypes.c_ulong(self._running.ident), ctypes.py_object(KeyboardInterrupt)
-            )
+        """Raise KeyboardInterrupt in the running statement, at its next step in Python."""
+        with self._stopping:
+            if self._running is not None and self._running.ident is not None and self._stoppable:
+                _send(self._running.ident, ctypes.py_object(KeyboardInterrupt))
 
     def close(self) -> None:
         """Release everything; a running statement is stopped without waiting for it."""
@@ -149,6 +176,31 @@ class ConsoleSession(QObject):
         self._running = None
 
     def _work(self, source: str) -> None:
+        try:
+            self._document.step = None  # a statement that was stopped may have left it
+            self._stoppable = True
+            self._run_statement(source)
+        except KeyboardInterrupt:
+            pass  # it came as the statement had ended
+        finally:
+            self._end_stopping()
+            if self._window.closed:
+                self._running = None
+            else:
+                self.ended.emit()
+
+    def _end_stopping(self) -> None:
+        """Take back a KeyboardInterrupt that is on its way, and let no other be sent."""
+        while True:
+            try:
+                with self._stopping:
+                    self._stoppable = False
+                _send(threading.get_ident(), None)
+                break
+            except KeyboardInterrupt:
+                continue
+
+    def _run_statement(self, source: str) -> None:
         output = _Output(self.written)
         try:
             with contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
@@ -162,14 +214,9 @@ class ConsoleSession(QObject):
             while frames is not None and frames.tb_frame.f_code.co_filename != CONSOLE_FILE:
                 frames = frames.tb_next
             output.write("".join(traceback.format_exception(type(error), error, frames)))
-        finally:
-            if self._window.closed:
-                self._running = None
-            else:
-                self.ended.emit()
 
     def _execute(self, source: str) -> None:
-        """Run all statements; the value of a last expression is written and kept as ``_``."""
+        """Run all statements; the value of a last expression is printed and kept as ``_``."""
         if not self.namespace:
             self.namespace.update(self._beginning())
         tree = ast.parse(source, CONSOLE_FILE)
@@ -184,12 +231,17 @@ class ConsoleSession(QObject):
     def _beginning(self) -> dict[str, object]:
         from studio import api  # late: scripts are rare, and it loads what renders and searches
 
-        document: Any = DocumentOnWindowThread(self._document, self._window)
+        document: Any = self._document
         return {"__name__": "__console__", "api": api, "scene": api.Scene(document)}
 
 
+def _send(thread: int, error: object) -> None:
+    """Raise an error in a thread at its next step in Python; None takes back one that is not raised yet."""
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), error)
+
+
 class _Output(io.TextIOBase):
-    """Standard output that goes to a signal."""
+    """Standard output redirected to a signal."""
 
     def __init__(self, written: SignalInstance) -> None:
         self._written = written

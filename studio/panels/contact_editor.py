@@ -1,4 +1,4 @@
-"""Form of a contact: the point of the body that stands still or touch of the hands, and its frames."""
+"""Form of a contact: the point of the body on the ground or touch of the hands, and its frames."""
 
 from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval, ContactPoint, Touch
 from studio.core.constraints.scope import Scope
@@ -11,7 +11,7 @@ from studio.panels.scope_row import ScopeRow
 
 
 def contact_words(point: ContactPoint | Touch) -> str:
-    """``Left heel``."""
+    """Label of a contact point: ``Left heel``."""
     return point.words.capitalize()
 
 
@@ -45,7 +45,7 @@ class ContactEditor(Editor[ContactInterval]):
         self.finish()
 
     def refresh(self) -> None:
-        """Fetch the contact."""
+        """Update the contact."""
         contact = self.entity
         if contact is None:
             return
@@ -66,7 +66,7 @@ class ContactEditor(Editor[ContactInterval]):
         return super().concerns(collection, entity_id) or collection == "performers"
 
     def _ask(self, scope: Scope) -> None:
-        text = f"Ask {contact_words(self.entity.point).lower()} contacts of others"
+        text = f"Change scope of {contact_words(self.entity.point).lower()} contacts"
         contact_id = ask_contact_of(self.document, self.entity_id, scope, text)
         self.document.selection.set(("contacts", contact_id))
 

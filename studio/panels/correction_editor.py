@@ -4,14 +4,14 @@ import math
 from functools import partial
 
 from PySide6.QtCore import QSignalBlocker
-from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QLineEdit, QWidget
+from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QWidget
 
 from studio.core.body.canonical import BodyPart
 from studio.core.stage.correction import Correction
 from studio.document.correction_edits import mirror_correction, set_key, set_pose
 from studio.document.document import Document
 from studio.engine.live_interface import Live
-from studio.panels.editor import Editor
+from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import PER_CENT, Choice, NumberField, Section, labelled, press_button
 
 RANGE_FIELDS = ("Start", "Full from", "Full until", "End")
@@ -27,9 +27,7 @@ class CorrectionEditor(Editor[Correction]):
         mirror = press_button("Mirror", lambda: mirror_correction(document, self.entity_id), "link")
         mirror.setToolTip("Move it to the other side of the body")
         section.head.addWidget(mirror)
-        self._name = QLineEdit()
-        self._name.setAccessibleName("Name")
-        self._name.editingFinished.connect(self._rename)
+        self._name = EntityNameField(self)
         section.add_row("Name", self._name)
         self._enabled = QCheckBox("Enabled")
         self._enabled.toggled.connect(lambda on: self._change("Switch", enabled=on))
@@ -65,12 +63,11 @@ class CorrectionEditor(Editor[Correction]):
         self.finish()
 
     def refresh(self) -> None:
-        """Fetch the correction."""
+        """Update the correction."""
         correction: Correction | None = self.entity
         if correction is None:
             return
-        if not self._name.hasFocus():
-            self._name.setText(correction.name)
+        self._name.show_name()
         with QSignalBlocker(self._enabled):
             self._enabled.setChecked(correction.enabled)
         self._above.show_value(correction.above)
@@ -81,7 +78,7 @@ class CorrectionEditor(Editor[Correction]):
         self._show_pose()
 
     def _show_joints(self, correction: Correction) -> None:
-        """A row of three angles for each part that is turned, and one for the hips."""
+        """Show a row of three angles for each rotated part, and one for the hips."""
         parts = (*correction.keys.parts, *((None,) if correction.keys.moves_hips else ()))
         if parts == self._shown_parts:
             return
@@ -142,13 +139,8 @@ class CorrectionEditor(Editor[Correction]):
     def _change(self, verb: str, **values: object) -> None:
         self.change(f"{verb} {self.entity.name}", **values)
 
-    def _rename(self) -> None:
-        name = self._name.text().strip()
-        if self.entity is not None and name and name != self.entity.name:
-            self._change("Rename", name=name)
-
     def _set_time(self, place: int, time: float) -> None:
-        """Set one time of the range; those in its way are pushed along."""
+        """Set one time of the range; the others are pushed along if necessary."""
         times = [*self.entity.activation.times]
         times[place] = time
         times[:place] = [min(each, time) for each in times[:place]]

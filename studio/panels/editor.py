@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from typing import Generic, Protocol, TypeVar, cast
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLineEdit, QVBoxLayout, QWidget
 
 from studio.core.changed_records import with_fields
 from studio.core.errors import StudioError
@@ -24,14 +24,14 @@ EditedT_co = TypeVar("EditedT_co", covariant=True)
 
 
 class Named(Protocol):
-    """Anything with a name that texts of undo steps tell."""
+    """Entity with a name for the texts of undo steps."""
 
     @property
     def name(self) -> str: ...
 
 
 class Editor(QWidget, Generic[EditedT_co]):
-    """The form of one entity. It keeps no copy: ``refresh`` fetches, ``change`` replaces."""
+    """Form of one entity. It keeps no copy: ``refresh`` reads it, ``change`` replaces it."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__()
@@ -55,7 +55,7 @@ class Editor(QWidget, Generic[EditedT_co]):
         return selected if self.entity_id in selected else (self.entity_id,)
 
     def tell_together(self) -> None:
-        """Show how many entities an edit changes, and in what they differ."""
+        """Show the number of entities that an edit changes, and the fields in which they differ."""
         ids = self.together
         self._together.setVisible(len(ids) > 1 and self.collection in EDITED_TOGETHER)
         if len(ids) > 1 and self.collection in EDITED_TOGETHER:
@@ -67,19 +67,19 @@ class Editor(QWidget, Generic[EditedT_co]):
 
     @property
     def gesture(self) -> int | None:
-        """Number of the drag that edits belong to now; None outside of a drag."""
+        """Number of the current drag, to which edits belong; None without one."""
         return self._gesture
 
     @property
     def entity(self) -> EditedT_co:
-        """The entity as the active clip shows it now; None once it is deleted."""
+        """Entity as the active clip shows it; None if it was deleted."""
         return cast(EditedT_co, self.document.shown_project.get(self.collection, self.entity_id))
 
     def refresh(self) -> None:
-        """Show the entity as it is now."""
+        """Show the present entity."""
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """True if a change of that entity is to be shown here."""
+        """True if a change of that entity may change the form."""
         return (collection, entity_id) == (self.collection, self.entity_id)
 
     def change(self, text: str, **values: object) -> None:
@@ -88,7 +88,7 @@ class Editor(QWidget, Generic[EditedT_co]):
         self.put(lambda: with_fields(entity, **values), text)
 
     def put(self, make: Callable[[], Entity], text: str) -> None:
-        """As ``change``, for a new entity that is made in another way."""
+        """Replace the entity by the result of ``make``; a refused edit is reported as a message."""
         others = [key for key in self.together if key != self.entity_id] if self.collection in EDITED_TOGETHER else []
         before = self.entity
         with self._objections_told(), self.document.group(text, self._gesture):
@@ -105,7 +105,7 @@ class Editor(QWidget, Generic[EditedT_co]):
 
     @contextmanager
     def _objections_told(self) -> Iterator[None]:
-        """Report an edit that is refused in a sentence, and show the entity as it is."""
+        """Context that reports a refused edit as a message, and shows the entity unchanged."""
         try:
             yield
         except (ValueError, StudioError) as error:
@@ -113,7 +113,7 @@ class Editor(QWidget, Generic[EditedT_co]):
             self.refresh()
 
     def begin(self) -> None:
-        """From here all changes are one undo step, solved round the playhead first."""
+        """Begin a drag, whose changes are one undo step and are solved round the playhead first."""
         self._gesture = self.document.new_gesture()
         self.live.interactive = True
 
@@ -123,7 +123,9 @@ class Editor(QWidget, Generic[EditedT_co]):
         self.live.interactive = False
 
     def bind(self, field: NumberField, change: Callable[[float], None]) -> NumberField:
-        """Let a number field change the entity, one undo step a drag; when that is gone it changes nothing."""
+        """Let a number field change the entity, one undo step for each drag; after the entity is deleted it changes
+        nothing.
+        """
 
         def changed(number: float) -> None:
             if not self.collection or self.entity is not None:  # a field that is left is read once more
@@ -141,6 +143,29 @@ class Editor(QWidget, Generic[EditedT_co]):
         self.tell_together()
 
 
+class EntityNameField(QLineEdit):
+    """Field for the name of an editor's entity."""
+
+    def __init__(self, editor: Editor[Named], kind: str = "") -> None:
+        super().__init__()
+        self._editor, self._kind = editor, kind
+        self.editingFinished.connect(self._rename)
+
+    def show_name(self) -> None:
+        """Show the name of the entity, unless another one is being typed."""
+        if not self.hasFocus() or not self.isModified():
+            self.setText(self._editor.entity.name)
+
+    def _rename(self) -> None:
+        self.setModified(False)
+        entity, name = self._editor.entity, self.text().strip()
+        if entity is None:
+            return  # a field that is left is read once more when its entity is gone
+        if name and name != entity.name:
+            self._editor.change(f"Rename {self._kind}{entity.name}", name=name)
+        self.show_name()
+
+
 class PlainEditor(Editor[Entity]):
     """Fallback form for a kind without an editor of its own: the entity's values as text."""
 
@@ -152,7 +177,7 @@ class PlainEditor(Editor[Entity]):
         self.finish()
 
     def refresh(self) -> None:
-        """Name and values of the entity."""
+        """Show name and values of the entity."""
         values = vars(self.entity)
         plain = {key: value for key, value in values.items() if isinstance(value, (str, int, float, tuple))}
         self._words.setText("\n".join(f"{key.replace('_', ' ')}: {value}" for key, value in plain.items()))

@@ -1,4 +1,4 @@
-"""The parts of a form: section heads, labelled rows, number fields to type in or to drag, segments, sliders."""
+"""Parts of a form: section heads, labelled rows, number fields, segments, sliders."""
 
 from collections.abc import Callable, Iterable, Sequence
 
@@ -11,12 +11,17 @@ from PySide6.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
     QLabel,
+    QLineEdit,
     QPushButton,
     QSizePolicy,
     QToolTip,
     QVBoxLayout,
     QWidget,
 )
+
+from studio.core.names import tags_in
+from studio.document.length_units import shown_unit
+from studio.document.mnemonics import literal
 
 FIELD_LABEL_WIDTH, LONGEST_NAME = 84, 110
 ROW_HEIGHT = 26
@@ -26,7 +31,7 @@ PER_CENT = 100.0
 
 
 def labelled(text: str, role: str) -> QLabel:
-    """A label in one of the style sheet's roles: head, title, second, hint, value."""
+    """Label with one of the style sheet's roles: head, title, second, hint, value."""
     label = Value(text) if role == "value" else QLabel(text.upper() if role == "head" else text)
     label.setProperty("role", role)
     if role == "head":
@@ -39,7 +44,7 @@ def labelled(text: str, role: str) -> QLabel:
 
 
 def short(name: str, among: QWidget) -> str:
-    """A name ``among`` other words of a form that must not become wider than it is."""
+    """Name shortened so that a form with other words ``among`` it does not become wider."""
     return among.fontMetrics().elidedText(name, Qt.TextElideMode.ElideRight, LONGEST_NAME)
 
 
@@ -47,7 +52,7 @@ class Value(QLabel):
     """Text that may be wider than the form: it is elided, and its tooltip shows all of it."""
 
     def minimumSizeHint(self) -> QSize:
-        """As narrow as the form."""
+        """Narrow size, so that it does not widen the form."""
         return QSize(0, super().minimumSizeHint().height())
 
     def paintEvent(self, event: QPaintEvent) -> None:
@@ -74,7 +79,7 @@ class Value(QLabel):
 
 
 class Section(QWidget):
-    """A head and under it rows of label and field, all on the same columns."""
+    """Head and rows of label and field below it, all on the same columns."""
 
     def __init__(self, title: str) -> None:
         super().__init__()
@@ -93,7 +98,7 @@ class Section(QWidget):
         column.addLayout(self._grid)
 
     def add_row(self, label: str, *fields: QWidget) -> QLabel:
-        """One row; fields share the width evenly and take the label as accessible name if they have none."""
+        """Add a row; fields share the width evenly and take the label as accessible name if they have none."""
         row = self._grid.rowCount()
         caption = labelled(label, "second")
         self._grid.addWidget(caption, row, 0)
@@ -109,8 +114,13 @@ class Section(QWidget):
         return caption
 
     def add_wide(self, widget: QWidget) -> None:
-        """A widget over the whole width."""
+        """Add a widget over the whole width."""
         self._grid.addWidget(widget, self._grid.rowCount(), 0, 1, 2)
+
+
+def with_unit(caption: str, unit: str) -> str:
+    """Caption of a row whose fields leave out their unit, with the unit that is shown."""
+    return f"{caption}  {shown_unit(unit).symbol}".rstrip()
 
 
 def _stretches(widget: QWidget) -> bool:
@@ -118,23 +128,24 @@ def _stretches(widget: QWidget) -> bool:
 
 
 class NumberField(QDoubleSpinBox):
-    """A number with its unit: type it, step it with the arrow keys, or drag sideways to scrub.
+    """Number with its unit: type it, step it with the arrow keys, or drag sideways to scrub.
 
-    ``begun`` and ``ended`` frame every change, so that all of one drag can be one undo step.
+    ``begun`` and ``ended`` enclose every change, so that a drag is one undo step.
     """
 
     begun = Signal()
     edited = Signal(float)
     ended = Signal()
 
-    def __init__(self, name: str, unit: str, low: float, high: float, step: float, decimals: int = 2) -> None:
+    def __init__(
+        self, name: str, unit: str, low: float, high: float, step: float, decimals: int = 2, *, suffix: bool = True
+    ) -> None:
         super().__init__()
+        self._low, self._high, self._step, self._usual_decimals = low, high, step, decimals
+        self._suffix, self._factor = suffix, 1.0
         self.setAccessibleName(name)
         self.setToolTip(f"{name}. Drag sideways to change, click to type.")
-        self.setRange(low, high)
-        self.setSingleStep(step)
-        self.setDecimals(decimals)
-        self.setSuffix(f" {unit}" if unit else "")
+        self.set_unit(unit)
         self.setKeyboardTracking(False)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMinimumWidth(36)
@@ -146,13 +157,31 @@ class NumberField(QDoubleSpinBox):
         self.lineEdit().setCursor(Qt.CursorShape.SizeHorCursor)
         self.valueChanged.connect(self._tell)
 
+    def set_unit(self, unit: str) -> None:
+        """Set the unit of the values; the shown unit is that of the preferences."""
+        shown = shown_unit(unit)
+        self._factor = shown.factor
+        with QSignalBlocker(self):
+            self.setDecimals(max(self._usual_decimals + shown.added_decimals, 0))
+            self.setRange(self._low * shown.factor, self._high * shown.factor)
+            self.setSingleStep(float(f"{self._step * shown.factor:.1g}") if shown.factor != 1.0 else self._step)
+            self.setSuffix(f" {shown.symbol}" if self._suffix and unit else "")
+
+    def set_least(self, low: float) -> None:
+        """Allow no value below ``low``."""
+        self._low = low
+        with QSignalBlocker(self):
+            self.setMinimum(low * self._factor)
+
     def show_value(self, value: float) -> None:
-        """Show a value that comes from the document; nothing is emitted, and a drag is left alone."""
+        """Show a value of the document; nothing is emitted, and a drag is not disturbed."""
+        value *= self._factor
         if not self._scrubbing and round(value, self.decimals()) != self.value():  # the same would be painted again
             with QSignalBlocker(self):
                 self.setValue(value)
 
     def _tell(self, value: float) -> None:
+        value /= self._factor
         if self._scrubbing:
             self.edited.emit(value)
         else:
@@ -200,12 +229,12 @@ class NumberField(QDoubleSpinBox):
             self.ended.emit()
 
     def wheelEvent(self, event: QEvent) -> None:
-        """A wheel over a form scrolls the form; it never changes a number by accident."""
+        """Ignore the wheel, which scrolls the form and never changes a number by accident."""
         event.ignore()
 
 
 class Choice(QComboBox):
-    """A list of (value, text) to choose from; ``chosen`` comes only from the user."""
+    """List of (value, text) to choose from; ``chosen`` is emitted only for choices of the user."""
 
     value_chosen = Signal(object)
 
@@ -231,12 +260,12 @@ class Choice(QComboBox):
 
     @property
     def value(self) -> object:
-        """Value that is chosen now; None if nothing is chosen."""
+        """Chosen value; None if nothing is chosen."""
         place = self.currentIndex()
         return self._values[place] if place >= 0 else None
 
     def offer(self, items: Iterable[tuple[object, str]]) -> None:
-        """Replace the choices; nothing happens if they are the same."""
+        """Replace the choices; does nothing if they are the same."""
         items = list(items)
         shown = [(value, self.itemText(place)) for place, value in enumerate(self._values)]
         if items != shown:
@@ -255,9 +284,9 @@ class Choice(QComboBox):
             self.setCurrentIndex(self._values.index(value) if value in self._values else -1)
 
     def event(self, event: QEvent) -> bool:
-        """While it has the keyboard, the arrow keys open the list and do not walk through time.
+        """Open the list by the arrow keys while it has the focus.
 
-        Each step through a closed list would be an edit of its own, and some of them lose what the next would keep.
+        Each step through a closed list would be an edit of its own, and some lose values that the next one would keep.
         """
         if isinstance(event, QKeyEvent) and event.key() in (Qt.Key.Key_Up, Qt.Key.Key_Down):
             if event.type() == QEvent.Type.KeyPress:
@@ -269,6 +298,32 @@ class Choice(QComboBox):
     def wheelEvent(self, event: QEvent) -> None:
         """Ignore the wheel, so that it never changes a choice by accident."""
         event.ignore()
+
+
+class TagField(QLineEdit):
+    """Field for tags, separated by commas; ``tags_edited`` is emitted only for edits by the user."""
+
+    tags_edited = Signal(tuple)
+
+    def __init__(self, examples: str, about: str) -> None:
+        super().__init__()
+        self._tags: tuple[str, ...] = ()
+        self.setAccessibleName("Tags")
+        self.setPlaceholderText(examples)
+        self.setToolTip(f"Your own tags, separated by commas; {about}")
+        self.editingFinished.connect(self._read)
+
+    def show_tags(self, tags: tuple[str, ...]) -> None:
+        """Show the document's tags, unless others are being typed."""
+        self._tags = tags
+        if not self.hasFocus() or tags_in(self.text()) != tags:
+            self.setText(", ".join(tags))
+            self.setCursorPosition(0)
+
+    def _read(self) -> None:
+        tags = tags_in(self.text())
+        if tags != self._tags:
+            self.tags_edited.emit(tags)
 
 
 class Segments(QWidget):
@@ -294,13 +349,13 @@ class Segments(QWidget):
         self._group.idClicked.connect(lambda index: self.value_chosen.emit(self._values[index]))
 
     def show_value(self, value: object) -> None:
-        """Show the value that the document has."""
+        """Show the document's value."""
         self._group.button(self._values.index(value)).setChecked(True)
 
 
 def press_button(text: str, run: Callable[[], object] | None, role: str = "") -> QPushButton:
-    """A button that takes the keyboard only by Tab, so that Space goes on playing after a click."""
-    button = QPushButton(text)
+    """Button that takes the focus only by Tab, so that Space goes on playing after a click."""
+    button = QPushButton(literal(text))
     button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
     if role:
         button.setProperty("role", role)

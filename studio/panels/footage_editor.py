@@ -1,22 +1,19 @@
-"""Form of reference footage: its name, when it begins, and how fast it is shown."""
-
-from PySide6.QtWidgets import QLineEdit
+"""Form of reference footage: its name, start and speed."""
 
 from studio.core.stage.footage import FOOTAGE_RATES, Footage
 from studio.document.document import Document
 from studio.engine.live_interface import Live
-from studio.panels.editor import Editor
+from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import NumberField, Section, labelled
 
 
 class FootageEditor(Editor[Footage]):
-    """Name, begin, rate, and what the file has."""
+    """Name, start and rate, and facts of the file."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Footage")
-        self._name = QLineEdit()
-        self._name.editingFinished.connect(self._rename)
+        self._name = EntityNameField(self)
         section.add_row("Name", self._name)
         begin = NumberField("Begins at", "s", -1e5, 1e5, 0.01, 3)
         self._start = self.bind(begin, lambda value: self.change(f"Move {self.entity.name}", start=value))
@@ -30,14 +27,9 @@ class FootageEditor(Editor[Footage]):
         self.finish()
 
     def refresh(self) -> None:
-        """Show the footage as it is."""
+        """Show the present footage."""
         footage = self.entity
-        self._name.setText(footage.name)
+        self._name.show_name()
         self._start.show_value(footage.start)
         self._rate.show_value(footage.frame_rate)
         self._found.setText(f"{footage.frames} frames at {footage.file_rate:g} Hz in {footage.source}")
-
-    def _rename(self) -> None:
-        name = self._name.text().strip()
-        if self.entity is not None and name and name != self.entity.name:
-            self.change(f"Rename {self.entity.name}", name=name)

@@ -1,4 +1,4 @@
-"""Reference footage at the playhead: a frame as large as the panel has room, and words below it."""
+"""Reference footage at the playhead: a frame as large as the panel allows, and a text below it."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ NO_FOOTAGE_HINT = "No footage yet. File > Add footage… puts a film or numbered
 
 
 class FootageView(QWidget):
-    """Shows one picture at a time and keeps it until another one comes."""
+    """View of one picture, which is kept until another one comes."""
 
     opened = Signal()
 
@@ -44,16 +44,16 @@ class FootageView(QWidget):
 
     @property
     def image(self) -> QImage:
-        """The picture that is shown; null if there is none."""
+        """Shown picture; null if there is none."""
         return self._image
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Ask for the picture of this moment."""
+        """Request the present picture."""
         super().showEvent(event)
         self.opened.emit()
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        """The picture, in its proportions, over the words."""
+        """Draw the picture, in its proportions, above the text."""
         area = self.rect().adjusted(0, 0, 0, -BELOW_PX)
         with QPainter(self) as painter:
             painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)

@@ -1,4 +1,4 @@
-"""The ground: its kind and its measures; every body follows while a slider moves."""
+"""Form of the ground: its kind and its measures; every body follows a moving slider."""
 
 import math
 from dataclasses import dataclass, fields
@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
 from studio.core.grounds.ground import Ground
 from studio.document.document import Document
+from studio.document.length_units import PER_METRE, length_text
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, Section, labelled
@@ -25,19 +26,21 @@ MADE_HERE = (Ground, Slope, Steps, Bumps)
 
 @dataclass(frozen=True)
 class GroundSlider:
-    """A slider for a field, from ``low`` to ``high`` in the field's own unit; it reads ``scale`` times that."""
+    """Slider for a field, from ``low`` to ``high`` in the field's own unit; it shows ``scale`` times that."""
 
     name: str
     words: str
     low: float
     high: float
-    unit: str = " m"
+    unit: str = "m"
     scale: float = 1.0
     decimals: int = 2
     whole: bool = False
 
     def reading(self, value: float) -> str:
-        """The value in words."""
+        """Value as text."""
+        if self.unit in PER_METRE:
+            return length_text(value, self.unit, self.decimals)
         return f"{value * self.scale:.{self.decimals}f}{self.unit}"
 
 
@@ -49,13 +52,13 @@ MEASURES: dict[type[Ground], tuple[GroundSlider, ...]] = {
         DIRECTION_SLIDER,
     ),
     Steps: (
-        GroundSlider("rise", "Rise", -0.30, 0.30, " cm", 100.0, 1),
-        GroundSlider("tread", "Tread", 0.20, 0.60, " cm", 100.0, 1),
+        GroundSlider("rise", "Rise", -0.30, 0.30, "cm", decimals=1),
+        GroundSlider("tread", "Tread", 0.20, 0.60, "cm", decimals=1),
         GroundSlider("count", "Steps", 1, 40, "", decimals=0, whole=True),
         DIRECTION_SLIDER,
     ),
     Bumps: (
-        GroundSlider("amplitude", "Amplitude", 0.0, 0.30, " cm", 100.0, 1),
+        GroundSlider("amplitude", "Amplitude", 0.0, 0.30, "cm", decimals=1),
         GroundSlider("wavelength", "Wavelength", 0.4, 4.0),
         GroundSlider("seed", "Seed", 0, 50, "", decimals=0, whole=True),
     ),
@@ -68,7 +71,7 @@ GROUND_PLACES: dict[type[Ground], tuple[str, str]] = {
 
 
 class GroundEditor(Editor[Ground]):
-    """A kind to choose, the height, and below it the measures of that kind."""
+    """Kind and height of the ground, and below them the measures of that kind."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -91,7 +94,7 @@ class GroundEditor(Editor[Ground]):
         self.finish()
 
     def refresh(self) -> None:
-        """Fetch kind, height and measures."""
+        """Update kind, height and measures."""
         ground = self.entity
         kind, words = next(pair for pair in GROUND_CHOICES if pair[0] is type(ground))
         if not self._kind.offers(kind):
@@ -104,7 +107,7 @@ class GroundEditor(Editor[Ground]):
                 form.refresh()
 
     def _choose(self, kind: type[Ground]) -> None:
-        """Another kind of ground; what both kinds have in common stays."""
+        """Set the kind of ground; measures of both kinds are kept."""
         if kind is type(self.entity):
             return
         words = dict(GROUND_CHOICES)[kind].lower()
@@ -116,7 +119,7 @@ class GroundEditor(Editor[Ground]):
 
 
 class _KindSection(Section):
-    """Sliders and place of one kind of ground."""
+    """Sliders and position of one kind of ground."""
 
     def __init__(self, editor: GroundEditor, kind: type[Ground]) -> None:
         self._words = dict(GROUND_CHOICES)[kind]
@@ -131,7 +134,7 @@ class _KindSection(Section):
             self.add_row(words, *self._fields)
 
     def refresh(self) -> None:
-        """Fetch every measure."""
+        """Update every measure."""
         ground = self._editor.entity
         for measure, slider in self._sliders.items():
             value = getattr(ground, measure.name)

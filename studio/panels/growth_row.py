@@ -15,7 +15,7 @@ from studio.panels.fields import Section
 
 
 class GrowthRow(KeyRow):
-    """A box that says whether a character's proportions are keyed over the stage's time, and a row with the keys."""
+    """Check box for proportions that are keyed over the stage's time, and a row with the keys."""
 
     def __init__(
         self, editor: Editor[Character | Performer], section: Section, character_id: Callable[[], str]
@@ -23,7 +23,7 @@ class GrowthRow(KeyRow):
         self._character_id = character_id
         self._over_time = QCheckBox("keyed over time")
         self._over_time.setAccessibleName("Body is keyed over time")
-        self._over_time.setToolTip("The body grows from key to key: what a slider says is a key at the playhead.")
+        self._over_time.setToolTip("The body grows from key to key: a slider sets a key at the playhead.")
         self._over_time.clicked.connect(self._toggle)
         section.add_row("Measures", self._over_time)
         super().__init__(editor, section, "proportions")

@@ -1,4 +1,4 @@
-"""History: every step in words; click one to go back to it."""
+"""History: every step by its text; a click goes back to it."""
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QUndoStack
@@ -8,7 +8,7 @@ from studio.panels.fields import FIELD_ICON_PX, labelled
 
 
 class History(QWidget):
-    """The undo stack as a list."""
+    """Undo stack as a list."""
 
     def __init__(self, undo_stack: QUndoStack) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""Inspector: the form of the selected thing, found by its collection and kind."""
+"""Inspector: the form of the selected entity, found by its collection and kind."""
 
 from collections.abc import Callable
 
@@ -48,7 +48,7 @@ DRAGGED_MILLISECONDS = 100
 
 
 def _silence(editor: Editor[object]) -> None:
-    """End what is done with a form whose entity is gone: a button that is let go, a name that is left count no more."""
+    """Disconnect a form whose entity was deleted, so that releasing a button or leaving a field has no effect."""
     if editor.gesture is not None:
         editor.end()
     for child in editor.findChildren(QWidget):
@@ -56,7 +56,7 @@ def _silence(editor: Editor[object]) -> None:
 
 
 class Inspector(QScrollArea):
-    """Shows one editor and keeps it fresh."""
+    """View of one form, kept up to date."""
 
     reimport_requested = Signal(str, object)
     """Capture id, {option: value}: the file is to be read otherwise."""
@@ -137,5 +137,5 @@ class Inspector(QScrollArea):
             self.editor.tell_together()
 
     def current_form(self) -> QWidget | None:
-        """The form on show."""
+        """Visible form."""
         return self.editor

@@ -17,7 +17,7 @@ _MARGIN, _NEAR, _DOT = 10.0, 12.0, 2.5
 
 
 class JointFigure(QWidget):
-    """Joints that play a part are filled; the one of the part that is being chosen is ringed."""
+    """Joints of body parts are filled; the one of the part that is being chosen is ringed."""
 
     clicked = Signal(str)
 
@@ -32,11 +32,13 @@ class JointFigure(QWidget):
         self._ringed: int | None = None
 
     def sizeHint(self) -> QSize:
-        """As wide as the panel leaves it."""
+        """Width of the panel."""
         return QSize(120, JOINT_FIGURE_HEIGHT)
 
     def show_body(self, skeleton: Skeleton, positions: FloatArray, body_map: BodyMap, ringed: int | None) -> None:
-        """Joints at ``positions`` (J, 3), Z up, of a body with this map; ``ringed`` is the joint of the chosen part."""
+        """Show joints at ``positions`` (J, 3), Z up, of a body with this map; ``ringed`` is the joint of the chosen
+        part.
+        """
         left = positions[body_map[BodyPart.LEFT_THIGH]] - positions[body_map[BodyPart.RIGHT_THIGH]]
         left = left * [1.0, 1.0, 0.0]
         left = left / max(float(np.linalg.norm(left)), 1e-9)

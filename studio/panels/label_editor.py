@@ -1,11 +1,9 @@
-"""A label: the name of a moment or stretch of a motion."""
-
-from PySide6.QtWidgets import QLineEdit
+"""Form of a label: the name of a moment or range of a motion."""
 
 from studio.core.captures.annotations import Label
 from studio.document.document import Document
 from studio.engine.live_interface import Live
-from studio.panels.editor import Editor
+from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import NumberField, Section
 
 
@@ -15,9 +13,7 @@ class LabelEditor(Editor[Label]):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Label")
-        self._name = QLineEdit()
-        self._name.setAccessibleName("Name")
-        self._name.editingFinished.connect(self._rename)
+        self._name = EntityNameField(self, "label ")
         section.add_row("Name", self._name)
         self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), self._set_first)
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), self._set_last)
@@ -26,16 +22,11 @@ class LabelEditor(Editor[Label]):
         self.finish()
 
     def refresh(self) -> None:
-        """Fetch the label."""
+        """Update the label."""
         if self.entity is not None:
-            self._name.setText(self.entity.name)
+            self._name.show_name()
             self._first.show_value(self.entity.first)
             self._last.show_value(self.entity.last)
-
-    def _rename(self) -> None:
-        name = self._name.text().strip()
-        if self.entity is not None and name and name != self.entity.name:
-            self.change(f"Rename label {self.entity.name}", name=name)
 
     def _set_first(self, frame: float) -> None:
         self.change(f"Trim label {self.entity.name}", first=min(round(frame), self.entity.last))

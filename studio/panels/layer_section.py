@@ -43,12 +43,12 @@ class LayerSection(Section):
             lambda frame: self._put("Reference of layer", reference=round(frame)),
         )
         self._reference.setSpecialValueText("first frame")
-        self._reference.setToolTip("What is added is how the clip differs from this frame of its motion.")
+        self._reference.setToolTip("The difference of the clip from this frame of its motion is added.")
         self._reference_row = self.add_row("Reference frame", self._reference)
-        self.add_wide(labelled("Contacts of feet are those of the clips that have the legs.", "hint"))
+        self.add_wide(labelled("Foot contacts are those of the clips that move the legs.", "hint"))
 
     def refresh(self) -> None:
-        """Fetch everything; nothing is shown for a clip of a row."""
+        """Update everything; nothing is shown for a clip of a row."""
         layer = clip_edits.layer_of(self._editor.document.project, self._editor.entity_id)
         self.setVisible(layer is not None)
         if layer is None:

@@ -27,7 +27,7 @@ HINT_PIXELS = 12
 
 
 class LibraryDelegate(QStyledItemDelegate):
-    """Quiet rows on a 4 px grid; the only colours are those of bodies and of constraint kinds."""
+    """Rows on a 4 px grid; only bodies and constraint kinds have colours."""
 
     def __init__(self, view: QAbstractItemView, thumbnails: Thumbnails) -> None:
         super().__init__(view)
@@ -115,7 +115,8 @@ class LibraryDelegate(QStyledItemDelegate):
             aligned = Qt.AlignmentFlag.AlignRight
         painter.setFont(_sized(font, DETAIL_PIXELS))
         painter.setPen(QColor(colours.TEXT_THIRD))
-        painter.drawText(lower, Qt.AlignmentFlag.AlignVCenter | aligned, row.detail)
+        detail = painter.fontMetrics().elidedText(row.detail, Qt.TextElideMode.ElideRight, lower.width())
+        painter.drawText(lower, Qt.AlignmentFlag.AlignVCenter | aligned, detail)
         if not pictured:
             upper = upper.adjusted(0, 0, -painter.fontMetrics().horizontalAdvance(row.detail) - 8, 0)
         name = QFont(font)

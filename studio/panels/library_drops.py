@@ -1,4 +1,4 @@
-"""Rows of the library that are dragged onto another view."""
+"""Drops of library rows on another view."""
 
 from collections.abc import Collection
 
@@ -12,7 +12,7 @@ BODIES = ("performers", "characters")
 
 
 class LibraryDrops(QObject):
-    """Filter of a view's drag events: takes rows of these ``collections``, leaves the others to the view."""
+    """Event filter of a view: takes drags of rows of these ``collections``, leaves others to the view."""
 
     dropped = Signal(tuple)
 

@@ -31,7 +31,7 @@ Index = QModelIndex | QPersistentModelIndex
 
 
 class LibraryModel(QAbstractListModel):
-    """The rows as Qt asks for them; heads and hints cannot be selected."""
+    """Rows as a Qt model; heads and hints cannot be selected."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -75,13 +75,13 @@ class LibraryModel(QAbstractListModel):
         return [LIBRARY_ITEM, CAPTURE]
 
     def mimeData(self, indexes: Sequence[QModelIndex]) -> QMimeData:
-        """The first row that is dragged: a capture, or a body that is not shown."""
+        """Data of the first dragged row: a capture, or a body that is not on the stage."""
         items = [row.item for row in (self.rows[each.row()] for each in indexes) if row.item]
         return carried_item(items[0])
 
 
 class LibraryView(QListView):
-    """A list whose eyes can be clicked."""
+    """List with clickable eyes."""
 
     eye_clicked = Signal(object)
     solo_clicked = Signal(object)
@@ -108,7 +108,7 @@ class LibraryView(QListView):
             super().keyPressEvent(event)
 
     def event(self, event: QEvent) -> bool:
-        """While the list has the keyboard, the arrow keys walk through it and not through time."""
+        """Let the arrow keys move through the list while it has the focus, and not through time."""
         arrows = (Qt.Key.Key_Up, Qt.Key.Key_Down)
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in arrows:
             event.accept()
@@ -126,19 +126,19 @@ class LibraryView(QListView):
 
 
 class SearchField(QLineEdit):
-    """A field of words; Esc empties it. Esc, Return and Down give the keyboard back by ``left``."""
+    """Search field; Esc empties it. Esc, Return and Down return the focus by ``left``."""
 
     left = Signal()
     KEYS = (Qt.Key.Key_Escape, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Down)
 
     def __init__(self) -> None:
         super().__init__()
-        self.setPlaceholderText("Search names")
+        self.setPlaceholderText("Search names and tags")
         self.setAccessibleName("Search library")
         self.setClearButtonEnabled(True)
 
     def event(self, event: QEvent) -> bool:
-        """While the field has the keyboard, its keys are not those of the window's actions."""
+        """Reserve the keys from the window's actions while the field has the focus."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in self.KEYS:
             event.accept()
             return True
@@ -154,7 +154,7 @@ class SearchField(QLineEdit):
 
 
 class LibraryPanel(QWidget):
-    """The dock's content. ``wanted`` asks to play a capture on the bodies that are shown."""
+    """Content of the dock. ``wanted`` requests a capture for the visible bodies."""
 
     performance_requested = Signal(str)
 
@@ -195,7 +195,7 @@ class LibraryPanel(QWidget):
         self.refresh()
 
     def refresh(self) -> None:
-        """Fetch all rows."""
+        """Update all rows."""
         with QSignalBlocker(self.view.selectionModel()):
             self.model.show(self._rows())
         self._show_selection()
@@ -258,7 +258,7 @@ class LibraryPanel(QWidget):
             self._put_on_stage(entity_id)
 
     def _solo(self, row: LibraryRow) -> None:
-        """Show one performer, or those selected with it, alone; show all where they are alone already."""
+        """Show only one performer, or those selected with it; show all if they are shown alone already."""
         collection, entity_id = row.item or ("", "")
         if collection != "performers":
             return

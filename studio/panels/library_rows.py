@@ -1,4 +1,4 @@
-"""The rows of the library: heads, captures, bodies and constraints of a project, as plain values."""
+"""Rows of the library: heads, captures, bodies and constraints of a project, as plain values."""
 
 import unicodedata
 from dataclasses import dataclass
@@ -8,6 +8,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.mesh.character import Character
 from studio.core.stage.project import GROUND_ID, Project
 from studio.document import colours
+from studio.document.length_units import length_text
 from studio.engine.point_names import point_words
 
 Item = tuple[str, str]
@@ -15,7 +16,7 @@ Item = tuple[str, str]
 
 @dataclass(frozen=True)
 class LibraryRow:
-    """One line. A head has no item; a hint is a head in sentence case."""
+    """One row. A head has no item; a hint is a head in sentence case."""
 
     text: str
     detail: str = ""
@@ -26,12 +27,18 @@ class LibraryRow:
     """True if the body is on the stage; None where nothing can be shown or hidden."""
     hint: bool = False
     strong: bool = False
+    tags: tuple[str, ...] = ()
+
+    @property
+    def words(self) -> str:
+        """Words by which it is found: its name and its tags."""
+        return " ".join((self.text, *self.tags))
 
 
 def rows_of(project: Project, motion_id: str | None, search: str = "") -> list[LibraryRow]:
-    """All rows in their order; ``motion_id`` names the motion whose constraints are listed.
+    """All rows in their order; constraints are those of ``motion_id``.
 
-    With a ``search``, only rows whose names hold each of its words, and the heads above them.
+    With a ``search``, only rows whose names or tags contain each of its words, and the heads above them.
     """
     sections = (
         ("Captures", _captures(project, motion_id), "Drop a capture here"),
@@ -42,9 +49,9 @@ def rows_of(project: Project, motion_id: str | None, search: str = "") -> list[L
     words = _comparable(search).split()
     if not words:
         return [row for title, rows, hint in sections for row in (LibraryRow(title), *(rows or [_hint(hint)]))]
-    found = [(title, [row for row in rows if _holds(row.text, words)]) for title, rows, _ in sections]
+    found = [(title, [row for row in rows if _holds(row.words, words)]) for title, rows, _ in sections]
     hits = [row for title, rows in found if rows for row in (LibraryRow(title), *rows)]
-    return hits or [_hint(f"No name holds '{search.strip()}'. Press Esc in the field to list everything.")]
+    return hits or [_hint(f"No name or tag holds '{search.strip()}'. Press Esc in the field to list everything.")]
 
 
 def _hint(text: str) -> LibraryRow:
@@ -57,18 +64,20 @@ def _holds(name: str, words: list[str]) -> bool:
 
 
 def _comparable(text: str) -> str:
-    """Text without its case, accents composed: files of macOS write them as marks of their own."""
+    """Text in lower case with composed accents, since file names of macOS have decomposed ones."""
     return unicodedata.normalize("NFKC", text).casefold()
 
 
 def _captures(project: Project, motion_id: str | None) -> list[LibraryRow]:
     motion = project.motions.get(motion_id or "")
+    tags = {each.capture_id: each.tags for each in project.motions.values()}
     return [
         LibraryRow(
             capture.name,
-            f"{capture.duration:.1f} s · {capture.frame_rate:.4g} Hz",
+            _tagged(f"{capture.duration:.1f} s · {capture.frame_rate:.4g} Hz", tags.get(key, ())),
             ("captures", key),
             strong=motion is not None and key == motion.capture_id,
+            tags=tags.get(key, ()),
         )
         for key, capture in project.captures.items()
     ]
@@ -80,25 +89,42 @@ def _bodies(project: Project) -> list[LibraryRow]:
         character = project.characters[performer.character_id]
         rows.append(
             LibraryRow(
-                performer.name, _stature(character), ("performers", key), character.colour, shown=performer.visible
+                performer.name,
+                _tagged(_stature(character), character.tags),
+                ("performers", key),
+                character.colour,
+                shown=performer.visible,
+                tags=character.tags,
             )
         )
     on_stage = {performer.character_id for performer in project.performers.values()}
     for key, character in project.characters.items():
         if key not in on_stage:
             rows.append(
-                LibraryRow(character.name, _stature(character), ("characters", key), character.colour, shown=False)
+                LibraryRow(
+                    character.name,
+                    _tagged(_stature(character), character.tags),
+                    ("characters", key),
+                    character.colour,
+                    shown=False,
+                    tags=character.tags,
+                )
             )
     return rows
 
 
+def _tagged(detail: str, tags: tuple[str, ...]) -> str:
+    return " · ".join((detail, ", ".join(tags))) if tags else detail
+
+
 def _stature(character: Character) -> str:
-    """``1.66 m``, of one that grows ``1.20 – 1.94 m``."""
+    """``1.66 m``, or ``1.20 – 1.94 m`` for a growing character."""
     keyed = character.proportions
     if not isinstance(keyed, KeyedProportions):
-        return f"{character.morphology.stature:.2f} m"
+        return length_text(character.morphology.stature, "m", 2)
     statures = [each.applied_to(character.build).stature for each in keyed.values]
-    return f"{min(statures):.2f} – {max(statures):.2f} m"
+    least = length_text(min(statures), "m", 2).split()[0]
+    return f"{least} – {length_text(max(statures), 'm', 2)}"
 
 
 def _constraints(project: Project, motion_id: str | None) -> list[LibraryRow]:
@@ -118,7 +144,7 @@ def _constraints(project: Project, motion_id: str | None) -> list[LibraryRow]:
 
 
 def _point(constraint: Constraint) -> str:
-    """The point, unless the name says it already."""
+    """Point of a constraint, unless its name contains it."""
     words = constraint.shown.about or point_words(constraint.point)
     return "" if words in constraint.name.lower() else words
 
@@ -126,5 +152,5 @@ def _point(constraint: Constraint) -> str:
 def _stage(project: Project) -> list[LibraryRow]:
     props = [LibraryRow(prop.name, "prop", ("props", key)) for key, prop in project.props.items()]
     ground = project.ground
-    words = f"{ground.height:.2f} m" if ground.is_level else ground.kind.replace("_", " ")
+    words = length_text(ground.height, "m", 2) if ground.is_level else ground.kind.replace("_", " ")
     return [LibraryRow("Ground", words, ("grounds", GROUND_ID)), *props]

@@ -30,7 +30,9 @@ KEY_ROLE, SENDER_ROLE = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1
 
 @dataclass(frozen=True)
 class SenderRow:
-    """Sender to a port: ``on`` if it is listened to, packets per second, seconds since the last (None: never)."""
+    """Sender to a port: ``on`` if its packets are accepted, packets per second, seconds since the last
+    (None: never).
+    """
 
     address: str
     on: bool
@@ -40,7 +42,7 @@ class SenderRow:
 
 @dataclass(frozen=True)
 class InputRow:
-    """Port or replayed recording: its name, and ``words`` on it and what it drives."""
+    """Port or replayed recording: its name, and ``words`` on it and the bodies that it drives."""
 
     key: str
     name: str
@@ -50,7 +52,7 @@ class InputRow:
 
 
 class LivePanel(QScrollArea):
-    """The dock's content; every signal is something that the user asks for."""
+    """Content of the dock; every signal is a request of the user."""
 
     listen_requested = Signal(int, str)
     """Port, address."""
@@ -130,7 +132,7 @@ class LivePanel(QScrollArea):
         self.body.show_value(input_key)
 
     def show_recording(self, words: str) -> None:
-        """Show the amount that is recorded; ``words`` are empty while nothing is."""
+        """Show the recorded amount; ``words`` are empty without a recording."""
         self.record.setText("Stop recording" if words else "Record…")
         self.record.setToolTip(words)
 
@@ -227,7 +229,7 @@ class LivePanel(QScrollArea):
         self.head_tracked.emit(str(self.head.value or ""), self.names.text(), str(self.prop.value or ""))
 
     def ask_to_stream(self, on: bool) -> None:
-        """Ask that bodies are streamed to the address that the fields have, or no longer."""
+        """Request streaming of bodies to the address in the fields, or its end."""
         self.streaming_requested.emit(on, self.out_address.text().strip(), round(self.out_port.value()))
 
 

@@ -1,4 +1,4 @@
-"""The line under the viewport that says what went wrong, and the quiet bar that offers a choice. Never modal."""
+"""Message line under the viewport, and the bar that asks a question. Never modal."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ Answer = tuple[str, Callable[[], object]]
 
 
 class Lifetime(IntEnum):
-    """Event that takes a message away at the latest; each event includes those above it."""
+    """Event that removes a message at the latest; each event includes those above it."""
 
     CLOSED = 0
     """The user closes it, or another message comes."""
@@ -28,7 +28,7 @@ class Lifetime(IntEnum):
 
 @dataclass(frozen=True)
 class UserMessage:
-    """Sentence for the user, the buttons beside it, and how long it holds."""
+    """Sentence for the user, its buttons, and its lifetime."""
 
     sentence: str
     answers: tuple[Answer, ...] = ()
@@ -39,7 +39,7 @@ PRESSING = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
 class MessageStrip(QWidget):
-    """One sentence with a way to close it; hidden while there is nothing to say."""
+    """One sentence with a button to close it; hidden without a message."""
 
     def __init__(self, name: str = "message_strip") -> None:
         super().__init__()
@@ -60,7 +60,7 @@ class MessageStrip(QWidget):
 
     @property
     def text(self) -> str:
-        """Sentence shown; empty while the strip is hidden."""
+        """Shown sentence; empty while the strip is hidden."""
         return "" if self.isHidden() else self._label.text()
 
     def say(self, sentence: str, *answers: Answer) -> None:
@@ -78,7 +78,7 @@ class MessageStrip(QWidget):
         self.show()
 
     def show_message(self, message: UserMessage) -> None:
-        """Show a message; an empty one takes the last away."""
+        """Show a message; an empty one removes the last one."""
         if message.sentence:
             self.say(message.sentence, *message.answers)
             self._lifetime = message.lifetime
@@ -86,17 +86,17 @@ class MessageStrip(QWidget):
             self.clear()
 
     def outlive(self, event: Lifetime) -> None:
-        """Clear the message if it does not outlive the event."""
+        """Remove the message if its lifetime ends with the event."""
         if self._lifetime >= event:
             self.clear()
 
     def ask(self, sentence: str, *answers: Answer) -> None:
-        """``say`` with the keyboard on the first answer: Tab goes on, Enter presses, Esc presses the last one."""
+        """``say`` with the focus on the first answer: Tab goes on, Enter presses, Esc presses the last one."""
         self.say(sentence, *answers)
         self._answers[0].setFocus(Qt.FocusReason.PopupFocusReason)
 
     def event(self, event: QEvent) -> bool:
-        """Keys that answer are not shortcuts of the window while an answer has the keyboard."""
+        """Reserve the keys of answers from the window's shortcuts while an answer has the focus."""
         keys = (*PRESSING, Qt.Key.Key_Space, Qt.Key.Key_Escape)
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride and event.key() in keys:
             event.accept()
@@ -104,7 +104,7 @@ class MessageStrip(QWidget):
         return bool(super().event(event))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Press the answer that has the keyboard, or with Esc the last one."""
+        """Press the focused answer, or with Esc the last one."""
         focused = next((button for button in self._answers if button.hasFocus()), None)
         if event.key() in PRESSING and focused is not None:
             focused.click()
@@ -140,5 +140,5 @@ class RecoveryBar(MessageStrip):
         super().__init__("recovery_bar")
 
     def offer(self, words: str, recover: Callable[[], object]) -> None:
-        """Ask, beside the work and not across it."""
+        """Show the offer, without a modal dialog."""
         self.say(words, ("Recover", recover), ("Not now", self.refused.emit))

@@ -1,18 +1,18 @@
-"""A body on the stage: whether it is shown, where it stands, what it plays, and how it is built."""
+"""Form of a body on the stage: its visibility, placement, clips and build."""
 
 import math
 from collections.abc import Callable
 
 from PySide6.QtCore import QSignalBlocker, Signal
-from PySide6.QtWidgets import QCheckBox, QLabel, QLineEdit
+from PySide6.QtWidgets import QCheckBox, QLabel
 
 from studio.core.stage.project import Performer
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.body_map_section import character_section
 from studio.panels.character_editor import BodySection
-from studio.panels.editor import Editor
-from studio.panels.fields import Choice, NumberField, Section, labelled
+from studio.panels.editor import Editor, EntityNameField
+from studio.panels.fields import Choice, NumberField, Section, labelled, with_unit
 
 PLACEMENT_LIMIT = 1000.0
 
@@ -29,8 +29,7 @@ class PerformerEditor(Editor[Performer]):
         self._visible = QCheckBox("shown")
         self._visible.toggled.connect(self._show_or_hide)
         section.head.addWidget(self._visible)
-        self._name = QLineEdit()
-        self._name.editingFinished.connect(self._rename)
+        self._name = EntityNameField(self)
         section.add_row("Name", self._name)
         self._cast = Choice("Character", [])
         self._cast.value_chosen.connect(self._recast)
@@ -38,10 +37,12 @@ class PerformerEditor(Editor[Performer]):
         self._plays: QLabel = labelled("", "value")
         section.add_row("Plays", self._plays)
         self._x, self._y = (
-            self.bind(NumberField(f"Place {axis}", "", -PLACEMENT_LIMIT, PLACEMENT_LIMIT, 0.01), self._mover(k))
+            self.bind(
+                NumberField(f"Place {axis}", "m", -PLACEMENT_LIMIT, PLACEMENT_LIMIT, 0.01, suffix=False), self._mover(k)
+            )
             for k, axis in enumerate("XY")
         )
-        section.add_row("Place  m", self._x, self._y)
+        section.add_row(with_unit("Place", "m"), self._x, self._y)
         self._heading = self.bind(NumberField("Heading", "°", -360.0, 360.0, 1.0, 1), self._turn)
         section.add_row("Heading", self._heading)
         self._limited = QCheckBox("Limit to human range")
@@ -74,7 +75,7 @@ class PerformerEditor(Editor[Performer]):
         self.finish()
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """A performer is shown with its character and those that could take its place."""
+        """True also for characters: the form shows the performer's, and those that may replace it."""
         return super().concerns(collection, entity_id) or collection == "characters"
 
     def refresh(self) -> None:
@@ -90,7 +91,7 @@ class PerformerEditor(Editor[Performer]):
             self._eased.setChecked(performer.eased)
         with QSignalBlocker(self._clears):
             self._clears.setChecked(performer.clears)
-        self._name.setText(performer.name)
+        self._name.show_name()
         self._cast.clear_all()
         for key, each in self.document.project.characters.items():
             self._cast.add(key, each.name)
@@ -116,13 +117,8 @@ class PerformerEditor(Editor[Performer]):
         kept = "Keep the arms out of the body" if clears else "Let the arms through the body"
         self.change(f"{kept} of {self.entity.name}", clears=clears)
 
-    def _rename(self) -> None:
-        name = self._name.text().strip()
-        if name and name != self.entity.name:
-            self.change(f"Rename {self.entity.name}", name=name)
-
     def _recast(self, character_id: str) -> None:
-        """Another character takes the place, and gives it its name unless the user gave it one."""
+        """Replace the character; the performer takes its name unless the user has named it."""
         characters = self.document.project.characters
         new, old = characters[character_id], characters[self.entity.character_id]
         name = new.name if self.entity.name == old.name else self.entity.name

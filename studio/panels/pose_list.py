@@ -1,18 +1,46 @@
-"""The pose library's panel: saved poses, the part of the body they are applied to, and how far."""
+"""Panel of the pose library: thumbnails of saved poses, the part to which they are applied, and the blend."""
 
 from collections.abc import Iterable, Sequence
 
-from PySide6.QtCore import QSignalBlocker, Qt, QTimer, Signal
+from PySide6.QtCore import QMimeData, QSignalBlocker, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
+from studio.document.dragging import POSE, carried_row
 from studio.panels.fields import PER_CENT, Choice, labelled, press_button
 from studio.panels.sliders import ValueSlider
+from studio.panels.thumbnails import THUMBNAIL_PIXELS
 
 NO_POSES = "No pose is saved yet. Save pose keeps the pose of the selected character at the playhead."
 
 
+class PoseList(QListWidget):
+    """Thumbnails of poses with their names, to be dragged onto a body."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("pictures")
+        self.setAccessibleName("Saved poses")
+        self.setViewMode(QListWidget.ViewMode.IconMode)
+        self.setMovement(QListWidget.Movement.Static)
+        self.setResizeMode(QListWidget.ResizeMode.Adjust)
+        self.setIconSize(QSize(THUMBNAIL_PIXELS, THUMBNAIL_PIXELS))
+        self.setGridSize(QSize(THUMBNAIL_PIXELS + 16, THUMBNAIL_PIXELS + 28))
+        self.setTextElideMode(Qt.TextElideMode.ElideMiddle)
+        self.setWordWrap(False)
+        self.setDragEnabled(True)
+        self.setEditTriggers(QListWidget.EditTrigger.EditKeyPressed)
+
+    def mimeTypes(self) -> list[str]:
+        return [POSE]
+
+    def mimeData(self, items: Sequence[QListWidgetItem]) -> QMimeData:
+        """Index of the dragged pose."""
+        return carried_row(POSE, self.row(items[0]))
+
+
 class PosePanel(QWidget):
-    """Signals carry the row of a pose in the list."""
+    """Panel whose signals carry the row of a pose in the list."""
 
     save_requested = Signal()
     apply_requested = Signal(int)
@@ -23,8 +51,8 @@ class PosePanel(QWidget):
         super().__init__()
         self.setObjectName("panel")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
-        self.poses = QListWidget()
-        self.poses.setAccessibleName("Saved poses")
+        self.poses = PoseList()
+        self.poses.itemActivated.connect(lambda item: self.apply_requested.emit(self.poses.row(item)))
         self.poses.itemChanged.connect(self._item_changed)
         self.poses.currentRowChanged.connect(self._row_changed)
         self._hint = labelled("", "hint")
@@ -37,7 +65,9 @@ class PosePanel(QWidget):
         self.blend.edited.connect(self.set_blend)
         self.blend.restored.connect(lambda: self.set_blend(1.0))
         self.apply = press_button("Apply pose", lambda: self.apply_requested.emit(self.poses.currentRow()), "primary")
-        self.apply.setToolTip("Set a correction key at the playhead that brings this part to the pose")
+        self.apply.setToolTip(
+            "Set a correction key at the playhead that brings this part to the pose; or drag a pose onto a body."
+        )
         column = QVBoxLayout(self)
         column.setContentsMargins(12, 8, 12, 8)
         column.addWidget(self._hint)
@@ -52,7 +82,7 @@ class PosePanel(QWidget):
 
     @property
     def fraction(self) -> float:
-        """Fraction of the way to the pose, from 0 to 1."""
+        """Weight of the pose in the blend, from 0 to 1."""
         return self._fraction
 
     def set_blend(self, fraction: float) -> None:
@@ -60,17 +90,17 @@ class PosePanel(QWidget):
         self._fraction = fraction
         self.blend.show_value(fraction, f"{PER_CENT * fraction:.0f} %")
 
-    def show_poses(self, names: Sequence[str], problems: Sequence[str], current: int = -1) -> None:
-        """List the names of poses, and the sentences of files that could not be read."""
+    def show_poses(self, poses: Sequence[tuple[str, QIcon]], problems: Sequence[str], current: int = -1) -> None:
+        """List the names and thumbnails of poses, and the sentences about unreadable files."""
         with QSignalBlocker(self.poses):
             self.poses.clear()
-            for name in names:
-                item = QListWidgetItem(name)
+            for name, picture in poses:
+                item = QListWidgetItem(picture, name)
                 item.setFlags(item.flags() | Qt.ItemFlag.ItemIsEditable)
-                item.setToolTip("Press F2 or double-click to rename")
+                item.setToolTip(f"{name}. Double-click to apply, F2 to rename, or drag it onto a body")
                 self.poses.addItem(item)
             self.poses.setCurrentRow(current)
-        self._hint.setText("\n".join(problems) if names or problems else NO_POSES)
+        self._hint.setText("\n".join(problems) if poses or problems else NO_POSES)
         self._hint.setVisible(bool(self._hint.text()))
         self._row_changed(current)
 

@@ -1,4 +1,4 @@
-"""The poses of the motion library as a map: one figure a group of poses, lines between those that are alike."""
+"""Poses of the motion library as a map: one figure for each group of poses, lines between similar groups."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,22 +19,30 @@ FIGURE_CELL_PX, FIGURE_CAPTION_PX, FIGURE_MARGIN_PX = 92.0, 16.0, 8.0
 NO_CLIPS_HINT = "The motion library has no clips yet. Add a folder of captures in the Strikes panel."
 FACING = (1.0, 0.35)
 """Direction that figures face: to the right, a little towards the viewer."""
+LETTER_PX, LETTER_AWAY_PX = 9, 6.0
+"""Height of the letters at the ends of limbs, and how far beyond the ends they stand, in pixels."""
+LISTED_CLIPS = 4
+"""Clips that a tooltip names."""
+SIDES_HINT = "L and R mark its left and right."
 
 
 @dataclass(frozen=True, eq=False)
 class PoseGroup:
-    """Group of poses: typical pose (P, 3), its forward direction (2,), map position (2,), similar groups, and words."""
+    """Group of poses: typical pose (P, 3), its forward direction (2,), map position (2,), similar groups, words, and
+    the names of its clips, the one with most poses first.
+    """
 
     points: FloatArray
     forward: FloatArray
     place: FloatArray
     links: tuple[int, ...]
     words: str
+    clips: tuple[str, ...]
 
 
 class PoseMapView(QWidget):
-    """``looked_at`` tells the group under the mouse, -1 for none; ``chosen`` the one that was clicked; ``opened`` asks
-    for groups when it comes into sight.
+    """``looked_at`` is emitted with the group under the mouse, -1 for none; ``chosen`` with a clicked one; ``opened``
+    requests groups when the map becomes visible.
     """
 
     opened = Signal()
@@ -72,11 +80,11 @@ class PoseMapView(QWidget):
         self._arrange()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Look at the group under the mouse."""
+        """Highlight the group under the mouse."""
         self._look(self._at(event.position()))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Choose it."""
+        """Choose the group under the mouse."""
         found = self._at(event.position())
         if found >= 0 and event.button() == Qt.MouseButton.LeftButton:
             self._clicked = found
@@ -88,7 +96,7 @@ class PoseMapView(QWidget):
         self._look(-1)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Ask for groups, now that the map is visible."""
+        """Request groups, since the map is visible now."""
         super().showEvent(event)
         self.opened.emit()
 
@@ -101,8 +109,17 @@ class PoseMapView(QWidget):
         if group != self._under:
             self._under = group
             self.setCursor(Qt.CursorShape.PointingHandCursor if group >= 0 else Qt.CursorShape.ArrowCursor)
+            self.setToolTip(self._hint(group))
             self.group_highlighted.emit(group)
             self.update()
+
+    def _hint(self, group: int) -> str:
+        """Tooltip of a group: its clips, and what the letters mean."""
+        if group < 0:
+            return ""
+        names = self._groups[group].clips
+        more = [f"and {len(names) - LISTED_CLIPS} more"] if len(names) > LISTED_CLIPS else []
+        return "\n".join([self._groups[group].words, *names[:LISTED_CLIPS], *more, SIDES_HINT])
 
     def _at(self, place: QPointF) -> int:
         return next((number for number, cell in enumerate(self._cells) if cell.contains(place)), -1)
@@ -169,6 +186,27 @@ class PoseMapView(QWidget):
         for side, hue in ((-1, colour), (1, colours.RIGHT), (0, colours.LEFT)):
             sticks = self._sticks[self._sides == side]
             paint_sticks(painter, group.points, sticks, Look(turned, tallest), figure, hue, 2.0)
+            if side >= 0:
+                self._paint_letters(painter, Look(turned, tallest).flat(group.points, figure), sticks, "LR"[side], hue)
         painter.setPen(QColor(colours.TEXT if looked else colours.TEXT_THIRD))
         words = QRectF(cell.left(), cell.bottom() - FIGURE_CAPTION_PX, cell.width(), FIGURE_CAPTION_PX)
         painter.drawText(words, Qt.AlignmentFlag.AlignCenter, group.words)
+
+    def _paint_letters(
+        self, painter: QPainter, places: FloatArray, sticks: NDArray[np.intp], letter: str, colour: str
+    ) -> None:
+        """Letter of a side beyond the ends of its limbs, so that colour is not alone in telling left from right."""
+        ends = {end: begin for begin, end in sticks.tolist()}
+        painter.save()
+        font = painter.font()
+        font.setPixelSize(LETTER_PX)
+        font.setBold(True)
+        painter.setFont(font)
+        painter.setPen(QColor(colour))
+        for end in ends.keys() - ends.values():
+            along = places[end] - places[ends[end]]
+            at = places[end] + LETTER_AWAY_PX * along / max(float(np.hypot(*along)), 1e-9)
+            box = QRectF(0.0, 0.0, 2.0 * LETTER_PX, 2.0 * LETTER_PX)
+            box.moveCenter(QPointF(*at))
+            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, letter)
+        painter.restore()

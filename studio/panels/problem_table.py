@@ -1,4 +1,4 @@
-"""The table of every constraint by body, and of whole motions: sorted by any column, a click goes there."""
+"""Table of every constraint by body, and of whole motions: sorted by any column; a click goes to the worst frame."""
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QColor, QHideEvent, QShowEvent
@@ -25,7 +25,7 @@ class _Cell(QTableWidgetItem):
 
 
 class ProblemTable(QWidget):
-    """``chosen`` is emitted with a row and the aspect of the cell that is clicked or entered."""
+    """Table; ``chosen`` is emitted with a row and the aspect of the clicked or entered cell."""
 
     problem_chosen = Signal(object, str)
 

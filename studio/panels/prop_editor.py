@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from PySide6.QtWidgets import QCheckBox, QLineEdit, QWidget
+from PySide6.QtWidgets import QCheckBox, QWidget
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
@@ -20,7 +20,7 @@ from studio.engine.point_names import POINT_NAMES, point_words
 from studio.engine.prop_places import PropPose, between_hands, in_hand, moved_prop, prop_at, turned_prop, unheld
 from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
 from studio.panels.constraint_editors.vector_row import VectorRow
-from studio.panels.editor import Editor
+from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import Choice, Section, labelled, press_button
 from studio.panels.rotation_row import RotationRow
 
@@ -37,13 +37,12 @@ RIGHT_HAND = BodyPoint(BodyPart.RIGHT_HAND)
 
 
 class PropEditor(Editor[Prop]):
-    """Shape, size, place on the stage; numbers are those at the playhead."""
+    """Shape, size, and position on the stage; numbers are those at the playhead."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Prop")
-        self._name = QLineEdit()
-        self._name.editingFinished.connect(self._rename)
+        self._name = EntityNameField(self)
         section.add_row("Name", self._name)
         self._shape = Choice("Shape", ())
         self._shape.value_chosen.connect(lambda shape: self.change(f"Shape of {self.entity.name}", shape=shape))
@@ -85,7 +84,7 @@ class PropEditor(Editor[Prop]):
         prop: Prop | None = self.entity
         if prop is None:
             return
-        self._name.setText(prop.name)
+        self._name.show_name()
         shapes = [each for each in PropShape if each is not PropShape.MESH or prop.mesh is not None]
         self._shape.offer([(each, each.value.capitalize()) for each in shapes])
         self._shape.show_value(prop.shape)
@@ -98,11 +97,11 @@ class PropEditor(Editor[Prop]):
         self._refresh_moment()
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """True also for performers, which may hold the prop, and for constraints, which may keep bodies out of it."""
+        """True also for performers, which may hold the prop, and for constraints, which may make it an obstacle."""
         return super().concerns(collection, entity_id) or collection in ("performers", "constraints")
 
     def _resize(self, size: tuple[float, ...]) -> None:
-        """Resize the prop, and with it the constraints that keep bodies out of it."""
+        """Resize the prop, and the constraints that make it an obstacle."""
         text = f"Resize {self.entity.name}"
         with self.document.group(text, self.gesture):
             self._set("Resize", size=size)
@@ -146,11 +145,6 @@ class PropEditor(Editor[Prop]):
     def _show(self, shown: bool, *widgets: QWidget) -> None:
         for widget in widgets:
             widget.setVisible(shown)
-
-    def _rename(self) -> None:
-        name = self._name.text().strip()
-        if name and name != self.entity.name:
-            self.change(f"Rename {self.entity.name}", name=name)
 
     def _set(self, verb: str, **values: object) -> None:
         self.change(f"{verb} {self.entity.name}", **values)

@@ -1,4 +1,4 @@
-"""The body at ease as the studio understands a capture: from the front and from its left, with both sides named."""
+"""Reference pose of a capture as interpreted by the studio: from the front and from its left, with both sides named."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,22 +23,22 @@ _CHAINS = (
 
 
 class ReferenceFigure(QWidget):
-    """Two views of a capture's reference pose; left and right have colours of their own."""
+    """Two views of a capture's reference pose; left and right have different colours."""
 
     def __init__(self, capture: Capture, body_map: BodyMap) -> None:
         super().__init__()
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.setAccessibleName("Reference pose")
-        self.setToolTip("The body at ease as it is understood: if sides, front or up are wrong, correct the body map")
+        self.setToolTip("Reference pose as interpreted: if sides, front or up are wrong, correct the body map")
         self._points = _standing(capture, body_map)
         self._chains = _chains(capture, body_map)
 
     def sizeHint(self) -> QSize:
-        """As wide as the panel."""
+        """Width of the panel."""
         return QSize(200, _HEIGHT)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Front view at the left, view from the body's left at the right."""
+        """Draw the front view at the left, the view from the body's left at the right."""
         with QPainter(self) as painter:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             half = self.width() / 2.0
@@ -76,7 +76,7 @@ def _standing(capture: Capture, body_map: BodyMap) -> FloatArray:
 
 
 def _chains(capture: Capture, body_map: BodyMap) -> list[tuple[str, list[int]]]:
-    """Joints in a row with their colour: trunk and head, then arms and legs with all that ends in them."""
+    """Chains of joints with their colour: trunk and head, then arms and legs with all their ends."""
     top = [joint for part in (BodyPart.NECK, BodyPart.HEAD) if (joint := body_map.get(part)) is not None]
     chains = [(colours.TEXT, _to_the_end(capture, [*body_map.spine, *top]))]
     for side, colour in (("RIGHT", colours.RIGHT), ("LEFT", colours.LEFT)):  # the left is nearer in its view
@@ -87,7 +87,7 @@ def _chains(capture: Capture, body_map: BodyMap) -> list[tuple[str, list[int]]]:
 
 
 def _to_the_end(capture: Capture, joints: list[int]) -> list[int]:
-    """``joints`` with the farthest joint that the last one carries, so that its direction is seen."""
+    """``joints`` with the farthest descendant of the last one, so that its direction is visible."""
     children = capture.skeleton.children[joints[-1]]
     if not children:
         return joints

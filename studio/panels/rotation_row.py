@@ -1,4 +1,4 @@
-"""A rotation as three angles in one row, to type or to drag."""
+"""Form row of a rotation as three angles."""
 
 from collections.abc import Callable
 from functools import partial
@@ -17,7 +17,9 @@ SAME = 1e-3
 
 
 class RotationRow:
-    """Degrees about the X, then the Y, then the Z axis of a ``space``; ``put`` takes the rotation (x, y, z, w)."""
+    """Degrees about the X, then the Y, then the Z axis of a ``space``; ``put`` is called with the rotation (x, y, z,
+    w).
+    """
 
     def __init__(
         self,

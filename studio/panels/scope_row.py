@@ -14,7 +14,7 @@ UNPLAYED_CLIP = "A clip that nobody plays"
 
 
 class ScopeRow:
-    """Choice of scope: all who play the motion, one performer, or one clip; ``put`` takes the user's choice."""
+    """Choice of scope: all performers of the motion, one performer, or one clip; ``put`` is called with the choice."""
 
     def __init__(
         self, editor: Editor[Constraint | ContactInterval], section: Section, put: Callable[[Scope], None]

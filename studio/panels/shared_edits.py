@@ -1,4 +1,4 @@
-"""An edit of one of several selected things, applied to the others as well."""
+"""Edits of one of several selected entities, applied to the others as well."""
 
 from collections.abc import Iterable
 from dataclasses import fields, is_dataclass
@@ -15,7 +15,7 @@ _WORDS = {"enabled": "on or off", "scope": "applies to", "end_segment": "end"}
 
 
 def with_edit(other: RecordT, before: object, after: object) -> RecordT:
-    """``other`` with the values in which ``after`` differs from ``before``, and no others."""
+    """``other`` with those values in which ``after`` differs from ``before``."""
     names = [each.name for each in fields(other) if each.name not in INDIVIDUAL]
     edits = {
         name: _edited(getattr(other, name), getattr(before, name), getattr(after, name))
@@ -28,7 +28,7 @@ def with_edit(other: RecordT, before: object, after: object) -> RecordT:
 
 
 def _edited(other: object, before: object, after: object) -> object:
-    """A value with the parts that were edited; all of ``after`` where the values are of different kinds."""
+    """Value with the edited parts; all of ``after`` if the values are of different kinds."""
     if type(other) is type(before) is type(after):
         if isinstance(other, tuple) and isinstance(before, tuple) and isinstance(after, tuple):
             if len(other) == len(before) == len(after):
@@ -43,7 +43,7 @@ def _edited(other: object, before: object, after: object) -> object:
 
 
 def different_fields(entities: Iterable[Entity]) -> list[str]:
-    """Words for the fields in which entities differ."""
+    """Names of the fields in which entities differ."""
     first, *others = entities
     return [
         _WORDS.get(each.name, each.name.replace("_", " "))

@@ -1,4 +1,4 @@
-"""A slider with its number beside it: one gesture, one undo step."""
+"""Slider with its number beside it: one drag, one undo step."""
 
 from PySide6.QtCore import QEvent, QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QKeyEvent
@@ -11,7 +11,9 @@ VALUE_WIDTH = 62
 
 
 class QuietSlider(QSlider):
-    """Goes where it is pressed, not a page towards it; a double click and Home ask for the value of the build."""
+    """Slider that jumps to the pressed position instead of by pages; a double click and Home request
+    the build's value.
+    """
 
     restored = Signal()
 
@@ -28,7 +30,7 @@ class QuietSlider(QSlider):
         self.restored.emit()
 
     def event(self, event: QEvent) -> bool:
-        """While the slider has the keyboard, the arrow keys move it and not the time."""
+        """Let the arrow keys move the slider while it has the focus, and not the time."""
         keys = (Qt.Key.Key_Left, Qt.Key.Key_Right, Qt.Key.Key_Up, Qt.Key.Key_Down)
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in keys:
             event.accept()
@@ -37,7 +39,7 @@ class QuietSlider(QSlider):
 
 
 class ValueSlider(QWidget):
-    """``low`` to ``high``; ``begun`` and ``ended`` frame every change, as a number field's do."""
+    """Slider from ``low`` to ``high``; ``begun`` and ``ended`` enclose every change, like those of a number field."""
 
     begun = Signal()
     edited = Signal(float)
@@ -66,7 +68,7 @@ class ValueSlider(QWidget):
         self.slider.restored.connect(self.restored)
 
     def show_value(self, value: float, words: str) -> None:
-        """Show a value of the document and what it means."""
+        """Show a value of the document, and its text."""
         self._value.setText(words)
         if not self.slider.isSliderDown():
             with QSignalBlocker(self.slider):

@@ -1,22 +1,19 @@
-"""Form of a sound track: its name and when it begins."""
-
-from PySide6.QtWidgets import QLineEdit
+"""Form of a sound track: its name and start."""
 
 from studio.core.stage.sound_track import SoundTrack
 from studio.document.document import Document
 from studio.engine.live_interface import Live
-from studio.panels.editor import Editor
+from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import NumberField, Section, labelled
 
 
 class SoundEditor(Editor[SoundTrack]):
-    """Name, begin, and what was found in the file."""
+    """Name and start, and facts of the file."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Sound")
-        self._name = QLineEdit()
-        self._name.editingFinished.connect(self._rename)
+        self._name = EntityNameField(self)
         section.add_row("Name", self._name)
         field = NumberField("Begins at", "s", -1e5, 1e5, 0.01, 3)
         self._start = self.bind(field, lambda value: self.change(f"Move {self.entity.name}", start=value))
@@ -27,13 +24,8 @@ class SoundEditor(Editor[SoundTrack]):
         self.finish()
 
     def refresh(self) -> None:
-        """Show the sound as it is."""
+        """Show the present sound."""
         sound = self.entity
-        self._name.setText(sound.name)
+        self._name.show_name()
         self._start.show_value(sound.start)
         self._found.setText(f"{len(sound.beats)} beats in {sound.end - sound.start:.2f} s of {sound.source}")
-
-    def _rename(self) -> None:
-        name = self._name.text().strip()
-        if self.entity is not None and name and name != self.entity.name:
-            self.change(f"Rename {self.entity.name}", name=name)

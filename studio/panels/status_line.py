@@ -4,6 +4,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QStatusBar, QWidget
 
 from studio.document.document import Document
+from studio.document.mnemonics import literal
 from studio.panels.fields import press_button
 
 STATUS_BAR_WIDTH = 120
@@ -11,7 +12,7 @@ SECONDS_BEFORE_PERCENT = 10
 
 
 class ProgressLine(QWidget):
-    """The running job with its share, and a way to stop it."""
+    """Running job with its progress, and a button to stop it."""
 
     cancel_requested = Signal(int)
     message_posted = Signal(str, float)
@@ -104,7 +105,7 @@ class StatusLine(QStatusBar):
         self._show_journal()
 
     def tell(self, words: str) -> None:
-        """Show words on the item under the mouse."""
+        """Show a text about the item under the mouse."""
         self._told.setText(words)
 
     def _entity_changed(self, collection: str, _: str) -> None:
@@ -125,7 +126,7 @@ class StatusLine(QStatusBar):
             return
         guesses = project.captures[motion.capture_id].guesses
         count = f"{len(guesses)} guess" + ("" if len(guesses) == 1 else "es")
-        self._guesses.setText(f"{motion.name} · {count}" if guesses else motion.name)
+        self._guesses.setText(literal(f"{motion.name} · {count}" if guesses else motion.name))
         self._guesses.setToolTip("\n".join(guess.title for guess in guesses))
 
     def _show_journal(self) -> None:

@@ -1,4 +1,4 @@
-"""A body as a small figure of sticks, for where there is no 3D view."""
+"""Body as a small stick figure, for views without 3D."""
 
 from dataclasses import dataclass
 
@@ -22,7 +22,7 @@ class Look:
     height: float
 
     def flat(self, points: FloatArray, box: QRectF) -> FloatArray:
-        """Pixels (P, 2) of ``points`` (P, 3), which stand in the middle of ``box`` on its lower edge."""
+        """Pixels (P, 2) of ``points`` (P, 3), centred in ``box`` on its lower edge."""
         along = np.array(self.heading) / max(float(np.hypot(*self.heading)), 1e-9)
         across = np.array([-along[1], along[0]])
         middle = points[:, :2].mean(axis=0)

@@ -1,4 +1,4 @@
-"""Strikes: a search of the motion library for one that hits a prop, ranked with reasons."""
+"""Strikes: a search of the motion library for clips that hit a prop, ranked with reasons."""
 
 from collections.abc import Iterable, Sequence
 
@@ -6,7 +6,7 @@ from PySide6.QtCore import QEvent, QMimeData, QObject, Qt, Signal
 from PySide6.QtGui import QHideEvent
 from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QSizePolicy, QVBoxLayout, QWidget
 
-from studio.document.dragging import STRIKE, carried_strike
+from studio.document.dragging import STRIKE, carried_row
 from studio.panels.fields import FIELD_ICON_PX, Choice, Section, Segments, labelled, press_button
 from studio.panels.two_lines import TwoLines
 
@@ -21,8 +21,10 @@ NO_TARGET = "All strikes of the library. To rank them, choose a target: a box, o
 
 
 class Strikes(QWidget):
-    """The dock's content. ``wanted`` asks to search, ``chosen`` to play the result of that place, ``opened`` to say
-    what it is; ``looked_at`` tells that the mouse is over it or the keys are at it; -1 when over none.
+    """Content of the dock.
+
+    ``wanted`` requests a search, ``chosen`` the use of a result by its index, ``opened`` its label; ``looked_at`` is
+    the result under the mouse or with the focus, -1 for none.
     """
 
     folder_requested = Signal()
@@ -82,7 +84,7 @@ class Strikes(QWidget):
         self.target.show_value(wanted if self.target.offers(wanted) else None)
 
     def show_results(self, results: Sequence[tuple[str, str]], hint: str, usable: bool = True) -> None:
-        """List (name, reasons), the best first; without a target nothing is ``usable``."""
+        """List (name, reasons), the best first; without a target none is ``usable``."""
         self._look(-1)
         self._usable = usable
         self.results.clear()
@@ -106,7 +108,7 @@ class Strikes(QWidget):
 
     @property
     def place(self) -> int | None:
-        """Place in the list of the chosen result; None if none is chosen."""
+        """Index of the chosen result in the list; None if none is chosen."""
         row = self.results.currentRow()
         return None if row < 0 else row
 
@@ -149,7 +151,7 @@ class Strikes(QWidget):
 
 
 class Results(QListWidget):
-    """Rows that can be dragged onto a body, or onto its row of the timeline."""
+    """Rows that can be dragged to a body, or to its row of the timeline."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -160,4 +162,4 @@ class Results(QListWidget):
 
     def mimeData(self, items: Sequence[QListWidgetItem]) -> QMimeData:
         """Index of the dragged result."""
-        return carried_strike(self.row(items[0]))
+        return carried_row(STRIKE, self.row(items[0]))

@@ -1,17 +1,21 @@
-"""Small pictures of captures and characters, drawn beside the window and kept while the project is open."""
+"""Thumbnails of captures, characters and poses; those of the project are drawn in the background and kept."""
 
 from collections.abc import Callable
 from contextlib import suppress
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QLineF, QObject, Qt, QThreadPool, Signal
+from PySide6.QtCore import QLineF, QObject, QPointF, Qt, QThreadPool, Signal
 from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPixmap
 
 from studio.core.body.canonical import BodyPart
 from studio.core.body.kinematics import joint_positions
+from studio.core.body.standing import standing_points
+from studio.core.body.sticks import bone_pairs
 from studio.core.captures.capture import Capture
+from studio.core.mannequin.physique import Physique
 from studio.core.mesh.character import Character
+from studio.core.stage.local_pose import LocalPose, posed_rotations
 from studio.document import colours
 from studio.document.document import Document
 
@@ -25,10 +29,16 @@ _LIGHT = np.array([0.8, 0.3, 0.52])
 _DARKEST = 0.4
 _POSES = ((0.2, -0.3, 70), (0.8, 0.3, 70), (0.5, 0.0, 255))
 """Moment in the take, offset across the picture and opacity of each pose of a capture."""
+_POSED_STATURE, _LEAST_HEIGHT = 1.75, 1.2
+"""Metres: the body that shows a pose, and the least height that fills the picture."""
+_FROM_AHEAD = np.array([[-0.5, 0.866, 0.0], [-0.13, -0.075, 0.989], [0.857, 0.494, 0.149]])
+"""Rows: right, up and towards the viewer of the picture of a pose."""
+_FARTHEST = 0.35
+"""Share of the colour of the nearest bone of a pose that the farthest one has."""
 
 
 class Thumbnails(QObject):
-    """Pictures by entity: None until one is drawn, then ``drawn`` is emitted."""
+    """Thumbnails by entity: None until one is drawn, then ``drawn`` is emitted."""
 
     drawn = Signal()
     _made = Signal(object, object)
@@ -43,7 +53,7 @@ class Thumbnails(QObject):
         document.project_opened.connect(self._pictures.clear)
 
     def of(self, collection: str, entity_id: str) -> QPixmap | None:
-        """Picture of a capture, a character or a performer; None where there is none, or none yet."""
+        """Thumbnail of a capture, a character or a performer; None if there is none, or none yet."""
         project = self._document.shown_project
         if collection == "performers" and entity_id in project.performers:
             collection, entity_id = "characters", project.performers[entity_id].character_id
@@ -55,7 +65,7 @@ class Thumbnails(QObject):
         return None
 
     def _picture(self, key: object, draw: Callable[[], QImage]) -> QPixmap | None:
-        """The picture of what ``key`` is shown by: poses or a skin, which outlive changes of names and lengths."""
+        """Thumbnail by ``key``: poses or a skin, which are kept when names and lengths change."""
         if id(key) in self._pictures:
             return self._pictures[id(key)][1]
         self._pictures[id(key)] = (key, None)  # the key is kept, so that its id stays its own
@@ -75,7 +85,7 @@ class Thumbnails(QObject):
 
 
 def character_picture(character: Character, size: int = THUMBNAIL_PIXELS) -> QImage:
-    """Front view of a character as its skin was bound, in the colours of its materials."""
+    """Front view of a character in its bind pose, in the colours of its materials."""
     skin = character.skin
     corners = skin.vertices.astype(np.float64)[skin.triangles]
     crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -121,15 +131,44 @@ def capture_picture(capture: Capture, size: int = THUMBNAIL_PIXELS) -> QImage:
     return picture
 
 
+def pose_picture(pose: LocalPose, size: int = THUMBNAIL_PIXELS) -> QImage:
+    """Stick figure of an average body in a pose, seen from ahead and its left; farther bones are darker."""
+    body = Physique(_POSED_STATURE).morphology()
+    points = standing_points(body, posed_rotations(body.layout, pose))
+    seen, depth = points @ _FROM_AHEAD[:2].T, points @ _FROM_AHEAD[2]
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    scale = (size - 2 * _MARGIN) / max(float((high - low).max()), _LEAST_HEIGHT)
+    drawn = size / 2 + scale * (seen - (low + high) / 2) * [1.0, -1.0]
+    pairs = bone_pairs(body.layout)
+    near = depth[pairs].mean(axis=1)
+    shade = _FARTHEST + (1.0 - _FARTHEST) * (near - near.min()) / max(float(np.ptp(near)), 1e-6)
+    ends = [QColor(name) for name in (colours.TEXT, colours.PANEL)]
+    front, back = np.array([(each.redF(), each.greenF(), each.blueF()) for each in ends])
+    picture = QImage(size, size, QImage.Format.Format_ARGB32_Premultiplied)
+    picture.fill(Qt.GlobalColor.transparent)
+    head = body.layout.segment(BodyPart.HEAD)
+    with QPainter(picture) as painter:
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        for bone in np.argsort(near).tolist():
+            colour = QColor.fromRgbF(*(back + shade[bone] * (front - back)))
+            painter.setPen(QPen(colour, size / 18.0, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
+            begin, end = (QPointF(*drawn[point]) for point in pairs[bone])
+            painter.drawLine(begin, end)
+            if bone == head:
+                painter.setBrush(colour)
+                painter.drawEllipse((begin + end) / 2, size / 24.0, size / 24.0)
+    return picture
+
+
 def _colours(character: Character) -> FloatArray:
-    """(M, 3) colours of the materials from 0 to 255; that of the character where it has none."""
+    """(M, 3) colours of the materials from 0 to 255; the character's own if it has none."""
     look = character.skin.appearance
     names = [material.colour for material in look.materials] if look else [character.colour]
     return np.array([[int(name[place : place + 2], 16) for place in (1, 3, 5)] for name in names], dtype=np.float64)
 
 
 def _left_of(capture: Capture, places: FloatArray) -> FloatArray:
-    """(3,) level direction to the left of a body whose joints are at ``places`` (J, 3)."""
+    """(3,) horizontal direction to the left of a body whose joints are at ``places`` (J, 3)."""
     if capture.body_map is None:
         return np.array([0.0, 1.0, 0.0])
     left, right = (places[capture.body_map[part]] for part in (BodyPart.LEFT_THIGH, BodyPart.RIGHT_THIGH))

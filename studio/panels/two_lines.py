@@ -1,4 +1,4 @@
-"""A row of a list with a name, and under it more words, quieter, in as many lines as they need."""
+"""List row with a name, and below it more text in as many lines as it needs."""
 
 from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRect, QSize, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetrics, QPainter
@@ -13,14 +13,14 @@ Index = QModelIndex | QPersistentModelIndex
 
 
 class TwoLines(QStyledItemDelegate):
-    """The first line of an item's text is the name."""
+    """Delegate; the first line of an item's text is the name."""
 
     def sizeHint(self, option: QStyleOptionViewItem, index: Index) -> QSize:
-        """As high as the words are in the width of the list."""
+        """Height of the text in the width of the list."""
         return QSize(0, self._words(option, index, QRect(0, 0, option.rect.width(), 0)).bottom() + LINE_TOP_PX)
 
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
-        """Ground, name, words."""
+        """Draw background, name, and text."""
         name, _, words = str(index.data()).partition("\n")
         hovered = option.state & QStyle.StateFlag.State_MouseOver
         if option.state & QStyle.StateFlag.State_Selected:

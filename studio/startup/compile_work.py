@@ -1,6 +1,6 @@
-"""Work of compiling kernels, known before it is done: bytes of bytecode that are to be translated and linked.
+"""Estimated work of compiling kernels, in bytes of bytecode that are to be translated and linked.
 
-Over all 551 kernels the share of the bytes that are translated and the share of the time are never more than 5 % apart.
+Over all 551 kernels the fraction of the bytes that are translated and the fraction of the time differ by at most 5 %.
 """
 
 from collections.abc import Iterable
@@ -24,7 +24,7 @@ def all_kernels() -> list[Any]:
 
 
 def kernels_below(kernels: Iterable[Any]) -> dict[int, Any]:
-    """Some kernels and all that they call, by ``id``."""
+    """Some kernels and all their callees, by ``id``."""
     found: dict[int, Any] = {}
     waiting = [*kernels]
     while waiting:
@@ -37,7 +37,7 @@ def kernels_below(kernels: Iterable[Any]) -> dict[int, Any]:
 
 @cache
 def called_by(function: Any) -> list[Any]:
-    """Kernels whose names a function uses."""
+    """Kernels called by a function, by their names."""
     known = function.__globals__
     return [known[name] for name in names_in(function.__code__) if hasattr(known.get(name), "py_func")]
 
@@ -49,17 +49,17 @@ def names_in(code: CodeType) -> set[str]:
 
 
 class CompileWork:
-    """The work of compiling some kernels in this process, and how much of it is done."""
+    """Work of compiling some kernels in this process, and its progress."""
 
     def __init__(self, kernels: Iterable[Any], linking: float = 0.0) -> None:
-        """``linking``: time after all is translated, in units of the time until then."""
+        """``linking``: time after all is translated, relative to the time until then."""
         self._kernels, self._linking = kernels_below(kernels), linking
         self._translated_after = 0.0
 
     def fraction_done(self, spent: float) -> float:
-        """Share of the work that is done, from 0 to 1, ``spent`` processor seconds after it was begun.
+        """Finished fraction of the work, from 0 to 1, after ``spent`` processor seconds.
 
-        Linking happens in one go; it is taken to be as fast as translating was.
+        Linking happens in one step; its speed is taken to be that of translating.
         """
         done = kernels_below(each for each in self._kernels.values() if each.signatures)
         share = bytes_of(done) / bytes_of(self._kernels)

@@ -6,6 +6,6 @@ from studio.io.project.character_file import bundled_characters
 
 
 def run(blending: Blending = Blending.LINEAR) -> None:
-    """Skin the first bundled character as it stands."""
+    """Skin the first bundled character in its bind pose."""
     worn = next(iter(bundled_characters().values()))
     skin_vertices(worn.skin, worn.build, worn.morphology, *rest_pose(worn.morphology), blending=blending)

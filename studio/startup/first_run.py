@@ -1,4 +1,6 @@
-"""Small test run of everything that a moved slider or target will call, and its parts in the order of need."""
+"""Small test run of everything that a moved slider or target calls, and its parts in the order in which they are
+needed.
+"""
 
 from studio.core.mesh.character import Character
 from studio.core.mesh.skin import Blending
@@ -20,13 +22,15 @@ from studio.startup import first_picture
 
 
 def run() -> None:
-    """Adapt a few frames to the first bundled character and skin it: what every scene calls."""
+    """Adapt a few frames to the first bundled character and skin it: the calls of every scene."""
     warm_up(_character().morphology)
     first_picture.run()
 
 
 def run_seldom() -> None:
-    """Run what few scenes call: rare solver kernels, dual-quaternion skinning, the library search, reading captures."""
+    """Call the code of few scenes: rare solver kernels, dual-quaternion skinning, the library search,
+    reading captures.
+    """
     warm_up_seldom(_character().morphology)
     first_picture.run(Blending.DUAL_QUATERNIONS)
     warm_up_search()
@@ -34,14 +38,14 @@ def run_seldom() -> None:
 
 
 def run_standing() -> None:
-    """Run what precedes any constraint: reading and normalising a capture, and grounding any body."""
+    """Call everything before constraints: reading and normalising a capture, and grounding any body."""
     warm_up_standing(_character().morphology)
     _read()
     warm_up_support(_character().morphology)
 
 
 def run_rest() -> None:
-    """Run what ``run_standing`` and ``run_constraints`` leave out: temporal smoothing, then ``run_seldom``."""
+    """Call the parts outside ``run_standing`` and ``run_constraints``: temporal smoothing, then ``run_seldom``."""
     warm_up_easing(_character().morphology)
     run_seldom()
 

@@ -1,7 +1,7 @@
-"""Kernels are compiled or fetched from their cache in the background while the window opens.
+"""Compilation of kernels, or loading from their cache, in the background while the window opens.
 
-They are compiled once a machine, by child processes, ``python -m studio.startup.kernel_warm_up MODULE.FUNCTION ...``,
-which report their function and progress. Drawing a body comes first; then setting bodies on the ground, and in another
+They are compiled once on each machine, by child processes, ``python -m studio.startup.kernel_warm_up MODULE.FUNCTION
+...``, which report their function and progress. Drawing a body comes first; then grounding bodies, and in another
 process the solver of constraints, which takes longest.
 """
 
@@ -44,9 +44,9 @@ COMPLETE, LAST_TO_READ = "complete", "encode_channels.encode_frames-*.nbc"
 
 
 class WarmUp:
-    """Warm-up on a thread that starts at once. A caller that needs a kernel sooner waits for that one only.
+    """Warm-up on a thread that starts at once.
 
-    Stop it before the process ends.
+    A caller that needs a kernel sooner waits for that one only. It must be stopped before the process ends.
     """
 
     def __init__(self, held: bool = False) -> None:
@@ -73,7 +73,7 @@ class WarmUp:
 
     @property
     def grounded(self) -> bool:
-        """True once the kernels are loaded that set bodies on the ground, before any constraint."""
+        """True once the kernels of grounding are loaded."""
         return self._grounded.is_set()
 
     @property
@@ -86,7 +86,7 @@ class WarmUp:
         self._wait_for(self._ready)
 
     def join_grounded(self) -> None:
-        """Wait until bodies can be set on the ground. Raises as ``join``."""
+        """Wait until bodies can be grounded. Raises as ``join``."""
         self._wait_for(self._grounded)
 
     def join_picture(self) -> None:
@@ -94,7 +94,7 @@ class WarmUp:
         self._drawable.wait()
 
     def go_on(self) -> None:
-        """Let this process fetch the kernels, if it was held until now."""
+        """Let this process load the kernels, if it was held until now."""
         self._let_go.set()
 
     def stop(self, patience: float | None = None) -> None:
@@ -112,7 +112,7 @@ class WarmUp:
 
     @property
     def share(self) -> float:
-        """Progress from 0 to 1: that of the process which is furthest from its end."""
+        """Progress from 0 to 1: that of the process which is farthest from its end."""
         return COMPILED * min(self._shares.values()) if self.cold else 0.5 * self.grounded
 
     @property
@@ -169,9 +169,10 @@ class WarmUp:
 
     @contextmanager
     def _processes(self, *parts: Sequence[str]) -> Iterator[dict[Sequence[str], "Popen[bytes]"]]:
-        """Child processes that compile, by the functions that they run.
+        """Child processes that compile, by their functions.
 
-        They are as urgent as this one, which waits for them: of two processors that others keep busy they get half.
+        They have the priority of this process, which waits for them, so that they get half of two processors that
+        others keep busy.
         """
         with ExitStack() as stack:
             running = {
@@ -198,7 +199,7 @@ class WarmUp:
 
 
 def compile_first() -> None:
-    """Compile all kernels if there are none yet, and report the reason and the progress on standard error."""
+    """Compile all kernels if there are none yet, with the reason and the progress on standard error."""
     if not is_cold():
         return
     tell, warming = progress_line(), WarmUp()
@@ -218,7 +219,7 @@ def tell_what_reading_waits_for() -> None:
 def is_cold(last: str = COMPLETE) -> bool:
     """True if kernels are still to be compiled: the cache has no file ``last`` (default: the mark of a complete cache).
 
-    Numba rejects what was compiled before a kernel source file was written (in a fresh checkout, for example).
+    Numba rejects kernels compiled before a kernel source file was written (in a fresh checkout, for example).
     """
     if (folder := os.environ.get("NUMBA_CACHE_DIR")) is None:
         return False
@@ -255,7 +256,7 @@ def _work_of(functions: Sequence[str]) -> "CompileWork":
 
 
 def _tell(functions: list[str], work: "CompileWork") -> None:
-    """Write the running one of ``functions`` and the fraction of all work done, until the last one has ended."""
+    """Write the running one of ``functions`` and the finished fraction of all work, until the last one has ended."""
     try:
         while left := [*functions]:
             # A lock of print's might be held at Python's end.

@@ -1,4 +1,4 @@
-"""Process setup that precedes all other imports of the studio."""
+"""Process setup before all other imports of the studio."""
 
 import atexit
 import ctypes
@@ -34,9 +34,9 @@ KERNELS = Path(__file__).resolve().parents[1] / "core" / "kernels"
 
 
 def prepare_process() -> None:
-    """Name the folder of compiled kernels, keep memory, let a crash in C++ print every stack, draw without a display.
+    """Set the folder of compiled kernels, keep memory, print every stack after a crash in C++, draw without a display.
 
-    Must run before numba and VTK are imported: both read the environment once.
+    Must run before numba and VTK are imported, because both read the environment once.
     """
     # A window started from a desktop icon may have no standard error; tests watch for crashes by themselves.
     if sys.stderr is not None and not faulthandler.is_enabled():
@@ -53,9 +53,10 @@ def prepare_process() -> None:
 
 
 def name_kernel_cache() -> None:
-    """Let numba keep compiled kernels in the cache of this version's sources. Must run before numba is imported.
+    """Set numba's cache of compiled kernels to the one of this version's sources.
 
-    Beside the sources, where numba keeps them by itself, an entry point outlives a change of the kernels it calls.
+    Must run before numba is imported. In numba's default cache beside the sources, an entry point outlives a change of
+    the kernels it calls.
     """
     if "NUMBA_CACHE_DIR" not in os.environ:
         os.environ["NUMBA_CACHE_DIR"] = str(writable_kernel_cache())
@@ -64,8 +65,8 @@ def name_kernel_cache() -> None:
 def keep_freed_memory() -> None:
     """Make glibc reuse freed memory instead of returning it to the system.
 
-    Poses of a clip are a few megabytes. By itself glibc returns them when a clip has been solved and asks for them anew
-    for the next: the pages that the system then has to bring and clear cost more than to retarget the clip.
+    Poses of a clip are a few megabytes. By default glibc returns them after a clip has been solved and requests them
+    again for the next; clearing the new pages would cost more than retargeting the clip.
     """
     if (mallopt := _of_glibc("mallopt")) is not None:
         mallopt(_MMAP_THRESHOLD, LARGEST_KEPT)
@@ -84,7 +85,7 @@ def _of_glibc(name: str) -> Callable[..., int] | None:
 
 
 def writable_kernel_cache() -> Path:
-    """The lasting cache folder, or a temporary one where the user's folders cannot be written.
+    """Permanent cache folder, or a temporary one if the user's folders cannot be written.
 
     Of all caches the ``MOST_CACHES`` used last are kept.
     """
@@ -98,7 +99,7 @@ def writable_kernel_cache() -> Path:
 
 
 def remove_old_caches(used: Path) -> None:
-    """Mark a cache as ``used`` now; remove all beside it but the ``MOST_CACHES`` used last."""
+    """Mark a cache as ``used`` now; remove all others except the ``MOST_CACHES`` used last."""
     os.utime(used)
     by_use = sorted((each for each in used.parent.iterdir() if each.is_dir()), key=lambda each: each.stat().st_mtime)
     for old in by_use[:-MOST_CACHES]:
@@ -106,10 +107,10 @@ def remove_old_caches(used: Path) -> None:
 
 
 def temporary_kernel_cache(name: str) -> Path:
-    """A folder of this user alone in the temporary one, the same for all processes.
+    """Private temporary folder of this user, the same for all processes.
 
-    numba runs what it finds in its cache: where somebody else has taken the name, or may write there, the folder is one
-    that is made for this process and removed at its end. So it is on Windows, which knows no owner by number.
+    numba runs the content of its cache: if another user owns the name, or may write there, the folder is made for this
+    process and removed at its end, as it is on Windows, which has no numeric owners.
     """
     with suppress(OSError, AttributeError):
         shared = Path(tempfile.gettempdir(), f"morpho-studio-kernels-{os.getuid()}")
@@ -126,12 +127,12 @@ def temporary_kernel_cache(name: str) -> Path:
 
 
 def kernel_cache_folder() -> Path:
-    """The cache folder of exactly these kernels, where they are, for this Python, numba and processor.
+    """Cache folder for exactly these kernels, their path, this Python, numba and processor.
 
-    numba looks only at the file a kernel stands in, not at the kernels it calls from other files; a cache per
-    content of the whole package can never answer with old code. A checkout that was moved or copied compiles anew, as
-    numba keeps kernels by their path: a cache of its own says so. So does one for each kind of machine and program that
-    numba would not take kernels over from: a home is shared by several, or outlives them.
+    numba checks only the file of a kernel, not the kernels it calls from other files; with a cache for each content of
+    the whole package, outdated code is never used. A checkout that was moved or copied compiles again, because numba
+    stores kernels by their path. So does another kind of machine or program, from which numba would not use kernels: a
+    home folder may be shared by several, or outlive them.
     """
     cache = Path(platformdirs.user_cache_dir("morpho-studio", appauthor=False))
     maker = platform.python_version(), version("numba"), version("llvmlite"), processor()
@@ -140,7 +141,7 @@ def kernel_cache_folder() -> Path:
 
 
 def processor() -> str:
-    """Model name and features of the processor, by which a compiler chooses instructions."""
+    """Model name and features of the processor, which determine the compiler's instructions."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
@@ -149,7 +150,7 @@ def processor() -> str:
 
 
 def content_digest(files: Iterable[Path]) -> str:
-    """Twelve hexadecimal digits that change whenever a name or the content of one of the files does."""
+    """Twelve hexadecimal digits that change with the name or the content of any of the files."""
     digest = hashlib.sha256()
     for file in files:
         digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
@@ -157,7 +158,7 @@ def content_digest(files: Iterable[Path]) -> str:
 
 
 def has_display() -> bool:
-    """True if a window can be shown; Linux needs an X or a Wayland display for that."""
+    """True if a window can be shown; Linux needs an X or a Wayland display."""
     if not sys.platform.startswith("linux"):
         return True
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

@@ -1,7 +1,7 @@
-"""System libraries that Qt and VTK load while they run, and the missing ones among them.
+"""System libraries that Qt and VTK load at run time, and the missing ones among them.
 
-Both end the process where one is missing, so it is asked before they are. ``python system_libraries.py`` prints the
-Debian packages that lack; it runs before anything is installed, and so imports only what Python brings.
+Both end the process if one is missing, so they are checked before. ``python system_libraries.py`` prints the missing
+Debian packages; it runs before anything is installed, and so imports only the standard library.
 """
 
 import ctypes
@@ -51,7 +51,7 @@ def missing_packages() -> list[str]:
 
 
 def sentence_about(libraries: Mapping[str, str]) -> str:
-    """Sentence on missing libraries, with the one line to type that installs all that pictures and a window take."""
+    """Sentence on missing libraries, with the one command that installs everything for pictures and a window."""
     return f"System libraries are missing: {', '.join(libraries)}. {advice(missing_packages())}"
 
 

@@ -1,1 +1,1 @@
-"""Bars, handles, curves and error strips over time."""
+"""Timeline: bars, handles, curves and error strips over time."""

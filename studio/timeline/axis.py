@@ -1,4 +1,4 @@
-"""TimeAxis: the one mapping between seconds on the stage and pixels, for everything drawn over time."""
+"""TimeAxis: the mapping between seconds on the stage and pixels, for everything drawn over time."""
 
 from PySide6.QtCore import QObject, Signal
 
@@ -9,7 +9,7 @@ AXIS_MARGIN = 10
 
 
 class TimeAxis(QObject):
-    """``start`` seconds lie at pixel ``left``; ``scale`` pixels a second, over ``width`` pixels."""
+    """Mapping in which ``start`` seconds are at pixel ``left``; ``scale`` pixels a second, over ``width`` pixels."""
 
     changed = Signal()
 
@@ -22,7 +22,7 @@ class TimeAxis(QObject):
         self._fitted = True
 
     def x_of_time(self, seconds: float) -> float:
-        """Pixel of a time; painting counts in 32 bits, so what is far off is ``FAR_PIXELS`` pixels beyond the view."""
+        """Pixel of a time, at most ``FAR_PIXELS`` outside the view, because painting uses 32 bits."""
         x = self.left + (seconds - self.start) * self.scale
         return min(max(x, self.left - FAR_PIXELS), self.right + FAR_PIXELS)
 
@@ -35,12 +35,12 @@ class TimeAxis(QObject):
         return self.x_of_time(frame / self.frame_rate)
 
     def frame_at(self, x: float) -> float:
-        """Frame of the stage at a pixel, not rounded."""
+        """Frame of the stage at a pixel, with a fraction."""
         return self.time_at(x) * self.frame_rate
 
     @property
     def right(self) -> float:
-        """The pixel where the axis ends."""
+        """Pixel of the axis' end."""
         return self.left + self.width
 
     @property
@@ -49,16 +49,16 @@ class TimeAxis(QObject):
         return self.scale / self.frame_rate
 
     def place(self, left: float, width: float) -> None:
-        """Take ``width`` pixels from ``left`` on; what was fitted stays fitted, else the start stays."""
+        """Use ``width`` pixels from ``left`` on; a fitted view stays fitted, another one keeps its start."""
         if (left, width) != (self.left, self.width):
             self.left, self.width = left, max(width, 1.0)
             self._settle()
 
     def set_extent(self, begin: float, end: float, frame_rate: float) -> None:
-        """There is something from ``begin`` to ``end`` seconds, counted in frames of ``frame_rate``.
+        """Set the extent from ``begin`` to ``end`` seconds, in frames of ``frame_rate``.
 
-        What was fitted is fitted again where there is more than before; where there is less, the scale stays, so that
-        a trim leaves everything where it is.
+        A fitted view is fitted again if the extent has grown; if it has shrunk, the scale is kept, so that a trim moves
+        nothing.
         """
         end = max(end, begin + 1.0 / frame_rate)
         if (begin, end, frame_rate) != (self.begin, self.end, self.frame_rate):
@@ -71,7 +71,7 @@ class TimeAxis(QObject):
         self._settle()
 
     def show(self, begin: float, end: float) -> None:
-        """Show one stretch of time, with a tenth of it on either side."""
+        """Show a range of time, with a tenth of it on either side."""
         length = max(end - begin, 2.0 / self.frame_rate)
         wanted = self.width / (1.2 * length)
         self.scale = min(max(wanted, self._whole), MAX_PIXELS_PER_FRAME * self.frame_rate)
@@ -80,7 +80,7 @@ class TimeAxis(QObject):
         self._settle()
 
     def zoom(self, factor: float, x: float) -> None:
-        """Scale by ``factor`` so that the moment under pixel ``x`` stays where it is."""
+        """Scale by ``factor`` about the time at pixel ``x``."""
         fixed = self.time_at(x)
         scale = min(max(self.scale * factor, self._whole), MAX_PIXELS_PER_FRAME * self.frame_rate)
         self._fitted = scale <= self._whole
@@ -94,18 +94,18 @@ class TimeAxis(QObject):
         self._settle()
 
     def reveal(self, seconds: float) -> None:
-        """Turn the page when a moment has left the view."""
+        """Scroll by a page if a time has left the view."""
         if not self.left <= self.x_of_time(seconds) <= self.right:
             self.start = seconds - AXIS_MARGIN / self.scale
             self._settle()
 
     @property
     def _whole(self) -> float:
-        """The scale at which everything fits."""
+        """Scale at which everything fits."""
         return max(self.width - 2 * AXIS_MARGIN, 1.0) / (self.end - self.begin)
 
     def _settle(self, scale: float | None = None) -> None:
-        """Keep the view over what there is: where that is fitted, at the scale that shows all, or another one."""
+        """Clamp the view to the extent, at the scale that fits it or another one."""
         if self._fitted:
             self.scale = scale or self._whole
         margin = AXIS_MARGIN / self.scale

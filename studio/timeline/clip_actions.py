@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QMenu
 from studio.core.errors import StudioError
 from studio.core.stage.clip_row import begun_at, ended_at, players_of
 from studio.document import clip_edits
+from studio.document.mnemonics import literal
 from studio.timeline.shown import Hit, ItemPart, RowContext
 
 
@@ -85,7 +86,7 @@ def offer_motions(menu: QMenu, shown: RowContext, performer_id: str, start: floa
 def _offer(menu: QMenu, shown: RowContext, performer_id: str, text: str, run: Callable[[], None]) -> None:
     """An entry about a performer's row, which may be removed while the menu is open."""
     kept = partial(_run_on, shown, performer_id, run)
-    menu.addAction(text).triggered.connect(lambda: try_edit(shown, kept))
+    menu.addAction(literal(text)).triggered.connect(lambda: try_edit(shown, kept))
 
 
 def _run_on(shown: RowContext, performer_id: str, run: Callable[[], None]) -> None:
@@ -97,7 +98,7 @@ def _refuse(what: str) -> None:
 
 
 def try_edit(shown: RowContext, run: Callable[[], None]) -> None:
-    """Run what edits the document; why it cannot be is told in the window."""
+    """Run an edit of the document; the reason for a refusal is shown in the window."""
     try:
         run()
     except StudioError as error:

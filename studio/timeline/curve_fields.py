@@ -1,4 +1,4 @@
-"""Fields of the curve editor: time and value of the selected key, typed."""
+"""Fields of the curve editor: time and value of the selected key."""
 
 from PySide6.QtCore import QSignalBlocker, Signal
 from PySide6.QtWidgets import QDoubleSpinBox, QGridLayout, QLabel, QWidget
@@ -15,7 +15,7 @@ CURVE_FIELDS_HEIGHT = 56
 
 
 class CurveFields(QWidget):
-    """Time and value of the selected keys: of the first of them, and all of the active channel get the value typed."""
+    """Time and value of the first selected key; a typed value is set on all selected keys of the active channel."""
 
     changed = Signal()
 

@@ -1,4 +1,4 @@
-"""The menu of the curve editor: tangents, what curves do beyond their keys, and what is framed."""
+"""Menu of the curve editor: tangents, extrapolation, and framing."""
 
 from collections.abc import Callable
 from functools import partial
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def offer_curves(menu: QMenu, canvas: "TrackCanvas") -> None:
-    """Add what can be done with the selected keys and the curves that are shown."""
+    """Add the actions on the selected keys and the visible curves."""
     document, shown = canvas.document, canvas.shown
     if shown is None:
         return

@@ -1,4 +1,4 @@
-"""Measured curves of bodies over time: speeds, slide, balance or error."""
+"""Measured curves of bodies over time: speeds, slide, balance or residual."""
 
 import logging
 from dataclasses import dataclass
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout
 from studio.core.captures.contacts import ContactInterval
+from studio.core.grounds.ground import Ground
 from studio.core.quality.motion_measures import ADDED_MEASURES, MotionMeasure
 from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.request import AdaptedMotion
@@ -35,19 +36,21 @@ class Quantity(StrEnum):
     RIGHT_FOOT_SPEED = "Right foot speed"
     KNEE_SPEED = "Knee speed"
     SLIDE = "Contact sliding"
+    SKATE = "Foot skating"
     OFF_SUPPORT = "Centre of mass off support"
     ERROR = "Error"
 
     def unit(self, shown: RowContext) -> str:
-        """The unit of the values drawn: an error's is that of the constraint."""
+        """Unit of the drawn values: a residual has that of the constraint."""
         if self is Quantity.ERROR:
             return error_measure(shown).sign.strip()
-        return {Quantity.KNEE_SPEED: "°/s", Quantity.SLIDE: "mm", Quantity.OFF_SUPPORT: "mm"}.get(self, "m/s")
+        lengths = dict.fromkeys((Quantity.SLIDE, Quantity.SKATE, Quantity.OFF_SUPPORT), "mm")
+        return {Quantity.KNEE_SPEED: "°/s", **lengths}.get(self, "m/s")
 
     @property
     def asks_document(self) -> bool:
         """True if it depends on more than the poses: on contacts, the ground or a constraint."""
-        return self in (Quantity.ERROR, Quantity.SLIDE, Quantity.OFF_SUPPORT)
+        return self in (Quantity.ERROR, Quantity.SLIDE, Quantity.SKATE, Quantity.OFF_SUPPORT)
 
 
 @dataclass(frozen=True)
@@ -77,7 +80,7 @@ def plotted_quantities() -> tuple[Plotted, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One body's values over stage times, both (F,)."""
+    """Values of one body at stage times, both (F,)."""
 
     name: str
     colour: str
@@ -87,12 +90,12 @@ class Curve:
     """The greatest value, 0 at least."""
 
     def at(self, seconds: float) -> float:
-        """The value of the frame nearest to a time."""
+        """Value of the frame nearest to a time."""
         return float(self.values[np.argmin(np.abs(self.times - seconds))])
 
 
 def foot_speed(adapted: AdaptedMotion, sides: tuple[int, ...] = (0, 1)) -> FloatArray:
-    """(F,) metres a second of the ball of the faster of the feet, by central differences."""
+    """(F,) speed of the ball of the faster foot, metres a second, by central differences."""
     layout = BodyLayout(len(adapted.morphology.spine))
     if adapted.frame_count < 2:
         return np.zeros(adapted.frame_count)
@@ -113,7 +116,7 @@ class CurveQuery:
     """Constraint of which the error is plotted."""
 
     def curve(self, body: Body, adapted: AdaptedMotion) -> Curve | None:
-        """The curve of a body's result; None where it says nothing of that."""
+        """Curve of a body's result; None if it does not apply."""
         values = self._values(body.performer_id, adapted)
         if values is None:
             return None
@@ -151,6 +154,8 @@ class CurveQuery:
                 return speeds
             case Quantity.SLIDE:
                 return self._slide(performer_id, adapted)
+            case Quantity.SKATE:
+                return self._skate(performer_id, adapted)
             case Quantity.OFF_SUPPORT:
                 return self._beyond_support(adapted)
         strip = strip_of(self.project, performer_id, adapted, self.constraint_id) if self.constraint_id else None
@@ -162,16 +167,25 @@ class CurveQuery:
         return tuple(self.project.contacts_of(self.subject.motion_id).values())
 
     def _slide(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray:
-        """(F,) millimetres that the point of a body that slides most has slid since its contact began."""
+        """(F,) slide in millimetres of the contact point that has moved most since its contact began."""
         from studio.core.quality.contact_tracks import contact_tracks  # as above
 
-        performer = self.project.performers[performer_id]
-        ground = self.project.ground.seen_from(performer.position, performer.heading)
-        slides, _ = contact_tracks(adapted, self._contacts(adapted), ground)
+        slides, _ = contact_tracks(adapted, self._contacts(adapted), self._ground(performer_id))
         return np.asarray(1000.0 * np.nan_to_num(slides).max(axis=0))
 
+    def _skate(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray:
+        """(F,) millimetres that the foot that skates farther has gone since it came near the ground."""
+        from studio.core.quality.metrics import skate_distances  # as above
+
+        return np.asarray(1000.0 * skate_distances(adapted, self._ground(performer_id)).max(axis=0))
+
+    def _ground(self, performer_id: str) -> Ground:
+        """The stage's ground in the space of a body's motion."""
+        performer = self.project.performers[performer_id]
+        return self.project.ground.seen_from(performer.position, performer.heading)
+
     def _beyond_support(self, adapted: AdaptedMotion) -> FloatArray:
-        """(F,) millimetres by which the centre of mass lies outside what is stood on; 0 within, and in flight."""
+        """(F,) distance in millimetres of the centre of mass from the support polygon; 0 inside, and in flight."""
         from studio.core.solver.standing.support import (  # as above
             mass_path,
             outlines,
@@ -194,15 +208,15 @@ def plotted_constraint(shown: RowContext) -> str | None:
 
 
 def error_measure(shown: RowContext) -> Measure:
-    """Measure, with its unit, of the error that is plotted."""
+    """Measure, with its unit, of the plotted residual."""
     constraint_id = plotted_constraint(shown)
     return measure_of(shown.project.constraints[constraint_id]) if constraint_id else LENGTH_MEASURE
 
 
 def seen_curve(curve: Curve, axis: TimeAxis) -> tuple[FloatArray, FloatArray]:
-    """Times and values to be drawn of a curve over the visible stretch, and a frame more on each side.
+    """Times and values of a curve in the visible range, with one frame more on each side.
 
-    Where a pixel has many frames, as in a capture of an hour, the least and the greatest stand for all.
+    If a pixel has many frames, as in a capture of an hour, the least and the greatest represent them.
     """
     first, last = np.searchsorted(curve.times, [axis.time_at(axis.left), axis.time_at(axis.right + AXIS_MARGIN)])
     seen = slice(max(int(first) - 1, 0), int(last) + 1)

@@ -1,4 +1,4 @@
-"""Edits without the mouse: add a contact or label, delete what is selected, move a handle by whole frames."""
+"""Edits without the mouse: add a contact or label, delete the selection, move a handle by whole frames."""
 
 from dataclasses import replace
 from typing import Any
@@ -25,7 +25,7 @@ DELETABLE = ("constraints", "contacts", "clips", "labels", "corrections", "sound
 
 
 def add_contact(shown: RowContext, point: ContactPoint | Touch, frame: int) -> str | None:
-    """Add and select a contact about a frame of the motion; its id, or None where one stands already."""
+    """Add and select a contact about a frame of the motion; its id, or None if there is one already."""
     contact = new_contact(shown, point, frame)
     if contact is None:
         return None
@@ -45,7 +45,7 @@ def add_label(shown: RowContext, frame: int) -> str:
 
 
 def go_to_label(shown: RowContext, direction: int) -> None:
-    """Bring the playhead to the next (1) or previous (-1) label, and select it."""
+    """Move the playhead to the next (1) or previous (-1) label, and select it."""
     playhead, subject = shown.document.playhead, shown.subject
     times = {key: subject.stage_time(each.first) for key, each in shown.project.labels_of(subject.motion_id).items()}
     ahead = {key: time for key, time in times.items() if (time - playhead.time) * direction > 1e-6}
@@ -84,7 +84,7 @@ def _words(project: Project, collection: str, entity_id: str) -> str:
 
 
 def go_to_key(shown: RowContext, direction: int) -> None:
-    """Bring the playhead to the next (1) or previous (-1) end of a contact, time of an activation, or key."""
+    """Move the playhead to the next (1) or previous (-1) end of a contact, time of an activation, or key."""
     playhead = shown.document.playhead
     times = [
         shown.subject.to_stage(time)
@@ -105,7 +105,7 @@ def go_to_key(shown: RowContext, direction: int) -> None:
 
 
 def select_all_keys(shown: RowContext) -> None:
-    """Select all keys of the selection, or else all that the dope sheet shows."""
+    """Select all keys of the selection, or else of the dope sheet."""
     fields = sheet_fields(shown)
     shown.document.keys.set(
         KeyRef(field, place) for field, value in fields.items() for place in range(len(value.times))
@@ -113,13 +113,13 @@ def select_all_keys(shown: RowContext) -> None:
 
 
 def select_keys_at_playhead(shown: RowContext) -> None:
-    """Select the keys of the selection, or else of all, that lie at the playhead."""
+    """Select the keys of the selection, or else all keys, at the playhead."""
     time, close = shown.document.playhead.time, 0.5 / shown.document.playhead.frame_rate
     shown.document.keys.set(keys_between(shown, sheet_fields(shown), time - close, time + close))
 
 
 def handles_of(shown: RowContext) -> tuple[ItemPart, ...]:
-    """Parts of the selected thing that the keyboard can move."""
+    """Parts of the selected entity that the keyboard can move."""
     match shown.document.selection.current:
         case ("constraints", _):
             return HANDLES
@@ -129,7 +129,7 @@ def handles_of(shown: RowContext) -> tuple[ItemPart, ...]:
 
 
 def next_handle(shown: RowContext, forward: bool) -> ItemPart | None:
-    """The handle after the one that has the keyboard; None past the last one."""
+    """Handle after the focused one; None after the last one."""
     ring = handles_of(shown) if forward else handles_of(shown)[::-1]
     if not ring:
         return None
@@ -140,7 +140,7 @@ def next_handle(shown: RowContext, forward: bool) -> ItemPart | None:
 
 
 def nudge(shown: RowContext, frames: int) -> None:
-    """Move the handle that has the keyboard by whole frames, of all selected things of a kind: one undo step."""
+    """Move the focused handle by whole frames, of all selected entities of a kind: one undo step."""
     current = shown.document.selection.current
     if current is None or shown.handle is None:
         return
@@ -169,7 +169,7 @@ def _shifted(shown: RowContext, constraint: Constraint, handle: ItemPart, frames
 
 
 def handle_words(shown: RowContext) -> str:
-    """The handle that has the keyboard, for who cannot see it: ``Kick target, full, 0.667 s · frame 20``."""
+    """Description of the focused handle for screen readers: ``Kick target, full, 0.667 s · frame 20``."""
     current = shown.document.selection.current
     entity = shown.project.get(*current) if current else None
     if entity is None or shown.handle is None:

@@ -1,4 +1,4 @@
-"""Tooltips of the timeline: a sentence with units for each place."""
+"""Tooltips of the timeline: a sentence with units for each position."""
 
 from PySide6.QtCore import QPointF
 
@@ -17,7 +17,7 @@ from studio.timeline.tracks.plot import PlotPicture
 
 
 def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
-    """Empty where there is nothing to say."""
+    """Tooltip of a position; empty if there is none."""
     hit = sheet.thing_at(position)
     if position.x() < ROW_LABEL_WIDTH:
         return _label_text(sheet, hit)
@@ -63,7 +63,7 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
 
 
 def is_value(sheet: Sheet, position: QPointF) -> bool:
-    """True if the place shows a measured value or a mark, of which the tooltip comes at once."""
+    """True if the position shows a measured value or a mark, whose tooltip appears at once."""
     hit = sheet.thing_at(position)
     return position.x() >= ROW_LABEL_WIDTH and (
         hit.kind in ("plot", "ruler") or (hit.kind == "constraints" and hit.part == ItemPart.EMPTY)
@@ -71,7 +71,7 @@ def is_value(sheet: Sheet, position: QPointF) -> bool:
 
 
 def strip_text(sheet: Sheet, constraint_id: str, performer_id: str, frame: int) -> str:
-    """``Child: 42 mm at frame 23``; nothing where the constraint is not active."""
+    """``Child: 42 mm at frame 23``; empty if the constraint is inactive."""
     strip = sheet.shown.strip(constraint_id, performer_id)
     name = sheet.shown.project.performers[performer_id].name
     if strip is None:

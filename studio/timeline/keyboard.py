@@ -1,4 +1,4 @@
-"""The keyboard of the timeline: frames, keys and contacts, handles, deletion, Esc."""
+"""Keyboard of the timeline: frames, keys and contacts, handles, deletion, Esc."""
 
 from typing import TYPE_CHECKING
 
@@ -19,7 +19,7 @@ JUMPS = {Key.Key_Up: -1, Key.Key_Down: 1}
 
 
 def is_wanted(canvas: "TrackCanvas", key: int, modifiers: Qt.KeyboardModifier) -> bool:
-    """True if the timeline uses a key, so that the window's shortcuts must not."""
+    """True if the timeline uses a key, which is then no shortcut of the window."""
     if key == Key.Key_Escape:
         return canvas.gesture is not None or canvas.handle is not None or bool(canvas.document.keys.items)
     if _moves_keys(key, modifiers) or _jumps_to_key(key, modifiers):
@@ -32,7 +32,7 @@ def is_wanted(canvas: "TrackCanvas", key: int, modifiers: Qt.KeyboardModifier) -
 
 
 def press_key(canvas: "TrackCanvas", key: Qt.Key, modifiers: Qt.KeyboardModifier) -> bool:
-    """Do what a key stands for; whether it stands for anything."""
+    """Perform the function of a key; True if it has one."""
     shown = canvas.shown
     if shown is None:
         return False

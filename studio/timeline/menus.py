@@ -1,4 +1,4 @@
-"""The menus of the timeline, by what lies under the mouse."""
+"""Menus of the timeline, by the part under the mouse."""
 
 from typing import TYPE_CHECKING
 
@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QMenu
 
 from studio.core.captures.contacts import CONTACT_POINTS, ContactPoint, Touch, contact_point
 from studio.document.key_edits import delete_keys
+from studio.document.length_units import shown_unit
 from studio.timeline import edits
 from studio.timeline.clip_actions import offer_clip, offer_motions
 from studio.timeline.curve_menu import offer_curves
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
-    """The menu of a place, or None where nothing can be done."""
+    """Menu at a position, or None if there are no actions."""
     if canvas.sheet is None:
         return None
     hit = canvas.hit(position)
@@ -57,7 +58,7 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
 
 def _offer_quantities(menu: QMenu, canvas: "TrackCanvas", shown: RowContext) -> None:
     for quantity in plotted_quantities():
-        action = menu.addAction(f"{quantity.value} ({quantity.unit(shown)})")
+        action = menu.addAction(f"{quantity.value} ({shown_unit(quantity.unit(shown)).symbol})")
         action.setCheckable(True)
         action.setChecked(quantity == canvas.picture.plot.quantity)
         action.triggered.connect(lambda _, chosen=quantity: canvas.set_quantity(chosen))
@@ -89,7 +90,9 @@ def _offer_key(menu: QMenu, canvas: "TrackCanvas", hit: Hit) -> None:
 
 
 def _offer_contacts(menu: QMenu, canvas: "TrackCanvas", hit: Hit, position: QPointF) -> None:
-    """A contact of the line under the mouse there, and one of any other point there (at the playhead from a name)."""
+    """Add entries for a contact of the line under the mouse, and of any other point there (at the playhead from a
+    name).
+    """
     shown = canvas.shown
     if shown is None:
         return

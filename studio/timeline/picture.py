@@ -1,4 +1,4 @@
-"""Picture: the rows as they were last drawn. Only what changed is drawn again; the playhead lies over it."""
+"""Picture: cached drawing of the rows. Only changed rows are drawn again; the playhead is drawn over it."""
 
 from PySide6.QtCore import QPoint, QRect, QSize
 from PySide6.QtGui import QColor, QPainter, QPixmap
@@ -31,7 +31,7 @@ RULER = ("ruler", "")
 
 
 class Picture:
-    """A pixmap of the timeline and which of its rows are out of date."""
+    """Pixmap of the timeline, and its outdated rows."""
 
     def __init__(self, parent: QWidget) -> None:
         self.plot = PlotPicture(parent)
@@ -42,20 +42,20 @@ class Picture:
         self._all_stale = True
 
     def close(self) -> None:
-        """Let go of what was needed to draw."""
+        """Release the resources for drawing."""
         self.plot.close()
 
     def expire(self, *rows: tuple[str, str]) -> None:
-        """These rows, or all, are to be drawn again before they are next shown."""
+        """Mark these rows, or all, to be drawn again."""
         self._stale.update(rows)
         self._all_stale |= not rows
 
     def expire_lanes(self, *rows: tuple[str, str]) -> None:
-        """Drop only what these rows show over time; their labels stay as they are."""
+        """Mark only the content of rows over time; their labels are kept."""
         self._stale_lanes.update(rows)
 
     def refresh(self, sheet: Sheet, scale: float) -> None:
-        """Draw what is out of date, on a screen of ``scale`` pixels a unit."""
+        """Draw outdated rows, on a screen of ``scale`` pixels a unit."""
         size = QSize(round(sheet.size.width() * scale), round(sheet.size.height() * scale))
         if self.pixmap.size() != size:
             self.pixmap = QPixmap(size)
@@ -104,7 +104,7 @@ class Picture:
 
 
 def _paint_row(painter: QPainter, sheet: Sheet, row: TimelineRow, labelled: bool) -> None:
-    """All of a row, or all but its label."""
+    """Draw all of a row, or all but its label."""
     area = sheet.rect(row)
     lane = time_area(area)
     drawn = (area if labelled else lane).intersected(sheet.viewport)
@@ -124,7 +124,7 @@ def _paint_row(painter: QPainter, sheet: Sheet, row: TimelineRow, labelled: bool
 
 
 def _paint_ground(painter: QPainter, area: QRect, shown: RowContext) -> None:
-    """Panel grey, with a hardly visible line at each number of the ruler."""
+    """Draw the panel grey, with a faint line at each number of the ruler."""
     painter.fillRect(area, QColor(colours.PANEL))
     line = translucent(colours.EDGE, 0.6)
     for frame in ruler.major_frames(shown.axis):

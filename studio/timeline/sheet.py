@@ -1,4 +1,4 @@
-"""Sheet: the rows from the clip down to the plot, where each lies, and what is under a point."""
+"""Sheet: layout of the rows from the clips down to the plot, and hit tests."""
 
 from dataclasses import dataclass
 
@@ -28,7 +28,9 @@ FOLDING = ("constraints", "lane")
 
 
 def rows_of(shown: RowContext) -> tuple[TimelineRow, ...]:
-    """Sounds, labels, clips, layers, corrections, growth, props, contacts, constraints by priority; or the keys."""
+    """Rows for sounds, labels, clips, layers, corrections, growth, props, contacts, and constraints by priority; or
+    those of the dope sheet.
+    """
     return _stacked(keys.rows_of(shown) if shown.dope else _heights(shown))
 
 
@@ -41,7 +43,7 @@ def _stacked(heights: list[tuple[str, str, int]]) -> tuple[TimelineRow, ...]:
 
 
 def _heights(shown: RowContext) -> list[tuple[str, str, int]]:
-    """Kind, id and height of each row but those of the dope sheet."""
+    """Kind, id and height of each row except those of the dope sheet."""
     visible = [key for key, each in shown.project.performers.items() if each.visible]
     players = visible if shown.apart else (shown.subject.performer_id,)
     constraints = shown.project.constraints_for(shown.subject.performer_id, shown.subject.clip)
@@ -80,7 +82,7 @@ def _heights(shown: RowContext) -> list[tuple[str, str, int]]:
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """The rows laid out in a widget of ``size``, scrolled down by ``scroll`` pixels."""
+    """Rows in a widget of ``size``, scrolled down by ``scroll`` pixels."""
 
     shown: RowContext
     rows: tuple[TimelineRow, ...]
@@ -89,17 +91,17 @@ class Sheet:
 
     @property
     def ruler(self) -> QRect:
-        """The ruler, on top."""
+        """Rectangle of the ruler, at the top."""
         return QRect(0, 0, self.size.width(), ruler.RULER_HEIGHT)
 
     @property
     def content_height(self) -> int:
-        """Pixels of all rows between the ruler and the plot."""
+        """Height of all rows between the ruler and the plot, pixels."""
         return self.rows[-1].y + self.rows[-1].height
 
     @property
     def plot(self) -> QRect:
-        """The plot, at the bottom; it takes what the rows leave."""
+        """Rectangle of the plot, at the bottom; it fills the space below the rows."""
         if ("plot", "") in self.shown.folded:
             return QRect(0, self.size.height() - plot.FOLDED_PLOT_HEIGHT, self.size.width(), plot.FOLDED_PLOT_HEIGHT)
         if self.shown.curves:
@@ -112,32 +114,32 @@ class Sheet:
 
     @property
     def viewport(self) -> QRect:
-        """Rectangle that the rows may fill."""
+        """Rectangle available to the rows."""
         return QRect(0, ruler.RULER_HEIGHT, self.size.width(), max(self.plot.top() - ruler.RULER_HEIGHT, 0))
 
     def rect(self, row: TimelineRow) -> QRect:
-        """Rectangle of a row now, possibly outside the viewport."""
+        """Rectangle of a row, possibly outside the viewport."""
         return QRect(0, ruler.RULER_HEIGHT + row.y - self.scroll, self.size.width(), row.height)
 
     def find(self, kind: str, row_id: str) -> TimelineRow | None:
-        """The row of that kind and id."""
+        """Row of that kind and id."""
         return next((row for row in self.rows if (row.kind, row.id) == (kind, row_id)), None)
 
     def row_at(self, point: QPoint) -> TimelineRow | None:
-        """The row under a point of the viewport."""
+        """Row under a point of the viewport."""
         if not self.viewport.contains(point):
             return None
         return next((row for row in self.rows if self.rect(row).contains(point)), None)
 
     def hit(self, position: QPointF) -> Hit:
-        """Part under the mouse: things first, then the playhead's line, then empty places."""
+        """Part under the mouse: entities first, then the playhead's line, then empty places."""
         hit = self.thing_at(position)
         line = self.shown.axis.x_of_time(self.shown.document.playhead.time)
         over_line = position.x() >= ROW_LABEL_WIDTH and abs(position.x() - line) <= PLAYHEAD_REACH
         return Hit("playhead", "", ItemPart.TIME) if hit.part == ItemPart.EMPTY and over_line else hit
 
     def thing_at(self, position: QPointF) -> Hit:
-        """Part under the playhead's line, if that is there."""
+        """Part under the playhead's line, if the line is there."""
         point = position.toPoint()
         if self.ruler.contains(point):
             return Hit("ruler", "", ItemPart.TIME if point.x() >= ROW_LABEL_WIDTH else ItemPart.EMPTY)

@@ -1,4 +1,4 @@
-"""Shown: all that the rows need to draw themselves and to find what is under the mouse."""
+"""Shown: everything that the rows need for drawing and hit tests."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -27,7 +27,7 @@ FOLD_WIDTH = 14
 
 
 class ItemPart(StrEnum):
-    """Part of a thing that is under the mouse or has the keyboard focus."""
+    """Part of an entity that is under the mouse or has the keyboard focus."""
 
     BODY = "body"
     START = "start"
@@ -49,11 +49,10 @@ EDGES = (ItemPart.FIRST, ItemPart.LAST)
 
 @dataclass(frozen=True)
 class TimelineRow:
-    """One row: its kind, its id, and pixels below the first row.
+    """Row: its kind, its id, and its offset below the first row in pixels.
 
     Kinds are labels, constraints, clip, layer, corrections, growth, props and lane; summary and sheet are those of the
-    dope sheet.
-    A row of clips or of growth has its performer's id, one of layers that and the region.
+    dope sheet. A row of clips or of growth has its performer's id, one of layers that and the region.
     """
 
     kind: str
@@ -69,9 +68,9 @@ class TimelineRow:
 
 @dataclass(frozen=True)
 class Hit:
-    """Thing under a point: its kind, its id (an empty place of a line has its contact point), its part.
+    """Part under a point: its kind, its id (an empty place of a line has its contact point), its part.
 
-    A clip lies in the row of ``performer_id``; a diamond is ``keys`` that lie at one time.
+    A clip is in the row of ``performer_id``; a diamond is all ``keys`` at one time.
     """
 
     kind: str
@@ -83,7 +82,7 @@ class Hit:
 
 @dataclass(frozen=True, eq=False)
 class RowContext:
-    """The document, the motion in question, the axis, the results, and which handle has the keyboard."""
+    """Document, motion, axis and results of the timeline, and the focused handle."""
 
     document: Document
     live: Live
@@ -103,12 +102,12 @@ class RowContext:
 
     @property
     def project(self) -> Project:
-        """The project as the active clip shows it."""
+        """Project as the active clip shows it."""
         return self.document.shown_project
 
     @property
     def subject_name(self) -> str:
-        """The active performer's."""
+        """Name of the active performer."""
         return self.project.performers[self.subject.performer_id].name
 
     def is_selected(self, collection: str, entity_id: str) -> bool:
@@ -120,7 +119,7 @@ class RowContext:
         return self.axis.x_of_time(self.subject.stage_time(frame))
 
     def frame_words(self, frame: float) -> str:
-        """``frame 1809 (178 of the clip)``: the frame of the stage at which a frame of the motion plays."""
+        """``frame 1809 (178 of the clip)``: the frame of the stage for a frame of the motion."""
         stage = self.subject.stage_time(frame) * self.axis.frame_rate
         own = f" ({number(frame)} of the clip)" if abs(stage - frame) >= 0.005 else ""
         return f"frame {number(stage)}{own}"
@@ -135,19 +134,19 @@ class RowContext:
         return self.axis.left + (seconds - self.axis.start) * self.axis.scale
 
     def frame_at(self, x: float) -> float:
-        """Frame of the motion at a pixel, not rounded."""
+        """Frame of the motion at a pixel, with a fraction."""
         return self.subject.motion_frame(self.axis.time_at(x))
 
     def x_of_motion_time(self, seconds: float) -> float:
-        """Pixel of a time counted from the motion's beginning."""
+        """Pixel of a time of the motion."""
         return self.axis.x_of_time(self.subject.to_stage(seconds))
 
     def result(self, performer_id: str) -> AdaptedMotion | None:
-        """A body's newest adapted motion."""
+        """Newest adapted motion of a body."""
         return self.live.result(performer_id)
 
     def strip(self, constraint_id: str, performer_id: str) -> Strip | None:
-        """Strip of a constraint on a body; None while it is not known or the constraint is not active."""
+        """Strip of a constraint on a body; None while it is unknown or the constraint is inactive."""
         return strip_of(self.project, performer_id, self.live.reported(performer_id), constraint_id)
 
     def applies_to(self, constraint_id: str, performer_id: str) -> bool:
@@ -155,7 +154,7 @@ class RowContext:
         return applies_to(self.project, performer_id, constraint_id)
 
     def residual(self, constraint_id: str, performer_id: str) -> Residual | None:
-        """The worst miss of a constraint on a body."""
+        """Worst residual of a constraint on a body."""
         return worst_residual(self.project, performer_id, self.live.reported(performer_id), constraint_id)
 
 
@@ -165,5 +164,5 @@ def within(point: QPointF, x: float, y: float, reach: float) -> bool:
 
 
 def label_area(row: QRect) -> QRect:
-    """The part of a row that carries its name."""
+    """Rectangle of a row's label."""
     return QRect(0, row.top(), ROW_LABEL_WIDTH, row.height())

@@ -1,4 +1,4 @@
-"""Snapping: dragged times catch on frames, and on what lies near: the playhead, ends of contacts, keys, and beats."""
+"""Snapping of dragged times: to frames, and to near magnets: the playhead, ends of contacts, keys, and beats."""
 
 from dataclasses import dataclass
 
@@ -14,14 +14,14 @@ MAGNET_PIXELS = 6.0
 
 @dataclass(frozen=True)
 class Snapped:
-    """A time of the stage, and the moment that caught it, if one did."""
+    """Time of the stage, and the magnet to which it snapped, if any."""
 
     time: float
     caught: float | None = None
 
 
 def snapped(axis: TimeAxis, time: float, magnets: tuple[float, ...], free: bool = False) -> Snapped:
-    """The nearest magnet within six pixels, else the nearest frame; ``free`` leaves the time as it is."""
+    """Nearest magnet within six pixels, else the nearest frame; ``free`` keeps the time."""
     if free:
         return Snapped(time)
     near = min(magnets, key=lambda magnet: abs(magnet - time), default=None)
@@ -31,20 +31,19 @@ def snapped(axis: TimeAxis, time: float, magnets: tuple[float, ...], free: bool 
 
 
 def magnets_of(contacts: dict[str, tuple[float, float]], playhead: float, *without: str) -> tuple[float, ...]:
-    """The playhead and both ends of all contacts, those named in ``without`` left out."""
+    """Magnets: the playhead and both ends of all contacts, except those in ``without``."""
     edges = (time for key, ends in contacts.items() if key not in without for time in ends)
     return (playhead, *edges)
 
 
 def beat_times(project: Project) -> tuple[float, ...]:
-    """Seconds of the stage at which sounds have beats."""
+    """Times of all beats of sounds, seconds."""
     return tuple(beat for sound in project.sounds.values() for beat in sound.stage_beats)
 
 
 def key_magnets(shown: RowContext, scaling: bool) -> tuple[float, ...]:
-    """Times that dragged keys snap to: the playhead unless they are scaled about it, contacts, beats, other keys.
-
-    Only what is in view counts.
+    """Magnets for dragged keys: the playhead unless they are scaled about it, contacts, beats, other keys; only visible
+    ones.
     """
     project, axis, selected = shown.project, shown.axis, shown.document.keys.by_field()
     contacts = project.contacts_of(shown.subject.motion_id).values()

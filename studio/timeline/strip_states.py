@@ -1,4 +1,4 @@
-"""Strip of a constraint on one body, frame by frame: held, partly or not reached."""
+"""Strip of a constraint on one body, frame by frame: met, partly met or missed."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -14,7 +14,7 @@ from studio.engine.residuals import residuals_on
 
 
 class StripState(StrEnum):
-    """State of a strip in a frame, against the eased target while the activation eases."""
+    """State of a strip in a frame; during fades relative to the faded target."""
 
     INACTIVE = "not active"
     YIELDING = "gives way"
@@ -26,10 +26,10 @@ class StripState(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Strip:
-    """Errors (F,) in metres or radians and activation (F,), from frame ``first_frame`` on.
+    """Residuals (F,) in metres or radians and activation (F,), from frame ``first_frame`` on.
 
-    An error is NaN where nothing is asked; where the activation is above 0 all the same, a foot's constraint gives
-    way to that foot's contact.
+    A residual is NaN where the constraint is inactive; if the activation is positive there, a foot's constraint yields
+    to that foot's contact.
     """
 
     first_frame: int
@@ -38,7 +38,7 @@ class Strip:
     measure: Measure = LENGTH_MEASURE
 
     def error_at(self, frame: int) -> float:
-        """The error at a frame of the motion; NaN outside."""
+        """Residual at a frame of the motion; NaN outside."""
         place = frame - self.first_frame
         return float(self.errors[place]) if 0 <= place < len(self.errors) else float("nan")
 
@@ -51,7 +51,7 @@ class Strip:
 
     @cached_property
     def state_indices(self) -> NDArray[np.int64]:
-        """(F,) the state of each frame as its place in ``STATES``."""
+        """(F,) state of each frame as its index in ``STATES``."""
         return np.select(
             [
                 self.activation <= 0.0,
@@ -65,12 +65,12 @@ class Strip:
 
     @property
     def misses(self) -> bool:
-        """True if it is missed in any frame, easing included."""
+        """True if it is missed in any frame, fades included."""
         return bool((self.state_indices >= STATES.index(StripState.PARTLY)).any())
 
     @property
     def yields(self) -> bool:
-        """True if it gives way to a contact in some frame."""
+        """True if it yields to a contact in some frame."""
         return bool((self.state_indices == 1).any())
 
 
@@ -78,7 +78,7 @@ STATES = tuple(StripState)
 
 
 def strip_of(project: Project, performer_id: str, result: AdaptedMotion | None, constraint_id: str) -> Strip | None:
-    """The strip of a constraint in a body's newest result; None while there is none, or it is not asked."""
+    """Strip of a constraint in a body's newest result; None without one, or if it does not apply."""
     missed = residuals_on(project, performer_id, result, constraint_id)
     if missed is None:
         return None
@@ -88,7 +88,7 @@ def strip_of(project: Project, performer_id: str, result: AdaptedMotion | None, 
 
 
 def strip_heights(errors: NDArray[np.float64], most: int, measure: Measure = LENGTH_MEASURE) -> NDArray[np.int64]:
-    """Pixels for errors: 1 for what is held, growing with the logarithm to ``most``."""
+    """Heights in pixels for residuals: 1 for met ones, growing with the logarithm to ``most``."""
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.log(errors / measure.held_below) / np.log(measure.worst_shown / measure.held_below)
     heights: NDArray[np.int64] = 1 + np.rint(np.clip(np.nan_to_num(share), 0.0, 1.0) * (most - 1)).astype(np.int64)

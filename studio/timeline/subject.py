@@ -1,4 +1,4 @@
-"""Subject: which motion the timeline shows, on which bodies, and how its frames lie on the stage."""
+"""Subject: the motion of the timeline, its bodies, and the mapping of its frames to the stage."""
 
 from dataclasses import dataclass
 from typing import TypeVar
@@ -17,7 +17,7 @@ Seconds = TypeVar("Seconds", float, NDArray[np.float64])
 
 @dataclass(frozen=True)
 class Body:
-    """A visible performer of the motion, as it is told apart everywhere: by name and colour."""
+    """Visible performer of the motion, with its identifying name and colour."""
 
     performer_id: str
     name: str
@@ -26,7 +26,7 @@ class Body:
 
 @dataclass(frozen=True)
 class Subject:
-    """The motion of the active performer's clip; constraints and contacts count from its own beginning."""
+    """Motion of the active performer's clip; constraints and contacts are in its own time."""
 
     performer_id: str
     clip: Clip
@@ -37,22 +37,22 @@ class Subject:
 
     @property
     def motion_id(self) -> str:
-        """The motion shown."""
+        """Id of the motion."""
         return self.clip.motion_id
 
     @property
     def last_frame(self) -> int:
-        """The motion's last frame."""
+        """Last frame of the motion."""
         return self.frame_count - 1
 
     def to_stage(self, seconds: Seconds) -> Seconds:
-        """Seconds on the stage at which seconds of the motion, one number or many, are played first."""
+        """Seconds on the stage at which seconds of the motion, one number or many, play first."""
         if not isinstance(self.clip.speed, KeyedNumber):  # thousands of times a picture
             return self.clip.start + (seconds - self.clip.first / self.frame_rate) / self.clip.speed
         return self._like(seconds, self.clip.stage_seconds(seconds, self.frame_rate))
 
     def to_motion(self, seconds: Seconds) -> Seconds:
-        """Seconds of the motion that are played at times of the stage, before and after the clip too."""
+        """Seconds of the motion at times of the stage, before and after the clip too."""
         if not isinstance(self.clip.speed, KeyedNumber):
             return (seconds - self.clip.start) * self.clip.speed + self.clip.first / self.frame_rate
         return self._like(seconds, self.clip.motion_seconds(seconds, self.frame_rate))
@@ -66,7 +66,7 @@ class Subject:
         return float(self.to_stage(frame / self.frame_rate))
 
     def motion_frame(self, seconds: float) -> float:
-        """The motion's frame played at a time of the stage, not rounded."""
+        """Frame of the motion, with a fraction, at a time of the stage."""
         return float(self.to_motion(seconds) * self.frame_rate)
 
 
@@ -94,13 +94,13 @@ def subject_of(document: Document) -> Subject | None:
 
 
 def stage_extent(project: Project) -> float:
-    """Seconds at which the last clip on the stage ends; 1 where there is none."""
+    """End of the last clip on the stage in seconds; 1 without clips."""
     ends = [timing_of(project, performer).end for performer in project.performers.values() if performer.clips]
     return max(ends, default=1.0)
 
 
 def play_apart(project: Project) -> bool:
-    """True if visible performers play different clips, so that one row cannot stand for all."""
+    """True if visible performers play different clips, so that they need separate rows."""
     return len({(each.clips, each.layers) for each in project.performers.values() if each.visible}) > 1
 
 

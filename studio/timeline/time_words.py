@@ -1,8 +1,8 @@
-"""Times in words: always with their unit."""
+"""Times as text, always with their unit."""
 
 
 def moment(frame: float, seconds: float) -> str:
-    """``0.767 s · frame 23``; a time between frames says so."""
+    """``0.767 s · frame 23``; fractions of frames are shown."""
     return f"{seconds:.3f} s · frame {number(frame)}"
 
 

@@ -1,4 +1,4 @@
-"""Timeline: the transport and, under it, everything over time."""
+"""Timeline: the transport and, below it, everything over time."""
 
 from PySide6.QtCore import QPoint, QRect, Signal
 from PySide6.QtGui import QCloseEvent
@@ -18,9 +18,10 @@ from studio.timeline.transport import Transport
 
 
 class Timeline(QWidget):
-    """The lower third of the window. Places are given in the pixels of ``tracks``, the widget with the rows.
+    """Lower third of the window.
 
-    ``told`` carries what is under the mouse, in words for the status line.
+    Positions are in pixels of ``tracks``, the widget with the rows. ``told`` is emitted with a text about the part
+    under the mouse, for the status line.
     """
 
     message_posted = Signal(str)
@@ -47,11 +48,11 @@ class Timeline(QWidget):
         return self.tracks.axis.x_of_frame(frame)
 
     def frame_at(self, x: float) -> float:
-        """Frame of the stage at a pixel, not rounded."""
+        """Frame of the stage at a pixel, with a fraction."""
         return self.tracks.axis.frame_at(x)
 
     def row_rect(self, kind: str, row_id: str = "") -> QRect:
-        """Rectangle of a row, empty where there is none.
+        """Rectangle of a row, empty if there is none.
 
         Kinds: ``ruler``, ``labels``, ``clip`` (performer), ``lane`` (left foot, right foot, hands, knees, seat),
         ``constraints``, ``plot``.
@@ -117,12 +118,12 @@ class Timeline(QWidget):
         return self.tracks.editing
 
     def edit_curves(self, editing: bool) -> None:
-        """Make the plot the curve editor of the selection, or as it was."""
+        """Switch the plot to the curve editor of the selection, or back."""
         self.tracks.set_editing(editing)
         self.transport.curves.setChecked(editing)
 
     def fold_rows(self) -> None:
-        """Make constraints and plot a line high each; where they are, as high as they were."""
+        """Fold constraints and plot to a line each, or unfold them."""
         self.tracks.fold_all()
 
     def show_progress(self, words: str, share: float) -> None:
@@ -130,7 +131,7 @@ class Timeline(QWidget):
         self.tracks.show_progress(words, share)
 
     def add_contact(self, point: ContactPoint) -> str | None:
-        """Add a contact at the playhead and return its id; None where one stands already, or without a motion."""
+        """Add a contact at the playhead and return its id; None within a contact, or without a motion."""
         shown = self.tracks.shown
         if shown is None:
             return None
@@ -144,17 +145,17 @@ class Timeline(QWidget):
         return edits.add_label(shown, round(shown.subject.motion_frame(shown.document.playhead.time)))
 
     def go_to_label(self, direction: int) -> None:
-        """Bring the playhead to the next (1) or previous (-1) label."""
+        """Move the playhead to the next (1) or previous (-1) label."""
         if self.tracks.shown is not None:
             edits.go_to_label(self.tracks.shown, direction)
 
     def go_to_key(self, direction: int) -> None:
-        """Bring the playhead to the next (1) or previous (-1) end of a contact or time of an activation."""
+        """Move the playhead to the next (1) or previous (-1) end of a contact or time of an activation."""
         if self.tracks.shown is not None:
             edits.go_to_key(self.tracks.shown, direction)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Closed for good: stop following the document."""
+        """Stop following the document."""
         if not self._closed:
             self._closed = True
             self.tracks.leave()

@@ -1,4 +1,4 @@
-"""TrackCanvas: the rows in the user's hands: mouse, wheel, menus and keys."""
+"""TrackCanvas: interaction with the rows by mouse, wheel, menus and keys."""
 
 from dataclasses import replace
 from functools import partial
@@ -18,7 +18,7 @@ from PySide6.QtWidgets import QToolTip, QWidget
 
 from studio.core.captures.contacts import contact_point
 from studio.document.document import Document
-from studio.document.dragging import capture_in, strike_in
+from studio.document.dragging import STRIKE, capture_in, row_in
 from studio.engine.live_interface import Live
 from studio.timeline import edits
 from studio.timeline.clip_actions import add_clip, try_edit
@@ -45,7 +45,7 @@ Modifier = Qt.KeyboardModifier
 
 
 class TrackCanvas(TrackView):
-    """``told`` carries what is under the mouse, in words."""
+    """Interactive rows; ``told`` is emitted with a text about the part under the mouse."""
 
     message_posted = Signal(str)
     strike_dropped = Signal(int, str, float)
@@ -66,7 +66,7 @@ class TrackCanvas(TrackView):
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
 
     def leave(self) -> None:
-        """Also let go of what is being dragged."""
+        """Also end the current drag."""
         if self.gesture is not None:
             self.gesture.cancel()
             self.gesture = None
@@ -76,7 +76,7 @@ class TrackCanvas(TrackView):
         super().leave()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Select, and take hold of what is under the mouse."""
+        """Select, and begin a drag of the part under the mouse."""
         if self.sheet is None or self.gesture is not None:
             return
         self.mouse = event.position()
@@ -108,7 +108,7 @@ class TrackCanvas(TrackView):
                 self._pending = (hit, event.position())
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Drag, or say what is under the mouse."""
+        """Drag, or describe the part under the mouse."""
         if self.sheet is None:
             return
         self.mouse = event.position()
@@ -154,12 +154,12 @@ class TrackCanvas(TrackView):
             self.mousePressEvent(event)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """Open the menu of the actions at a place."""
+        """Show the menu at a position."""
         if self.gesture is None:
             self._show_menu(QPointF(event.pos()), event.globalPos())
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Ctrl zooms about the mouse, Shift scrolls in time, the plain wheel scrolls the rows."""
+        """Zoom about the mouse with Ctrl, scroll in time with Shift, else scroll the rows."""
         step = event.angleDelta() / 8
         degrees = step.y() or step.x()
         if event.modifiers() & Modifier.ControlModifier:
@@ -175,12 +175,12 @@ class TrackCanvas(TrackView):
         event.accept()
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        """Take captures of the library, and strikes; files are the window's."""
-        event.setAccepted(self._dropped(event) is not None or strike_in(event.mimeData()) is not None)
+        """Accept captures of the library, and strikes; files are left to the window."""
+        event.setAccepted(self._dropped(event) is not None or row_in(STRIKE, event.mimeData()) is not None)
 
     def dragMoveEvent(self, event: QDragMoveEvent) -> None:
-        """As on entering, strikes over rows of clips alone; where it would begin is told."""
-        motion_id, strike = self._dropped(event), strike_in(event.mimeData()) is not None
+        """Accept as on entering, strikes only over rows of clips; the start of the clip is shown."""
+        motion_id, strike = self._dropped(event), row_in(STRIKE, event.mimeData()) is not None
         event.setAccepted(self._clip_row(event) is not None if strike else motion_id is not None)
         if event.isAccepted() and self.sheet is not None:
             time = self._dropped_at(event)
@@ -188,8 +188,8 @@ class TrackCanvas(TrackView):
             self.message_posted.emit(f"{name} from {moment(time * self.axis.frame_rate, time)}")
 
     def dropEvent(self, event: QDropEvent) -> None:
-        """A clip from there on, in the row under the mouse; beside all rows, where the active one's ends."""
-        motion_id, strike, row = self._dropped(event), strike_in(event.mimeData()), self._clip_row(event)
+        """Add a clip from there on, in the row under the mouse; outside all rows, at the end of the active one."""
+        motion_id, strike, row = self._dropped(event), row_in(STRIKE, event.mimeData()), self._clip_row(event)
         event.setAccepted(motion_id is not None or (strike is not None and row is not None))
         self.message_posted.emit("")
         if strike is not None and row is not None:
@@ -204,19 +204,19 @@ class TrackCanvas(TrackView):
         try_edit(shown, add)
 
     def _clip_row(self, event: QDropEvent) -> str | None:
-        """The performer in whose row of clips the mouse is."""
+        """Performer whose row of clips is under the mouse."""
         if self.sheet is None or event.position().x() < ROW_LABEL_WIDTH:
             return None
         row = self.sheet.row_at(event.position().toPoint())
         return row.id if row is not None and row.kind == "clip" else None
 
     def _dropped_at(self, event: QDropEvent) -> float:
-        """Seconds of the stage under the mouse, caught by frames and the playhead."""
+        """Seconds of the stage under the mouse, snapped to frames and the playhead."""
         time = self.axis.time_at(event.position().x())
         return snapped(self.axis, time, (self.document.playhead.time,)).time
 
     def _dropped(self, event: QDropEvent) -> str | None:
-        """The motion of the capture that is dragged."""
+        """Motion of the dragged capture."""
         capture_id = capture_in(event.mimeData())
         motions = self.document.project.motions.items()
         return next((key for key, motion in motions if motion.capture_id == capture_id), None)
@@ -243,7 +243,7 @@ class TrackCanvas(TrackView):
         return sheet.hit(position)
 
     def _press_curves(self, position: QPointF, add: bool) -> None:
-        """Take hold of a handle or a key of the curve editor, or of nothing."""
+        """Begin a drag of a handle or a key of the curve editor, or of a box."""
         curves, keys = self.picture.curves, self.document.keys
         assert self.sheet is not None
         grip = self._grip = curves.hit(self.sheet.shown, plot_area(self.sheet.plot), position)
@@ -259,7 +259,7 @@ class TrackCanvas(TrackView):
         self._redraw_all()
 
     def select_keys(self, hit: Hit, add: bool) -> None:
-        """Select the keys of a diamond, with ``add`` beside others; one of several that are selected keeps all."""
+        """Select the keys of a diamond, with ``add`` in addition; a press on a selected one keeps the selection."""
         keys, items = self.document.keys, items_of(hit)
         if not set(items) <= set(self.document.selection.items):
             self.document.selection.set(*(self.document.selection.items if add else ()), *items)
@@ -269,7 +269,7 @@ class TrackCanvas(TrackView):
             keys.set(hit.keys)
 
     def _gesture_at(self, hit: Hit, press: QPointF, modifiers: Modifier) -> TimelineGesture | None:
-        """The drag that begins there: of keys, of a thing, or a box."""
+        """Drag that begins there: of keys, of an entity, or a box."""
         if self.sheet is None:
             return None
         shown, add = self.sheet.shown, bool(modifiers & Modifier.ControlModifier)
@@ -310,7 +310,7 @@ class TrackCanvas(TrackView):
             self.update()
 
     def end_gesture(self) -> None:
-        """The drag is over, one way or the other."""
+        """End the drag, finished or cancelled."""
         self.gesture = None
         self.message_posted.emit("")
         self._set_cursor(self.mouse)
@@ -332,7 +332,7 @@ class TrackCanvas(TrackView):
             QToolTip.hideText()
 
     def _show_tooltip(self, point: QPoint, text: str) -> None:
-        """Show a text below the row at ``point``, or beside the mouse where there is no row."""
+        """Show a text below the row at ``point``, or beside the mouse outside rows."""
         row = self.sheet.row_at(point) if self.sheet else None
         place = point + QPoint(4, -2)
         if self.sheet is not None and row is not None:
@@ -340,7 +340,7 @@ class TrackCanvas(TrackView):
         QToolTip.showText(self.mapToGlobal(place), text, self)
 
     def _hover_again(self) -> None:
-        """Look again for the thing under the mouse, which may have changed or be gone, and update its tooltip."""
+        """Update the part under the mouse, which may have changed or be gone, and its tooltip."""
         if not self._hovered or self.gesture is not None:
             return
         text = hover_text(self.sheet, self.picture.plot, self.mouse) if self.sheet and self.underMouse() else ""
@@ -350,7 +350,7 @@ class TrackCanvas(TrackView):
             QToolTip.hideText()
 
     def leaveEvent(self, event: QEvent) -> None:
-        """Nothing is under the mouse any more."""
+        """Remove the highlight."""
         if self._hovered and self.gesture is None:
             self._hovered = ""
             self.message_posted.emit("")
@@ -358,7 +358,7 @@ class TrackCanvas(TrackView):
         super().leaveEvent(event)
 
     def rename_label(self, label_id: str) -> None:
-        """Open a field over a label in which its name is typed."""
+        """Open a field over a label to edit its name."""
         label, row = self.document.project.labels.get(label_id), self.sheet and self.sheet.find("labels", "")
         if label is None or self.sheet is None or not row:
             return
@@ -377,7 +377,7 @@ class TrackCanvas(TrackView):
             menu.popup(place)
 
     def event(self, event: QEvent) -> bool:
-        """Keys that mean something here go before the window's shortcuts."""
+        """Reserve the keys of the timeline from the window's shortcuts."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
             if is_wanted(self, event.key(), event.modifiers()):
                 event.accept()
@@ -388,12 +388,12 @@ class TrackCanvas(TrackView):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Frames, handles, deletion, Esc."""
+        """Handle keys for frames, handles, deletion, Esc."""
         if not press_key(self, Qt.Key(event.key()), event.modifiers()):
             super().keyPressEvent(event)
 
     def focusNextPrevChild(self, forward: bool) -> bool:
-        """Tab goes through the handles of the selected thing before it leaves."""
+        """Move the focus through the handles of the selected entity by Tab before it leaves."""
         handle = edits.next_handle(self.shown, forward) if self.shown else None
         if handle is None:
             self.set_handle(None)

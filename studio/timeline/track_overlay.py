@@ -1,4 +1,4 @@
-"""Overlay of the rows: the playhead, the time that a drag has snapped to, and the words of the drag."""
+"""Overlay of the rows: the playhead, the snapped time of a drag, and its text."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPolygonF
@@ -14,13 +14,13 @@ PLAYHEAD_HALF_WIDTH = 6.0
 
 
 def playhead_area(shown: RowContext, height: int) -> QRect:
-    """The pixels that the playhead covers."""
+    """Rectangle covered by the playhead."""
     x = round(shown.axis.x_of_time(shown.document.playhead.time))
     return QRect(x - 8, 0, 17, height)
 
 
 def paint_playhead(painter: QPainter, shown: RowContext, height: int) -> None:
-    """A thin line under a head that asks to be dragged."""
+    """Draw the playhead: a thin line below a head."""
     x = round(shown.axis.x_of_time(shown.document.playhead.time))
     if x < ROW_LABEL_WIDTH:
         return
@@ -41,7 +41,7 @@ def paint_playhead(painter: QPainter, shown: RowContext, height: int) -> None:
 
 
 def paint_mark(painter: QPainter, shown: RowContext, mark: DragHint, mouse: QPointF, area: QRect) -> None:
-    """The line of what caught the drag, and the drag's words beside its handle."""
+    """Draw the line of the snapped time, and the text of the drag beside its handle."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
     if mark.caught is not None:
         x = round(shown.axis.x_of_time(mark.caught))
@@ -60,15 +60,23 @@ def paint_mark(painter: QPainter, shown: RowContext, mark: DragHint, mouse: QPoi
 
 
 def paint_box(painter: QPainter, box: QRectF) -> None:
-    """The box in which keys are selected."""
+    """Draw the selection box for keys."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
     painter.setPen(hairline(colours.SELECTED_HANDLE))
     painter.setBrush(translucent(colours.SELECTED_HANDLE, 0.15))
     painter.drawRect(box)
 
 
+def paint_focus(painter: QPainter, area: QRect) -> None:
+    """A thin edge: the keys are meant for the rows."""
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
+    painter.setPen(hairline(colours.SELECTED_CONTROL))
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    painter.drawRect(area.adjusted(0, 0, -1, -1))
+
+
 def paint_prompt(painter: QPainter, area: QRect, text: str, share: float | None = None) -> None:
-    """The one line that says what to do, or what is under way and how far, while there is nothing to show."""
+    """Draw the line with the next step, or with a running task and its progress, while there is no content."""
     painter.fillRect(area, QColor(colours.PANEL))
     painter.setFont(font(13))
     painter.setPen(QColor(colours.TEXT_SECOND))

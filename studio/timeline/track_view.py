@@ -1,4 +1,4 @@
-"""TrackView: the widget that shows the rows over time and follows the document."""
+"""TrackView: widget that shows the rows over time and follows the document."""
 
 from functools import partial
 
@@ -33,7 +33,7 @@ ROWS_WHILE_DRAGGED = ("growth", "props", "summary", "sheet")
 
 
 class TrackView(QWidget):
-    """Ruler, rows and plot, drawn again only where something changed."""
+    """Ruler, rows and plot; only changed parts are drawn again."""
 
     def __init__(self, document: Document, live: Live, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -79,7 +79,7 @@ class TrackView(QWidget):
         self.scroll_bar.valueChanged.connect(self.lay_out)
 
     def leave(self) -> None:
-        """Stop following the document and the results, for good."""
+        """Stop following the document and the results."""
         document, playhead = self.document, self.document.playhead
         document.entity_changed.disconnect(self._show_change)
         document.project_opened.disconnect(self._show_project)
@@ -93,12 +93,12 @@ class TrackView(QWidget):
 
     @property
     def shown(self) -> RowContext | None:
-        """Content of the rows; None while no performer plays a motion."""
+        """Content of the rows; None without a performer."""
         return self.sheet.shown if self.sheet else None
 
     @property
     def prompt(self) -> str:
-        """Sentence while there is nothing to show: the task under way, or what to do."""
+        """Sentence without content: the running task, or the next step."""
         return self._progress[0] or empty_words(self.document.project)
 
     def show_progress(self, words: str, share: float) -> None:
@@ -108,7 +108,7 @@ class TrackView(QWidget):
             self.update()
 
     def lay_out(self) -> None:
-        """Fetch which rows there are, place them, and draw everything again."""
+        """Update the list of rows, lay them out, and draw everything again."""
         subject = subject_of(self.document)
         if subject is None:
             self.sheet = None
@@ -147,7 +147,7 @@ class TrackView(QWidget):
         self._redraw_all()
 
     def _remarks_on(self, capture: Capture) -> tuple[Remark, ...]:
-        """Remarks on the capture, looked up once: rows are laid out anew with every edit."""
+        """Remarks on the capture, cached, because rows are laid out again with every edit."""
         if self._remarked is None or self._remarked[0] is not capture:
             self._remarked = capture, remarks_on(capture)
         return self._remarked[1]
@@ -159,7 +159,7 @@ class TrackView(QWidget):
         self.update()
 
     def _redraw(self, *rows: tuple[str, str]) -> None:
-        """Draw these rows again, and no more of the widget than they take."""
+        """Draw only these rows again."""
         if not rows or self.sheet is None:
             return
         self.picture.expire(*rows)
@@ -186,14 +186,14 @@ class TrackView(QWidget):
             self.scroll_bar.setValue(max(min(self.scroll_bar.value(), high), low))
 
     def set_editing(self, editing: bool) -> None:
-        """Make the plot the curve editor, or as it was."""
+        """Switch the plot to the curve editor, or back."""
         if self.editing != editing:
             self.editing = editing
             self.folded -= {PLOT}
             self.lay_out()
 
     def frame_curves(self, selected: bool) -> None:
-        """Show all values of the curve editor, or those of the selected keys."""
+        """Fit all values of the curve editor, or those of the selected keys."""
         if self.shown is not None:
             if not selected:
                 self.axis.fit()
@@ -207,7 +207,7 @@ class TrackView(QWidget):
             self.lay_out()
 
     def fold(self, kind: str, row_id: str = "") -> None:
-        """Make a row of ``FOLDING``, or the plot, a line high, or as high as it was; rows of performers one, or all."""
+        """Fold a row of ``FOLDING``, or the plot, to a line, or unfold it; rows of performers one, or all."""
         if kind == "clip":
             self.apart = not (self.shown and self.shown.apart)
         else:
@@ -215,14 +215,14 @@ class TrackView(QWidget):
         self.lay_out()
 
     def fold_all(self) -> None:
-        """Fold every row that can be; where all are, unfold them."""
+        """Fold every row that can be folded; unfold them if all are."""
         rows = self.sheet.rows if self.sheet else ()
         foldable = frozenset({PLOT} | {(row.kind, row.id) for row in rows if row.kind in FOLDING})
         self.folded = frozenset() if foldable <= self.folded else foldable
         self.lay_out()
 
     def _show_change(self, collection: str, entity_id: str) -> None:
-        """Draw the row of a changed constraint or contact; anything else may change which rows there are."""
+        """Draw the row of a changed constraint or contact; other changes may change the list of rows."""
         if collection == "behaviours":
             return
         if self.editing and collection in KEYED_COLLECTIONS:
@@ -258,7 +258,7 @@ class TrackView(QWidget):
                 self._redraw(row)
 
     def _show_results(self) -> None:
-        """Draw what tells of results again: while something is dragged, only of what is worked on."""
+        """Draw rows that show results again; during a drag, only those of the dragged entity."""
         all_rows = self.sheet.rows if self.sheet else ()
         rows = [(row.kind, row.id) for row in all_rows if row.kind in ("constraints", "clip")]
         if self.live.interactive:
@@ -269,7 +269,7 @@ class TrackView(QWidget):
         self._redraw(*rows)
 
     def _move_playhead(self) -> None:
-        """Only the pixels the playhead leaves and takes."""
+        """Draw only the pixels of the old and the new playhead."""
         if self.shown is None:
             return
         if self.document.playhead.playing:
@@ -278,12 +278,12 @@ class TrackView(QWidget):
         self.update(track_overlay.playhead_area(self.shown, self.height()))
 
     def set_quantity(self, quantity: Plotted) -> None:
-        """Plot something else."""
+        """Plot another quantity."""
         self.picture.plot.quantity = quantity
         self._redraw(PLOT)
 
     def set_handle(self, handle: ItemPart | None) -> None:
-        """Give the keyboard to a handle of the selected thing."""
+        """Focus a handle of the selected entity."""
         if self.handle != handle:
             self.handle = handle
             self.lay_out()
@@ -291,7 +291,7 @@ class TrackView(QWidget):
                 self.setAccessibleName(edits.handle_words(self.shown))
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """The picture, then what lies over it."""
+        """Draw the picture, then the overlay."""
         with QPainter(self) as painter:  # an error inside must not leave a painter on a widget that goes on
             if self.sheet is None:
                 track_overlay.paint_prompt(
@@ -312,11 +312,13 @@ class TrackView(QWidget):
             track_overlay.paint_box(painter, self.gesture.box)
         if self.gesture is not None and self.gesture.mark is not None:
             track_overlay.paint_mark(painter, sheet.shown, self.gesture.mark, self.mouse, self.rect())
+        if self.hasFocus():
+            track_overlay.paint_focus(painter, self.rect())
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Place everything anew."""
+        """Lay out everything again."""
         self.lay_out()
 
     def sizeHint(self) -> QSize:
-        """A third of a large window."""
+        """Third of a large window."""
         return QSize(1200, 318)

@@ -1,4 +1,4 @@
-"""The transport row: play, step, loop, speed, where the playhead stands, and the range that plays."""
+"""Transport row: play, step, loop, speed, the playhead's time, and the range."""
 
 from collections.abc import Callable
 
@@ -21,7 +21,7 @@ LAST_FRAME = 9_999_999
 
 
 class Transport(QWidget):
-    """Shows and moves the document's playhead, and says whether the stage plays live; ``wanted`` are ids of actions."""
+    """Controls of the document's playhead and of live play; ``wanted`` is emitted with ids of actions."""
 
     action_requested = Signal(str)
 
@@ -46,7 +46,7 @@ class Transport(QWidget):
         self._show_range()
 
     def leave(self) -> None:
-        """Stop following the playhead, for good."""
+        """Stop following the playhead."""
         self.playhead.changed.disconnect(self._show_time)
         self.playhead.playing_changed.disconnect(self._show_playing)
         self.playhead.range_changed.disconnect(self._show_range)
@@ -140,7 +140,7 @@ class Transport(QWidget):
         self.clock.setText(f"{words} {self._play.seconds:.1f} s" if running else "")
 
     def _show_manner(self) -> None:
-        """Speed and loop may have been set by keys; a speed that is not in the list is shown all the same."""
+        """Show speed and loop, which keys may have set; a speed outside the list is shown too."""
         with QSignalBlocker(self.speed):
             self.speed.setPlaceholderText(f"{self.playhead.speed:g}×")
             self.speed.setCurrentIndex(self.speed.findData(self.playhead.speed))
@@ -168,7 +168,7 @@ class Transport(QWidget):
 
 
 class TimecodeField(QSpinBox):
-    """Frame shown and typed as SMPTE timecode."""
+    """Field for a frame as SMPTE timecode."""
 
     def __init__(self) -> None:
         self._frame_rate = INITIAL_PLAYHEAD.frame_rate
@@ -192,7 +192,7 @@ class TimecodeField(QSpinBox):
         return min(frame_of_timecode(text, self._frame_rate), self.maximum())
 
     def validate(self, text: str, position: int) -> tuple[QValidator.State, str, int]:
-        """Take a timecode, and what may become one."""
+        """Accept a timecode, or the beginning of one."""
         if TIMECODE.fullmatch(text):
             return QValidator.State.Acceptable, text, position
         is_begun = all(letter in "0123456789:;." for letter in text)

@@ -1,4 +1,4 @@
-"""The bodies on the stage: a performer's skin or its bones."""
+"""Bodies on the stage: a performer's skin or its bones."""
 
 import math
 from concurrent.futures import Future
@@ -19,7 +19,7 @@ from studio.viewport.seams import FIELD, draw_seams, panel_field
 
 
 def make_actor(mesh: LiveMesh, colour: str) -> pv.Actor:
-    """An actor that draws ``mesh`` in one colour."""
+    """VTK actor that draws ``mesh`` in one colour."""
     actor = pv.Actor(mapper=pv.DataSetMapper(mesh.polydata))
     actor.mapper.scalar_visibility = False
     actor.prop.color = colour
@@ -28,13 +28,13 @@ def make_actor(mesh: LiveMesh, colour: str) -> pv.Actor:
 
 
 def place(actor: pv.Actor, placement: Placement) -> None:
-    """Put what an actor draws in motion space onto the stage."""
+    """Set the stage placement of an actor in motion space."""
     actor.SetPosition(placement.position[0], placement.position[1], 0.0)
     actor.SetOrientation(0.0, 0.0, math.degrees(placement.heading))
 
 
 class DrawnSkin(NamedTuple):
-    """A skin and the mesh that draws it."""
+    """Skin and the mesh that draws it."""
 
     mesh: LiveMesh
     skin: SkinnedMesh
@@ -46,7 +46,7 @@ class DrawnSkin(NamedTuple):
 
 
 class BodyVisual:
-    """A character as skin and as bones; only one of the two is posed and seen at a time."""
+    """Character as skin and as bones; only one of the two is posed and visible at a time."""
 
     def __init__(self, character: Character) -> None:
         self._character = character
@@ -66,9 +66,9 @@ class BodyVisual:
         """Pose and motion that were drawn last; the same ones again cost nothing."""
 
     def coarsen(self, coarse: bool) -> None:
-        """Draw the next poses with fewer vertices, or with all; a skin with materials is always drawn whole.
+        """Draw the next poses with fewer vertices, or with all; a skin with materials is always drawn in full.
 
-        The coarse skin is made beside the window; until it is there, the whole one is drawn.
+        The coarse skin is computed in the background; until then, the full one is drawn.
         """
         if self._character.skin.appearance is not None:
             return
@@ -95,7 +95,7 @@ class BodyVisual:
         return character.skin is self._character.skin and character.build is self._character.build
 
     def take(self, character: Character) -> None:
-        """Show another state of the same character; one with materials of its own keeps their colours."""
+        """Show a changed version of the same character; one with materials keeps their colours."""
         if character.colour != self._character.colour:
             if character.skin.appearance is None:
                 draw_seams(self.skin_actors[0], character.colour)
@@ -108,13 +108,13 @@ class BodyVisual:
         return [*self.skin_actors, *([self.bones_actor] if self.bones_actor is not None else [])]
 
     def make_bones(self, layout: BodyLayout) -> pv.Actor:
-        """The bones' actor, made when first asked for."""
+        """Actor of the bones, made on first use."""
         self._bones = BoneFigure(layout)
         self.bones_actor = make_actor(self._bones.mesh, self._character.colour)
         return self.bones_actor
 
     def pose(self, posed: Posed, bones: bool) -> None:
-        """Take a pose at its place of the stage."""
+        """Apply a pose and its placement on the stage."""
         motion, row = posed.motion, posed.row
         for actor in self.skin_actors:
             actor.SetVisibility(not bones)

@@ -1,4 +1,4 @@
-"""The points of a body that can be picked and constrained, and what constraining each sensibly means."""
+"""Points of a body that can be picked and constrained, and a sensible chain for each."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -26,7 +26,7 @@ _CHAINS = {
 
 @dataclass(frozen=True)
 class BodyJoint:
-    """A joint that a click can find: canonical index, name, point fixed to the body, chain."""
+    """Pickable joint: canonical index, name, point fixed to the body, chain."""
 
     index: int
     name: str
@@ -52,7 +52,7 @@ def body_joints(layout: BodyLayout) -> tuple[BodyJoint, ...]:
 def point_path(
     motion: AdaptedMotion, point: BodyPoint, rows: slice | NDArray[np.intp] = slice(None)
 ) -> NDArray[np.float64]:
-    """(F, 3) where ``point`` is in the motion's space in each of ``rows``."""
+    """(F, 3) positions of ``point`` in the motion's space in each of ``rows``."""
     layout = motion.morphology.layout
     segment = layout.segment(point.part)
     origin = (layout.distal_points() if point.at_end else layout.proximal_points())[segment]

@@ -1,4 +1,4 @@
-"""A figure of bones: one slender octahedron a segment, for the bones shading."""
+"""Figure of bones: one slender octahedron for each segment, for the bones shading."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ _FACETS = np.array([[0, 2, 1], [0, 3, 2], [0, 4, 3], [0, 1, 4], [5, 1, 2], [5, 2
 
 
 class BoneFigure:
-    """A live mesh of octahedra between the points of a body."""
+    """Live mesh of octahedra between the points of a body."""
 
     def __init__(self, layout: BodyLayout) -> None:
         self._pairs = bone_pairs(layout)
@@ -24,7 +24,7 @@ class BoneFigure:
         self.mesh = LiveMesh(corners, np.arange(corners).reshape(-1, 3))
 
     def pose(self, positions: NDArray[np.float64]) -> None:
-        """Put the bones between ``positions`` (N, 3)."""
+        """Set the points ``positions`` (N, 3)."""
         begin, end = positions[self._pairs[:, 0]], positions[self._pairs[:, 1]]
         along = end - begin
         length = np.linalg.norm(along, axis=1, keepdims=True)

@@ -1,4 +1,4 @@
-"""The camera as a value: where it looks from, and how stage and picture points turn into each other."""
+"""Camera as a value: its placement, and projection between stage and picture."""
 
 import math
 from dataclasses import dataclass, fields, replace
@@ -24,34 +24,34 @@ VIEWS: dict[str, tuple[float, float]] = {
 
 @dataclass(frozen=True)
 class OrbitCamera(CameraPlacement):
-    """A placement that moves with the mouse, and turns stage and picture points into each other."""
+    """Placement that moves with the mouse, and projects between stage and picture."""
 
     @classmethod
     def at(cls, placement: CameraPlacement) -> Self:
-        """The camera of a placement."""
+        """Camera of a placement."""
         return cls(*(getattr(placement, each.name) for each in fields(CameraPlacement)))
 
     @property
     def placement(self) -> CameraPlacement:
-        """The placement alone, as it is saved."""
+        """Its placement, to be saved."""
         return CameraPlacement(*(getattr(self, each.name) for each in fields(CameraPlacement)))
 
     def orbited(self, azimuth: float, elevation: float) -> Self:
-        """Turned about its target by angles in radians; it never rolls over the top."""
+        """Camera rotated about its target by angles in radians, limited at the top and bottom."""
         steep = min(max(self.elevation + elevation, -0.12), MOST_CAMERA_PITCH)
         return replace(self, azimuth=self.azimuth + azimuth, elevation=steep)
 
     def panned(self, right: float, up: float) -> Self:
-        """Moved sideways by metres at the depth of its target."""
+        """Camera moved sideways by metres at the depth of its target."""
         moved = np.asarray(self.target) + right * self.axes[0] + up * self.axes[1]
         return replace(self, target=tuple(moved.tolist()))
 
     def zoomed(self, factor: float) -> Self:
-        """Brought ``factor`` times nearer to its target."""
+        """Camera ``factor`` times nearer to its target."""
         return replace(self, distance=min(max(self.distance / factor, LEAST_CAMERA_DISTANCE), MOST_CAMERA_DISTANCE))
 
     def zoomed_at(self, factor: float, x: float, y: float, size: tuple[float, float]) -> Self:
-        """Brought ``factor`` times nearer, what is under pixel (x, y) at the target's depth staying there."""
+        """Camera ``factor`` times nearer to its target, with a fixed point at pixel (x, y) at the target's depth."""
         nearer = self.zoomed(factor)
         gain = self.metres_per_pixel(size[1]) - nearer.metres_per_pixel(size[1])
         return nearer.panned((x - size[0] / 2) * gain, (size[1] / 2 - y) * gain)
@@ -62,7 +62,7 @@ class OrbitCamera(CameraPlacement):
         return 2.0 * reach * math.tan(VIEW_ANGLE / 2) / height
 
     def project(self, points: ArrayLike, size: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
-        """Pixels (N, 2), y down, and depths (N,) in metres before the eye of stage ``points`` (N, 3).
+        """Pixels (N, 2), y down, and depths (N,) in metres from the eye of stage ``points`` (N, 3).
 
         ``size`` is the picture's width and height; a point behind the eye has a depth of zero or less.
         """
@@ -77,7 +77,7 @@ class OrbitCamera(CameraPlacement):
         return float(np.ptp(self.project(points, size)[0][:, 1]))
 
     def ray(self, x: float, y: float, size: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
-        """Origin and unit direction (stage space) of the ray of sight through pixel (x, y)."""
+        """Origin and unit direction (stage space) of the view ray through pixel (x, y)."""
         step = 2.0 * math.tan(VIEW_ANGLE / 2) / size[1]
         right, up = (x - size[0] / 2) * step, (size[1] / 2 - y) * step
         if self.parallel:
@@ -86,7 +86,7 @@ class OrbitCamera(CameraPlacement):
         return self.eye, sight / np.linalg.norm(sight)
 
     def framing(self, points: ArrayLike, size: tuple[float, float], margin: float = 1.25) -> Self:
-        """The same direction of sight, moved so that all stage ``points`` (N, 3) are seen with a margin."""
+        """Camera with the same direction, moved so that all stage ``points`` (N, 3) are visible with a margin."""
         places = np.asarray(points, dtype=np.float64).reshape(-1, 3)
         local = places @ self.axes.T
         tangent = math.tan(VIEW_ANGLE / 2) / margin
@@ -110,7 +110,7 @@ class OrbitCamera(CameraPlacement):
         )
 
     def towards(self, other: "OrbitCamera", share: float) -> "OrbitCamera":
-        """The camera ``share`` (0 to 1) of the way to ``other``, turning the short way round."""
+        """Interpolation by ``share`` (0 to 1) to ``other``, rotating along the shorter arc."""
         turn = (other.azimuth - self.azimuth + math.pi) % (2 * math.pi) - math.pi
         target = np.asarray(self.target) * (1 - share) + np.asarray(other.target) * share
         return replace(

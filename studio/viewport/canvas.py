@@ -1,4 +1,4 @@
-"""The canvas: a plain widget that paints what VTK drew off screen, at most once per event-loop turn."""
+"""Canvas: a plain widget that paints off-screen pictures of VTK, at most once in a turn of the event loop."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ GATHER_MILLISECONDS = 5
 
 
 class Canvas(QWidget):
-    """Draws a scene with a camera. VTK is loaded and started only after the widget has been shown."""
+    """View of a scene with a camera. VTK is loaded and started only after the widget has been shown."""
 
     started = Signal()
     """The scene has been drawn for the first time with all that is on it."""
@@ -61,7 +61,7 @@ class Canvas(QWidget):
 
     @property
     def moving(self) -> bool:
-        """True if the next picture will soon be another one, so that smoothing this one is of no use."""
+        """True if the next picture will soon replace this one, so that anti-aliasing is wasted."""
         return False
 
     @property
@@ -72,8 +72,8 @@ class Canvas(QWidget):
     def start(self) -> None:
         """Start VTK, if it is neither running nor stopped for good.
 
-        Each of the next two turns of the event loop draws: the empty stage, then all that is on it. At once they, and
-        the shaders that each of them compiles, would hold up the window.
+        The next two turns of the event loop draw the empty stage, then its content; together with their shaders they
+        would freeze the window.
         """
         if self._scene is None and not self._stopped:
             from studio.viewport.stage_picture import StageScene  # heavy: the window is shown before it
@@ -82,7 +82,7 @@ class Canvas(QWidget):
             self._frame_timer.start(0)
 
     def stop(self) -> None:
-        """Free VTK; the widget shows nothing from now on. May be called twice."""
+        """Free VTK; nothing is drawn from now on. May be called twice."""
         self._stopped = True
         self._frame_timer.stop()
         self._rest_timer.stop()
@@ -92,30 +92,30 @@ class Canvas(QWidget):
             self._scene = None
 
     def show_again(self, *_: object) -> None:
-        """Bring scene and picture up to date, once in this turn of the event loop."""
+        """Update scene and picture, once in this turn of the event loop."""
         self._stale = True
         self._frame_timer.start(0)
 
     def show_soon(self) -> None:
-        """As ``show_again``, but wait a moment for more of the same, so that one picture shows it all."""
+        """As ``show_again``, but after a short delay that collects further changes."""
         self._stale = True
         if not self._frame_timer.isActive():
             self._frame_timer.start(GATHER_MILLISECONDS)
 
     def set_camera(self, camera: OrbitCamera) -> None:
-        """Look from another place."""
+        """Set the camera."""
         if camera != self.camera:
             self.camera = camera
             self._frame_timer.start(0)
 
     def set_sight(self, sight: StereoView) -> None:
-        """Look with one eye or two, and from where the head is."""
+        """Set one or two eyes, and the head's position."""
         if sight != self.sight:
             self.sight = sight
             self._frame_timer.start(0)
 
     def grab_image(self) -> QImage:
-        """The stage alone as a smooth picture, without handles and chips."""
+        """Stage alone as an anti-aliased picture, without handles and chips."""
         self.start()
         if self._image.isNull():
             self._draw()
@@ -126,23 +126,23 @@ class Canvas(QWidget):
         return self._image.copy()
 
     def bring_up_to_date(self, scene: StageScene) -> None:
-        """Put into the scene what is to be seen; for the subclass."""
+        """Update the scene; for the subclass."""
 
     def paint_over(self, painter: QPainter) -> None:
         """Paint over the picture in logical pixels; for the subclass."""
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Closed for good."""
+        """Stop VTK."""
         self.stop()
         super().closeEvent(event)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """The picture follows the widget."""
+        """Draw in the new size."""
         super().resizeEvent(event)
         self._frame_timer.start(0)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """The picture and what is painted over it."""
+        """Paint the picture and the overlay."""
         with QPainter(self) as painter:
             if self._image.isNull():
                 self._paint_waiting(painter)
@@ -153,9 +153,13 @@ class Canvas(QWidget):
                 painter.drawImage(self.rect(), self._image)
                 if self.sight.is_plain:  # else nothing on the stage is where one eye's camera says
                     self.paint_over(painter)
+                if self.hasFocus():
+                    painter.setPen(QColor(colours.STAGE_SELECTED_CONTROL))
+                    painter.setBrush(Qt.BrushStyle.NoBrush)
+                    painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
 
     def sizeHint(self) -> QSize:
-        """A view is worth having from about this size."""
+        """Smallest useful size."""
         return QSize(960, 600)
 
     def _paint_waiting(self, painter: QPainter) -> None:
@@ -195,7 +199,7 @@ class Canvas(QWidget):
             self.started.emit()
 
     def _render(self, scene: StageScene) -> Pixels:
-        """Draw the view, in fewer pixels as long as something moves and drawing takes long."""
+        """Draw the view, in a lower resolution while it moves and drawing is slow."""
         if not self.moving:
             return self.sight.render(scene, self.camera, self._device_size())
         sharpness = self._sharp_in_hand if self.in_hand else self._sharp_at_play
@@ -215,7 +219,7 @@ class Canvas(QWidget):
             self.update()
 
     def _refine(self) -> None:
-        """As long as nothing moves, one more sample of a smooth still per turn."""
+        """Add one sample of anti-aliasing in each turn while nothing moves."""
         if self._scene is None or self.moving:
             return
         if self._still is not None and self._still.complete:

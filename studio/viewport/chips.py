@@ -1,4 +1,4 @@
-"""Chips: small words over the picture that tell a state; those that can be clicked are buttons."""
+"""Chips: small labels over the picture that show a state; clickable ones are buttons."""
 
 from collections.abc import Callable, Mapping
 
@@ -6,6 +6,7 @@ from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtWidgets import QGraphicsOpacityEffect, QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
 
 from studio.document import colours
+from studio.document.mnemonics import literal
 
 CHIP_MARGIN = 8
 """Pixels between a chip and the view's edge."""
@@ -23,10 +24,10 @@ _CALL_TO_ACTION_STYLE = f"QPushButton {{ background: {colours.STAGE_SELECTED_CON
 
 
 class Chip(QPushButton):
-    """A word to click."""
+    """Clickable label."""
 
     def __init__(self, text: str, name: str, clicked: Callable[[], object], parent: QWidget, extra: str = "") -> None:
-        super().__init__(text, parent)
+        super().__init__(literal(text), parent)
         self.setObjectName(name.replace(" ", "_").lower())
         self.setAccessibleName(name)
         self.setToolTip(name)
@@ -37,21 +38,21 @@ class Chip(QPushButton):
         self.clicked.connect(lambda: clicked())
 
     def stand_at(self, place: QPoint) -> None:
-        """Move to a place of the view, or as near to it as there is room for all of the chip."""
+        """Move to a position of the view, or as near to it as the chip fits."""
         view = self.parentWidget()
         assert view is not None
         room = view.rect().adjusted(CHIP_MARGIN, CHIP_MARGIN, -CHIP_MARGIN - self.width(), -CHIP_MARGIN - self.height())
         self.move(min(max(place.x(), room.left()), room.right()), min(max(place.y(), room.top()), room.bottom()))
 
     def say(self, text: str) -> None:
-        """Show other words; nothing happens when they are the same."""
-        if text != self.text():
-            self.setText(text)
+        """Set the text; does nothing if it is the same."""
+        if literal(text) != self.text():
+            self.setText(literal(text))
             self.adjustSize()
 
 
 class ToggleChip(Chip):
-    """A word that is on, with a full dot before it, or off, with an empty one."""
+    """Label that is on, with a full dot before it, or off, with an empty one."""
 
     def __init__(self, text: str, name: str, on: bool, toggled: Callable[[], object], parent: QWidget) -> None:
         super().__init__(text, name, toggled, parent)
@@ -66,11 +67,11 @@ class ToggleChip(Chip):
 
 
 class Chips:
-    """The chips of a viewport: what is seen top left, work top right, trouble bottom left."""
+    """Chips of a viewport: display options top left, statistics top right, problems bottom left."""
 
     def __init__(self, parent: QWidget, clicked: Mapping[str, Callable[[], object]]) -> None:
-        """``clicked``: what view, shading, space, correct, ghost, onion, trails, follow, markers, problem and constrain
-        do.
+        """``clicked``: functions of view, shading, space, correct, ghost, onion, trails, follow, markers, problem and
+        constrain.
         """
         self.view = Chip("Perspective", "Perspective or orthographic view", clicked["view"], parent)
         self.shading = Chip("Skin", "Skin or bones", clicked["shading"], parent)
@@ -84,7 +85,7 @@ class Chips:
         self.follow = ToggleChip("Follow", "Camera follows the selected character", False, clicked["follow"], parent)
         self.markers = ToggleChip("Markers", "Markers as they were recorded", False, clicked["markers"], parent)
         self.work = QLabel(parent)
-        self.work.setAccessibleName("Bodies, pictures a second, and how far these are behind the hand")
+        self.work.setAccessibleName("Bodies, pictures per second, and their latency to the mouse")
         self.work.setStyleSheet(f"background: rgba(22, 25, 29, 205); color: {colours.STAGE_TEXT_SECOND}; {_SHAPE}")
         self.problem = Chip("", "Most important problem", clicked["problem"], parent, _WARNING)
         self.constrain = Chip("", "Constrain the picked joint", clicked["constrain"], parent, _CALL_TO_ACTION_STYLE)
@@ -114,7 +115,7 @@ class Chips:
         grid.addLayout(bottom, 2, 0)
 
     def fit(self, width: int) -> None:
-        """Leave out what a narrow view has no room for, the least important first."""
+        """Hide chips for which a narrow view has no space, the least important first."""
         self.space.setVisible(self._space_used and width >= 340)
         more = 100 if self._recorded else 0  # markers come before what can be switched by keys as well
         for chip, needed in (
@@ -130,7 +131,7 @@ class Chips:
         self.work.setVisible(self._wide and bool(self.work.text()))
 
     def make_room(self, gizmo: QRect) -> None:
-        """Hide the chips that the gizmo's pixels lie under, so that the gizmo is seen and takes the mouse there."""
+        """Hide the chips over the gizmo's pixels, so that it is visible and gets the mouse."""
         for chip in (*self._top, self.work, self.problem):
             covers = gizmo.intersects(chip.geometry())
             if covers == chip.testAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents):
@@ -142,23 +143,23 @@ class Chips:
             chip.setGraphicsEffect(effect)  # type: ignore[arg-type]
 
     def tell_parallel(self, parallel: bool) -> None:
-        """Show whether the view is parallel."""
+        """Show if the projection is parallel."""
         self.view.say("Orthographic" if parallel else "Perspective")
 
     def tell_space(self, space: str, used: bool) -> None:
-        """Show along whose axes the gizmo moves and rotates, while it does."""
+        """Show the space of the gizmo's axes, while it uses one."""
         self.space.say(f"{space.capitalize()} axes")
         self._space_used = used
         self.fit(self._view.width())
 
     def tell_recorded(self, recorded: bool) -> None:
-        """Offer the markers where there are some."""
+        """Show the chip for markers if there are some."""
         if recorded != self._recorded:
             self._recorded = recorded
             self.fit(self._view.width())
 
     def tell_work(self, bodies: int, pace: str, eased: bool) -> None:
-        """Show how many bodies are seen and, while something moves, how fast, and whether they are ``eased``."""
+        """Show the number of visible bodies and, during motion, the frame rate, and if they are smoothed."""
         text = f"{bodies} {'body' if bodies == 1 else 'bodies'}"
         if pace:
             text += f" · {pace}" + ("" if eased else " · smoothing when idle")
@@ -167,7 +168,7 @@ class Chips:
         self.work.setVisible(bodies > 0 and self._wide)
 
     def tell_problem(self, sentence: str | None) -> None:
-        """Show the most important problem, cut short where there is no room, or nothing."""
+        """Show the most important problem, elided if it does not fit, or nothing."""
         words = sentence or ""
         room = self._view.width() - PROBLEM_FRAME
         self.problem.ensurePolished()

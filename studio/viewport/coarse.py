@@ -1,4 +1,4 @@
-"""A coarser skin of some of the vertices of another one, for pictures of which the next comes at once."""
+"""Coarse skin with some of the vertices of another one, for pictures that are soon replaced."""
 
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
@@ -25,7 +25,7 @@ def coarse_skin_beside(mesh: SkinnedMesh) -> Future[SkinnedMesh]:
 
 @project_cache(maxsize=64)
 def coarse_skin(mesh: SkinnedMesh) -> SkinnedMesh:
-    """``mesh`` with ``coarse_triangles`` and no vertices but theirs; a skin with materials as it is."""
+    """``mesh`` with ``coarse_triangles`` and only their vertices; a skin with materials is unchanged."""
     triangles = coarse_triangles(mesh)
     if mesh.appearance is not None or triangles is mesh.triangles:
         return mesh
@@ -40,10 +40,10 @@ def coarse_skin(mesh: SkinnedMesh) -> SkinnedMesh:
 
 
 def coarse_triangles(mesh: SkinnedMesh) -> NDArray[np.int32]:
-    """(T, 3) triangles between some of the vertices of ``mesh``; all of its own where these are few.
+    """(T, 3) triangles between some of the vertices of ``mesh``; all of its own if it has few.
 
-    Vertices of one cell of a grid that move with one segment and face one way become the one nearest to their middle:
-    nobody misses the others in a body of a few hundred pixels that moves.
+    Vertices of one grid cell with the same segment and a similar normal are merged into the one nearest to their mean,
+    which is invisible on a moving body of a few hundred pixels.
     """
     if len(mesh.triangles) < COARSE_TRIANGLES:
         return mesh.triangles

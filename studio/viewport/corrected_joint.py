@@ -1,4 +1,4 @@
-"""A joint of a body that is posed by the gizmo: turned by E, or pulled by W, as a manual correction."""
+"""Joint posed by the gizmo: rotated by E, or pulled by W, as a manual correction."""
 
 from collections.abc import Mapping
 
@@ -21,7 +21,7 @@ HIPS = (BodyPart.PELVIS,)
 
 
 class CorrectedJoint(Movable):
-    """A picked joint as it is shown at the playhead: its rotation and its place change a correction of the pose."""
+    """Picked joint at the playhead; its rotation and position edit a correction of the pose."""
 
     rotates = True
 
@@ -41,12 +41,12 @@ class CorrectedJoint(Movable):
 
     @property
     def words(self) -> str:
-        """Words for what is posed: ``left elbow``."""
+        """Name of the posed joint: ``left elbow``."""
         return self._joint.name
 
     @property
     def place(self) -> FloatArray:
-        """(3,) in the space of the motion: the end of the limb for a hand or foot, else the joint."""
+        """(3,) position in the space of the motion: the end of the limb for a hand or foot, else the joint."""
         layout = self._pose.motion.morphology.layout
         index = self._joint.index
         if self._upper is not None:
@@ -55,7 +55,7 @@ class CorrectedJoint(Movable):
 
     @property
     def pivot(self) -> FloatArray:
-        """(3,) stage point about which the segment turns."""
+        """(3,) stage point about which the segment rotates."""
         layout = self._pose.motion.morphology.layout
         return np.asarray(self._pose.points[layout.proximal_points()[layout.segment(self._part)]])
 
@@ -66,7 +66,7 @@ class CorrectedJoint(Movable):
 
     @property
     def parent_axes(self) -> FloatArray:
-        """(3, 3) axes of the segment that carries it, else of the motion's space."""
+        """(3, 3) axes of the parent segment, else of the motion's space."""
         parent = self._pose.motion.morphology.layout.parent_segments()[self._segment]
         return self._axes(parent) if parent >= 0 else self.placement.rotation
 
@@ -78,7 +78,7 @@ class CorrectedJoint(Movable):
         return np.asarray(self.placement.rotation @ self._pose.motion.rotations[self._pose.row, segment])
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
-        """Turn the segment by ``rotation`` (3, 3) of the stage from how it is shown."""
+        """Rotate the segment by ``rotation`` (3, 3) of the stage from its shown pose."""
         own = self.own_axes
         self._set({self._part: to_rotation_vector(from_matrix(own.T @ rotation @ own))}, None, gesture)
 
@@ -97,7 +97,7 @@ class CorrectedJoint(Movable):
             self._set(head_turns(*posed, posed[1][posed[0].head_joint] + further), None, gesture)
 
     def put_back(self, gesture: int) -> None:
-        """Put the correction as it was; a new one goes."""
+        """Restore the correction; a new one is removed."""
         document = self._document
         with document.group(f"Correct {self.words}", gesture):
             if self._id is not None and self._id in document.project.corrections:
@@ -108,7 +108,7 @@ class CorrectedJoint(Movable):
         document.selection.set(*(item for item in self._selected if document.project.get(*item) is not None))
 
     def _set(self, turns: Mapping[BodyPart, FloatArray], displacement: FloatArray | None, gesture: int) -> None:
-        """Key turns, and a displacement (3,) of the hips in metres, from how the body is shown."""
+        """Key rotations, and a displacement (3,) of the hips in metres, relative to the shown pose."""
         from studio.core.solver.posing import composed  # here: it loads kernels
 
         before, weight = self._offsets
@@ -122,7 +122,7 @@ class CorrectedJoint(Movable):
 
     @property
     def _offsets(self) -> tuple[PoseOffsets, float]:
-        """Offsets of a key at the playhead that leaves the pose as it is, and the weight with which they act."""
+        """Offsets of a key at the playhead that leaves the pose unchanged, and the weight of the correction there."""
         if self._before is None:
             return PoseOffsets(), 1.0
         return self._before.pose_at(self._time), self._before.weight or 1.0

@@ -1,4 +1,4 @@
-"""A strike that is dragged over the 3D view: the body under the mouse is selected, and plays it when it is let go."""
+"""Drop of a strike or a pose on the 3D view: the body under the mouse is selected, and gets it on release."""
 
 from typing import TYPE_CHECKING
 
@@ -6,27 +6,27 @@ from PySide6.QtCore import QEvent, QObject, Signal
 from PySide6.QtGui import QDropEvent
 
 from studio.document.document import Document
-from studio.document.dragging import strike_in
+from studio.document.dragging import row_in
 from studio.viewport import picking
 
 if TYPE_CHECKING:
     from studio.viewport.widget import Viewport
 
 
-class StrikeDrops(QObject):
-    """``dropped`` tells which of the strikes that are listed fell on which performer."""
+class BodyDrops(QObject):
+    """Event filter for one kind of drag; ``dropped`` is emitted with the index in the list and the performer."""
 
     dropped = Signal(int, str)
 
-    def __init__(self, viewport: "Viewport", document: Document) -> None:
+    def __init__(self, viewport: "Viewport", document: Document, kind: str) -> None:
         super().__init__(viewport)
-        self._viewport, self._document = viewport, document
+        self._viewport, self._document, self._kind = viewport, document, kind
         viewport.setAcceptDrops(True)
         viewport.installEventFilter(self)
 
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
-        """Take strikes, and leave files to the window."""
-        place = strike_in(event.mimeData()) if isinstance(event, QDropEvent) else None  # so are entries and moves
+        """Accept drags of this kind, and leave others to other filters."""
+        place = row_in(self._kind, event.mimeData()) if isinstance(event, QDropEvent) else None  # so are moves
         if place is None or not isinstance(event, QDropEvent):
             return False
         view, where = self._viewport, event.position()

@@ -1,6 +1,6 @@
-"""Two eyes, and a head that moves before the screen: where each eye is, and how their pictures become one.
+"""Stereo and head tracking: the position of each eye, and the combination of their pictures.
 
-The screen is a window that stands at the camera's target: what lies there is in the same place for every eye.
+The screen is a window at the camera's target: points there are in the same place for every eye.
 """
 
 from dataclasses import dataclass, replace
@@ -24,7 +24,7 @@ _GREY = np.array([0.299, 0.587, 0.114])
 
 
 class Stereo(StrEnum):
-    """Ways to show the pictures of two eyes."""
+    """Combination of the pictures of two eyes."""
 
     OFF = "off"
     SIDE_BY_SIDE = "side by side"
@@ -33,7 +33,7 @@ class Stereo(StrEnum):
 
 @dataclass(frozen=True)
 class Eye:
-    """Position of an eye, in metres from where the camera stands: to the right, up, away from the stage."""
+    """Position of an eye, in metres from the camera: to the right, up, away from the stage."""
 
     right: float = 0.0
     up: float = 0.0
@@ -44,7 +44,7 @@ CENTRE_EYE = Eye()
 
 
 class Renders(Protocol):
-    """A scene that can be seen from an eye."""
+    """Scene that can be rendered for an eye."""
 
     def render(
         self,
@@ -53,23 +53,23 @@ class Renders(Protocol):
         offset: tuple[float, float] = (0.0, 0.0),
         eye: Eye = CENTRE_EYE,
     ) -> Pixels:
-        """(height, width, 4) RGBA; ``offset`` shifts it by parts of a pixel."""
+        """(height, width, 4) RGBA; ``offset`` shifts it by fractions of a pixel."""
 
 
 @dataclass(frozen=True)
 class StereoView:
-    """Eyes that see the stage: one or two, and the place of the ``head``, in metres before the screen."""
+    """Eyes of the view: one or two, and the position of the ``head``, in metres before the screen."""
 
     stereo: Stereo = Stereo.OFF
     head: Eye = CENTRE_EYE
 
     @property
     def is_plain(self) -> bool:
-        """True if pixels follow from the camera alone: one eye, no tracked head."""
+        """True if the projection depends on the camera alone: one eye, no tracked head."""
         return self == ONE_EYE
 
     def looked(self, camera: OrbitCamera, tall: float) -> Eye:
-        """The eye between both, of a head before a window ``tall`` metres high."""
+        """Eye midway between both, of a head before a window ``tall`` metres high."""
         scale = tall / SCREEN
         back = max(scale * self.head.back, (NEAREST - 1.0) * camera.distance)
         return Eye(scale * self.head.right, scale * self.head.up, back)
@@ -95,7 +95,7 @@ ONE_EYE = StereoView()
 
 @dataclass(frozen=True, eq=False)
 class StereoScene:
-    """A scene as it is looked at; it renders as the scene does."""
+    """Scene for a stereo view; it renders like the scene itself."""
 
     scene: Renders
     sight: StereoView
@@ -108,7 +108,7 @@ class StereoScene:
 
 
 def side_by_side(left: Pixels, right: Pixels, size: tuple[int, int]) -> Pixels:
-    """Both pictures beside each other in the middle of one of ``size`` (width, height), black round them."""
+    """Both pictures side by side in the middle of one of ``size`` (width, height), with black borders."""
     height, width = left.shape[:2]
     made = np.zeros((size[1], size[0], 4), dtype=np.uint8)
     above = (size[1] - height) // 2
@@ -118,7 +118,7 @@ def side_by_side(left: Pixels, right: Pixels, size: tuple[int, int]) -> Pixels:
 
 
 def anaglyph(left: Pixels, right: Pixels) -> Pixels:
-    """One picture for red and cyan glasses: the left eye's greys in red, the right eye's own green and blue."""
+    """Picture for red and cyan glasses: the left eye's luminance in red, the right eye's own green and blue."""
     made = np.array(right)
     made[..., 0] = (left[..., :3] @ _GREY).astype(np.uint8)
     return made

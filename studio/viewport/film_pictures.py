@@ -23,7 +23,7 @@ from studio.viewport.stills import FILM_PICTURE_SAMPLES, smooth_picture
 
 
 def render_shots(shots: Shots) -> Generator[Pixels, None, None]:
-    """Draw the stage at each of the times, every performer adapted anew. Raises StudioError."""
+    """Draw the stage at each of the times, with all performers adapted again. Raises StudioError."""
     project, view = shots.project, shots.view
     made = performances(project).performances
     if not made:
@@ -54,7 +54,7 @@ def render_shots(shots: Shots) -> Generator[Pixels, None, None]:
 
 
 def _cameras(project: Project, results: Mapping[str, AdaptedMotion], view: View) -> Callable[[float], OrbitCamera]:
-    """Function from a time in seconds to the camera, which goes with the performer whom the view follows."""
+    """Function from a time in seconds to the camera, which follows the performer of the view."""
     motion = results.get(view.followed or "")
     if motion is None:
         return lambda time: view.camera
@@ -67,7 +67,7 @@ def _cameras(project: Project, results: Mapping[str, AdaptedMotion], view: View)
 
 
 def _paint_ghost(picture: Pixels, ghost: Posed, view: View) -> None:
-    """As the viewport paints it over the same picture, lines as thick beside the bodies as there."""
+    """Paint the ghost like the viewport, with lines of the same width relative to the bodies."""
     height, width = picture.shape[:2]
     scale = height / view.height
     image = QImage(picture.data, width, height, 4 * width, QImage.Format.Format_RGBX8888)  # these very bytes

@@ -1,4 +1,4 @@
-"""The floor: a plane that fades into the distance, metre lines, the axes' first metre, and soft shadows."""
+"""Floor: a plane that fades into the distance, metre lines, the axes' first metre, and soft shadows."""
 
 import numpy as np
 import pyvista as pv
@@ -24,7 +24,7 @@ SHADOW_LIFT, LINE_LIFT = 0.0015, 0.003
 
 
 def make_plane() -> pv.PolyData:
-    """A round floor of 120 m, its colour fading to the horizon's."""
+    """Round floor of 120 m whose colour fades to the horizon's."""
     radii = np.array([0.0, 12.0, 30.0, 60.0, 120.0])
     angles = np.linspace(0, 2 * np.pi, 49)[:-1]
     points = [np.zeros(3)]
@@ -45,7 +45,7 @@ def make_plane() -> pv.PolyData:
 
 
 def make_sky() -> pv.PolyData:
-    """A sphere of 150 m seen from within: the floor's far colour at the horizon, lighter above."""
+    """Sphere of 150 m seen from inside: the floor's far colour at the horizon, lighter above."""
     sky = pv.Sphere(radius=150.0, theta_resolution=24, phi_resolution=24)
     height = np.clip(sky.points[:, 2] / 150.0 / 0.35, 0, 1)[:, None]
     sky.point_data.clear()
@@ -54,7 +54,7 @@ def make_sky() -> pv.PolyData:
 
 
 def make_lines() -> pv.PolyData:
-    """Metre lines in pieces of a metre, fading out towards the rim; X and Y tinted along the axes."""
+    """Metre lines in pieces of a metre, fading out towards the rim; X and Y are tinted along the axes."""
     reach = np.arange(-GRID_REACH, GRID_REACH + 1)
     pieces, tints = [], []
     for place in reach:
@@ -75,7 +75,7 @@ def make_lines() -> pv.PolyData:
 
 
 class SoftShadows:
-    """A picture on the floor, darkened under what stands close above it."""
+    """Texture of the floor, darkened below near bodies."""
 
     def __init__(self) -> None:
         self._dark = np.zeros((SHADOW_CELLS, SHADOW_CELLS), dtype=np.float32)
@@ -99,9 +99,10 @@ class SoftShadows:
         self.actor.texture = self.texture
 
     def cast(self, bodies: list[tuple[NDArray[np.float64], Morphology]], ground: Ground) -> None:
-        """Darken the ground under each body: its stage points (N, 3) and its measures.
+        """Darken the ground under each body, from its stage points (N, 3) and its measures.
 
-        A level floor is the picture itself; any other ground takes it, as ``texture`` round ``centre``, on its surface.
+        A level floor is drawn with the texture; any other ground gets it as ``texture`` round ``centre``, on its
+        surface.
         """
         cell = 2 * SHADOW_REACH / SHADOW_CELLS
         middle = np.mean([points[0, :2] for points, _ in bodies], axis=0) if bodies else np.zeros(2)
@@ -122,7 +123,7 @@ class SoftShadows:
         self.actor.SetPosition(centre[0], centre[1], ground.height + SHADOW_LIFT)
 
     def _darken(self, places: NDArray[np.float64], radii: NDArray[np.float64], strengths: NDArray[np.float64]) -> None:
-        """Soft spots at ``places`` (S, 2) of the picture, each over what is light yet."""
+        """Draw soft spots at ``places`` (S, 2) of the texture; each darkens only the light that is left."""
         away = np.arange(SHADOW_CELLS) - places[:, :, None]
         fades = np.exp(-((away / radii[:, None, None]) ** 2)).astype(np.float32)
         reach = 2.2 * radii[:, None]
@@ -137,7 +138,7 @@ class SoftShadows:
 def _spots(
     points: NDArray[np.float64], morphology: Morphology, ground: Ground
 ) -> list[tuple[NDArray[np.float64], float, float]]:
-    """Place, radius and strength of the soft spots of a body: feet sharp and near, trunk wide and faint."""
+    """Position, radius and strength of the soft spots of a body: feet sharp and near, trunk wide and faint."""
     layout, size = morphology.layout, morphology.leg_length
     parts = [(layout.ankle(side) + k, 0.13, 0.62) for side in (0, 1) for k in (0, 1)]
     parts += [(layout.wrist(side), 0.12, 0.30) for side in (0, 1)]
@@ -152,13 +153,15 @@ def _spots(
 
 
 def line_tints(run: NDArray[np.float64], place: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
-    """(N, 3) colours of metre lines along ``axis`` at ``run`` (N,) on the line ``place`` (N,): the first are tinted."""
+    """(N, 3) colours of metre lines along ``axis`` at ``run`` (N,) on the line ``place`` (N,): the first metre is
+    tinted.
+    """
     first = (place == 0.0) & (run >= 0.0)
     return np.where(first[:, None], (X_AXIS, Y_AXIS)[axis], GRID_LINE_COLOUR)
 
 
 def line_fade(places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(N, 1) how plain metre lines are at ``places`` (N, 2): less and less towards the rim."""
+    """(N, 1) opacity of metre lines at ``places`` (N, 2), decreasing towards the rim."""
     near: NDArray[np.float64] = np.clip(1.15 - np.linalg.norm(places, axis=1) / GRID_REACH, 0, 1)[:, None]
     return near**1.2
 

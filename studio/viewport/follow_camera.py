@@ -1,4 +1,4 @@
-"""The camera that goes with a character: by its root's way over the ground, not by every sway of the hips."""
+"""Camera that follows a character, by its root's smoothed path over the ground."""
 
 from dataclasses import replace
 
@@ -12,13 +12,15 @@ SECONDS = 0.6
 
 
 class FollowCamera:
-    """Moves a camera as far as the followed character went since the last picture."""
+    """Moves a camera by the followed character's displacement since the last picture."""
 
     def __init__(self) -> None:
         self._last: tuple[str, FloatArray] | None = None
 
     def moved(self, camera: OrbitCamera, performer_id: str, pose: Posed | None) -> OrbitCamera:
-        """``camera`` gone on with a performer, brought before one that is followed anew; itself without a ``pose``."""
+        """``camera`` moved along with a performer, or moved in front of a newly followed one; unchanged without a
+        ``pose``.
+        """
         if pose is None:
             self._last = None
             return camera
@@ -29,15 +31,16 @@ class FollowCamera:
 
 
 def gone_on(camera: OrbitCamera, way: FloatArray) -> OrbitCamera:
-    """``camera`` moved along a way (2,) over the ground."""
+    """``camera`` moved by a displacement (2,) over the ground."""
     x, y, z = camera.target
     return replace(camera, target=(x + float(way[0]), y + float(way[1]), z))
 
 
 def way_place(pose: Posed) -> FloatArray:
-    """(2,) where the smoothed way of a performer's root is on the stage.
+    """(2,) position on the stage of a performer's smoothed root path.
 
-    Who is driven live is elsewhere than its clips, which are known over time: smoothing is theirs, the place its own.
+    A performer that is driven live is displaced from its clips, which are known over time: the smoothing is theirs, the
+    position its own.
     """
     roots, reach = pose.over_time.positions[:, 0], round(SECONDS * pose.motion.frame_rate)
     here = pose.frame - pose.over_time.first_frame

@@ -1,4 +1,4 @@
-"""Places that the camera shows when the selection is framed."""
+"""Points that are framed for the selection."""
 
 from collections.abc import Iterable, Mapping
 

@@ -1,4 +1,4 @@
-"""Bodies seen through, in one colour each: onion skins and kept moments."""
+"""Translucent bodies, in one colour each: onion skins and kept moments."""
 
 from collections.abc import Callable, Sequence
 
@@ -14,7 +14,7 @@ from studio.viewport.onion_skins import Ghost
 
 
 class GhostBody:
-    """The coarse skin of a character at one moment."""
+    """Coarse skin of a character at one moment."""
 
     def __init__(self, character: Character) -> None:
         self.character = character
@@ -24,7 +24,7 @@ class GhostBody:
         self._posing: tuple[object, ...] = ()
 
     def show(self, ghost: Ghost, character: Character) -> None:
-        """Take the pose, colour and opacity of a ghost of a character with the same skin."""
+        """Set the pose, colour and opacity of a ghost of a character with the same skin."""
         posed, self.character = ghost.pose, character
         motion, row = posed.motion, posed.row
         self.actor.prop.color, self.actor.prop.opacity = ghost.colour, ghost.opacity
@@ -42,7 +42,7 @@ class GhostBody:
 
 
 class GhostBodies:
-    """As many ghosts as each ``sync`` is given; meshes are used again."""
+    """Ghosts of each ``sync``; meshes are reused."""
 
     def __init__(self, add: Callable[[pv.Actor], None], remove: Callable[[pv.Actor], None]) -> None:
         self._add, self._remove = add, remove

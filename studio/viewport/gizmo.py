@@ -1,4 +1,4 @@
-"""The gizmo that moves: three arrows, three small planes and a ball, hit and dragged by numpy alone."""
+"""Gizmo that moves: three arrows, three small planes and a ball, hit and dragged by numpy alone."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -19,7 +19,7 @@ BALL_HANDLE = "view"
 
 
 class Space(StrEnum):
-    """Axes along which a gizmo moves and rotates: of the stage, the thing, what carries the thing, or the picture."""
+    """Axes along which a gizmo moves and rotates: of the stage, the thing, its parent, or the screen."""
 
     WORLD = "world"
     LOCAL = "local"
@@ -28,7 +28,7 @@ class Space(StrEnum):
 
 
 def arrow_pixels(body_height: float) -> float:
-    """An arrow beside a body that is so many pixels high: never longer than a third of it, if it can be gripped."""
+    """Length of an arrow beside a body of that height in pixels: at most a third of it, if it can still be gripped."""
     return min(max(body_height / 3, SHORTEST_ARROW), ARROW_PIXELS)
 
 
@@ -39,7 +39,7 @@ def moved_axes(part: str) -> list[bool]:
 
 @dataclass(frozen=True, eq=False)
 class GizmoFrame:
-    """Base of all gizmos: an ``origin`` (stage), the rows of ``axes`` (3, 3), and the ``camera`` that sees them."""
+    """Base of all gizmos: an ``origin`` (stage), the rows of ``axes`` (3, 3), and the ``camera``."""
 
     origin: FloatArray
     axes: FloatArray
@@ -50,13 +50,13 @@ class GizmoFrame:
 
     @cached_property
     def length(self) -> float:
-        """Metres of an arrow: the same on the screen at any distance."""
+        """Length of an arrow in metres, constant on the screen."""
         depth = float(self.camera.project(self.origin, self.size)[1][0])
         return self.pixels * self.camera.metres_per_pixel(self.size[1], depth)
 
     @property
     def in_sight(self) -> bool:
-        """True if the origin is before the camera."""
+        """True if the origin is in front of the camera."""
         return bool(self.camera.project(self.origin, self.size)[1][0] > 0.02)
 
     @cached_property
@@ -72,7 +72,7 @@ class GizmoFrame:
 
     @property
     def extent(self) -> tuple[FloatArray, FloatArray]:
-        """Least and greatest pixel (2,) of what is drawn and can be gripped."""
+        """Least and greatest pixel (2,) of all parts that are drawn and can be gripped."""
         pixels = np.vstack([self.centre, self.tips])
         return pixels.min(axis=0) - BALL_REACH, pixels.max(axis=0) + BALL_REACH
 
@@ -84,11 +84,11 @@ class GizmoFrame:
 
     @cached_property
     def facing(self) -> FloatArray:
-        """(3,) cosines between the axes and the sight, without sign."""
+        """(3,) absolute cosines between the axes and the view direction."""
         return np.abs(self.axes @ self.sight)
 
     def along_axis(self, axis: int, x: float, y: float) -> FloatArray:
-        """(3,) stage point of an axis that is nearest to the sight through pixel (x, y)."""
+        """(3,) stage point of an axis nearest to the view ray through pixel (x, y)."""
         begin, sight = self.camera.ray(x, y, self.size)
         away, direction = self.origin - begin, self.axes[axis]
         lean = float(direction @ sight)
@@ -96,14 +96,14 @@ class GizmoFrame:
         return np.asarray(self.origin + along * direction)
 
     def in_plane(self, normal: FloatArray, x: float, y: float) -> FloatArray:
-        """(3,) stage point of the plane through the origin across ``normal`` that is seen at pixel (x, y)."""
+        """(3,) stage point at pixel (x, y) in the plane with that normal through the origin."""
         begin, sight = self.camera.ray(x, y, self.size)
         slant = float(normal @ sight)
         slant = np.copysign(max(abs(slant), 1e-3), slant)
         return np.asarray(begin + (float(normal @ (self.origin - begin)) / slant) * sight)
 
     def pixels_of(self, steps: FloatArray) -> FloatArray:
-        """(N, 2) pixels of ``steps`` (N, 3) from the origin along the axes, in parts of an arrow."""
+        """(N, 2) pixels of ``steps`` (N, 3) from the origin along the axes, in arrow lengths."""
         return self.camera.project(self.origin + self.length * steps @ self.axes, self.size)[0]
 
 
@@ -116,7 +116,7 @@ class Gizmo(GizmoFrame):
 
     @cached_property
     def squares(self) -> dict[str, FloatArray]:
-        """(4, 2) pixels of each plane handle's corners."""
+        """(4, 2) corner pixels of each plane handle."""
         corners = {}
         for name, across in PLANES.items():
             first, second = np.delete(np.eye(3), across, axis=0)
@@ -130,7 +130,7 @@ class Gizmo(GizmoFrame):
         return corners
 
     def usable(self, part: str) -> bool:
-        """An arrow seen end on, or a plane seen edge on, cannot be dragged and is not shown."""
+        """False for an arrow seen end on, or a plane seen edge on, which is not shown."""
         if part == BALL_HANDLE:
             return True
         if self.flat and "z" in part:
@@ -140,7 +140,7 @@ class Gizmo(GizmoFrame):
         return bool(self.facing[PLANES[part]] > 0.12)
 
     def part_at(self, x: float, y: float) -> str | None:
-        """The part under pixel (x, y): ball before planes before arrows."""
+        """Part under pixel (x, y): ball before planes before arrows."""
         mouse = np.array([x, y])
         if np.hypot(*(mouse - self.centre)) <= BALL_REACH:
             return BALL_HANDLE
@@ -150,7 +150,7 @@ class Gizmo(GizmoFrame):
         return nearest_axis(self, mouse, [self.usable(axis) for axis in GIZMO_AXES])
 
     def grip(self, part: str, x: float, y: float) -> FloatArray:
-        """(3,) stage point that pixel (x, y) holds when ``part`` is dragged: on its axis or in its plane."""
+        """(3,) stage point of ``part`` gripped at pixel (x, y): on its axis or in its plane."""
         if part in GIZMO_AXES:
             return self.along_axis(GIZMO_AXES.index(part), x, y)
         level = part == BALL_HANDLE and self.flat
@@ -160,7 +160,7 @@ class Gizmo(GizmoFrame):
 
 
 def nearest_axis(frame: GizmoFrame, mouse: FloatArray, usable: list[bool]) -> str | None:
-    """The usable axis whose line is under pixel ``mouse`` (2,)."""
+    """Usable axis whose line is under pixel ``mouse`` (2,)."""
     away = [_distance(mouse, frame.centre, tip) if use else np.inf for use, tip in zip(usable, frame.tips, strict=True)]
     nearest = int(np.argmin(away))
     return GIZMO_AXES[nearest] if away[nearest] <= LINE_REACH else None

@@ -1,4 +1,4 @@
-"""Painting of gizmos: arrows, rings, boxes, and the change while one of them is dragged."""
+"""Painting of gizmos: arrows, rings, boxes, and the change during a drag."""
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
@@ -30,7 +30,7 @@ class GizmoPainter:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
 
     def paint(self, gizmo: GizmoFrame, hot: str | None, gesture: ViewportGesture | None) -> None:
-        """Paint a gizmo, and beside it by how much a drag has changed the thing."""
+        """Paint a gizmo, and beside it the change by a drag."""
         match gizmo:
             case RotateGizmo():
                 self._rotate(gizmo, hot, gesture if isinstance(gesture, RotateDrag) else None)
@@ -61,7 +61,7 @@ class GizmoPainter:
         self._box(gizmo.centre, QColor(HOVERED if hot == BALL_HANDLE else MIDDLE))
 
     def _rotate(self, gizmo: RotateGizmo, hot: str | None, drag: RotateDrag | None) -> None:
-        """Rings, of which the halves behind are faint; while one is dragged, that one and the angle."""
+        """Paint rings, with faint rear halves; during a drag, only that ring and the angle."""
         if drag is not None and drag.part != TRACKBALL:
             self._sector(gizmo, drag)
             return
@@ -95,7 +95,7 @@ class GizmoPainter:
             self._painter.drawPolyline(line)
 
     def _sector(self, gizmo: RotateGizmo, drag: RotateDrag) -> None:
-        """The ring that is dragged, with the sector from where it was gripped."""
+        """Paint the dragged ring, with the sector from its grip."""
         held = drag.gizmo
         colour = QColor(AXIS_COLOURS.get(drag.part, MIDDLE))
         shift = gizmo.centre - held.centre
@@ -151,13 +151,13 @@ class GizmoPainter:
 
 
 def _back_to_front(gizmo: GizmoFrame) -> list[tuple[str, FloatArray]]:
-    """The axes and their tips, the farthest first."""
+    """Axes and their tips, the farthest first."""
     order = np.argsort(gizmo.axes @ gizmo.camera.axes[2])
     return [(GIZMO_AXES[place], gizmo.tips[place]) for place in order.tolist()]
 
 
 def _runs(chosen: list[bool]) -> list[tuple[int, int]]:
-    """Begin and end of each run of chosen sides of a closed line; an end may be beyond the last side."""
+    """Begin and end of each run of chosen sides of a closed line; an end may exceed the last side."""
     count = len(chosen)
     if all(chosen):
         return [(0, count)]

@@ -1,4 +1,4 @@
-"""A short glide of the camera from one view to another."""
+"""Short camera animation from one view to another."""
 
 from collections.abc import Callable
 
@@ -10,7 +10,7 @@ MILLISECONDS = 120
 
 
 class Glide(QObject):
-    """Moves a camera in 120 ms; a new glide takes the place of one under way."""
+    """Animation of 120 ms; a new one replaces one under way."""
 
     def __init__(self, show: Callable[[OrbitCamera], None], parent: QObject) -> None:
         super().__init__(parent)
@@ -24,7 +24,7 @@ class Glide(QObject):
         self._animation.valueChanged.connect(self._step)
 
     def start(self, begin: OrbitCamera, end: OrbitCamera) -> None:
-        """Glide from ``begin`` to ``end``; from a view to itself there is no way, and what is under way goes on."""
+        """Animate from ``begin`` to ``end``; equal views change nothing, and an animation under way continues."""
         if begin == end:
             return
         self._animation.stop()
@@ -32,12 +32,12 @@ class Glide(QObject):
         self._animation.start()
 
     def stop(self) -> None:
-        """Stay where the camera is."""
+        """Stop the animation."""
         self._animation.stop()
 
     @property
     def moving(self) -> bool:
-        """True while the camera glides."""
+        """True during an animation."""
         return self._animation.state() == QVariantAnimation.State.Running
 
     def _step(self, share: float) -> None:

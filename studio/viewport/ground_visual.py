@@ -1,4 +1,4 @@
-"""Ground that is not level: a shaded surface with the metre lines laid over it, built anew only when it changes."""
+"""Uneven ground: a shaded surface with metre lines, rebuilt only when it changes."""
 
 import numpy as np
 import pyvista as pv
@@ -37,7 +37,7 @@ Faces = NDArray[np.int64]
 
 
 class GroundVisual:
-    """A surface and its lines. ``show`` brings both to a ground and says whether anything was built."""
+    """Surface and its lines. ``show`` updates both to a ground and returns True if anything was rebuilt."""
 
     def __init__(self) -> None:
         self._surface, self._lines = pv.PolyData(), pv.PolyData()
@@ -47,7 +47,7 @@ class GroundVisual:
             actor.SetVisibility(False)
 
     def show(self, ground: Ground) -> bool:
-        """Draw ``ground``; nothing for a level one, which the floor draws. False when it is drawn already."""
+        """Draw ``ground``; nothing for a level one, which the floor draws. False if it is drawn already."""
         if ground == self._shown:
             return False
         self._shown = ground
@@ -67,7 +67,7 @@ class GroundVisual:
         return True
 
     def place_shadow(self, centre: FloatArray, reach: float) -> None:
-        """Lay the surface's texture over ``centre`` (2,), ``reach`` metres to each side, seen from above."""
+        """Place the surface's texture over ``centre`` (2,), ``reach`` metres to each side, projected from above."""
         places = (np.asarray(self._surface.points)[:, :2] - centre) / (2 * reach) + 0.5
         self._surface.active_texture_coordinates = places.astype(np.float64)
 
@@ -97,7 +97,7 @@ def surface_of(ground: Ground) -> tuple[FloatArray, FloatArray, Faces]:
 
 
 def shades(points: FloatArray, normals: FloatArray) -> NDArray[np.uint8]:
-    """(V, 3) the floor's grey, lit from one side, fading to the horizon's far away."""
+    """(V, 3) floor's grey, lit from one side, fading to the horizon's in the distance."""
     light = np.maximum(1.0 + LAMP_STRENGTH * (normals @ LAMP - LAMP[2]), DARKEST)
     away = np.clip((np.linalg.norm(points[:, :2], axis=1) - 12.0) / 60.0, 0, 1)[:, None]
     return as_bytes(np.clip(FLOOR * light[:, None], 0, 255) * (1 - away) + HORIZON * away)
@@ -126,7 +126,7 @@ def lines_of(ground: Ground) -> tuple[FloatArray, NDArray[np.uint8], Faces]:
 
 
 def _edges(ground: Steps) -> FloatArray:
-    """(2 * pieces, 3) the noses of the steps, in pieces of a metre that can fade."""
+    """(2 * pieces, 3) edges of the steps, in pieces of a metre that can fade."""
     ahead, across = direction_vector(ground.direction), direction_vector(ground.direction + np.pi / 2)
     risers = np.arange(ground.count)
     heights = ground.height + ground.rise * (risers + (1 if ground.rise > 0 else 0))
@@ -137,7 +137,7 @@ def _edges(ground: Steps) -> FloatArray:
 
 
 def _flight(ground: Steps) -> tuple[FloatArray, FloatArray, Faces]:
-    """Treads and risers, each with corners of its own so that edges are sharp, and the floor before and after."""
+    """Treads and risers with separate corners, so that edges are sharp, and the floor before and after."""
     ahead, across = direction_vector(ground.direction), direction_vector(ground.direction + np.pi / 2)
     risers = np.arange(ground.count) * ground.tread
     end = risers[-1]
@@ -168,7 +168,7 @@ def _flight(ground: Steps) -> tuple[FloatArray, FloatArray, Faces]:
 
 
 def _quads(rows: int, columns: int) -> Faces:
-    """(Q, 5) the cells of a grid of points, as VTK wants them."""
+    """(Q, 5) cells of a grid of points, in VTK's format."""
     index = np.arange(rows * columns).reshape(rows, columns)
     corners = [index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]]
     return np.column_stack([np.full((rows - 1) * (columns - 1), 4), *(corner.ravel() for corner in corners)])

@@ -1,4 +1,4 @@
-"""Figures of constraints beside their handles, by kind: lines of sight, wireframes, discs."""
+"""Figures of constraints beside their handles, by kind: view lines, wireframes, discs."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -42,7 +42,9 @@ _SQUARE = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [-1, -1, 0
 
 @dataclass(frozen=True, eq=False)
 class HandleShape:
-    """Lines (N, 3) and filled faces in the motion's space; ``link`` (2, 3) leads from what is to what is asked."""
+    """Lines (N, 3) and filled faces in the motion's space; ``link`` (2, 3) leads from the present
+    state to the target.
+    """
 
     lines: tuple[FloatArray, ...] = ()
     faces: tuple[FloatArray, ...] = ()
@@ -54,7 +56,7 @@ class HandleShape:
     """True if it is drawn only while the constraint is selected: it would hide the body."""
 
     def placed(self, placement: Placement) -> "HandleShape":
-        """The figure on the stage."""
+        """Figure on the stage."""
         lines, faces = (tuple(placement.to_stage(each) for each in parts) for parts in (self.lines, self.faces))
         link = None if self.link is None else placement.to_stage(self.link)
         return replace(self, lines=lines, faces=faces, link=link)
@@ -70,7 +72,7 @@ def figure_of(constraint: Constraint, pose: Posed, floor: float) -> HandleShape:
 
 
 def with_outline(figure: HandleShape, outline: FloatArray | None, floor: float) -> HandleShape:
-    """The figure with the outline (N, 2) of what the body stands on."""
+    """Figure with the outline (N, 2) of the support polygon."""
     if outline is None:
         return figure
     closed = np.column_stack([np.concatenate([outline, outline[:1]]), np.full(len(outline) + 1, floor)])
@@ -78,9 +80,9 @@ def with_outline(figure: HandleShape, outline: FloatArray | None, floor: float) 
 
 
 def with_path(figure: HandleShape, target: object, time: float, place: FloatArray, leg_length: float) -> HandleShape:
-    """The figure with the path of a ``target`` that is keyed or moves by a rule, round a ``time`` of its motion.
+    """Figure with the path of a ``target`` that is keyed or moves by a rule, round a ``time`` of its motion.
 
-    A per-character path leads through ``place``, where the target is at that time.
+    A per-character path passes through ``place``, the target at that time.
     """
     if not isinstance(target, KeyedPlace | KeyedOwnPlace | ProceduralPlace):
         return figure
@@ -91,13 +93,13 @@ def with_path(figure: HandleShape, target: object, time: float, place: FloatArra
 
 
 def position_figure(constraint: PositionConstraint, pose: Posed, floor: float) -> HandleShape:
-    """The link from the point to its target."""
+    """Link from the point to its target."""
     link = np.stack([_point(pose, constraint.point), np.array(constraint.target)])
     return HandleShape(link=link, missed=_length(link) > REACHED)
 
 
 def look_at_figure(constraint: LookAtConstraint, pose: Posed, floor: float) -> HandleShape:
-    """The link from the eyes to the target, drawn also while it is met."""
+    """Link from the eyes to the target, drawn also while it is met."""
     link = np.stack([_point(pose, constraint.point), np.array(constraint.target)])
     gaze, way = _turn(pose, constraint.point)[:, 0], link[1] - link[0]
     angle = float(np.arctan2(np.linalg.norm(np.cross(gaze, way)), gaze @ way))
@@ -105,7 +107,7 @@ def look_at_figure(constraint: LookAtConstraint, pose: Posed, floor: float) -> H
 
 
 def distance_figure(constraint: DistanceConstraint, pose: Posed, floor: float) -> HandleShape:
-    """The link between both ends."""
+    """Link between both ends."""
     other = constraint.other
     end = _point(pose, other) if isinstance(other, BodyPoint) else np.array(other)
     link = np.stack([_point(pose, constraint.point), end])
@@ -114,7 +116,7 @@ def distance_figure(constraint: DistanceConstraint, pose: Posed, floor: float) -
 
 
 def orientation_figure(constraint: OrientationConstraint, pose: Posed, floor: float) -> HandleShape:
-    """The three axes as they are asked, at the segment's origin."""
+    """Three axes of the target rotation, at the segment's origin."""
     begin = _point(pose, constraint.point)
     asked, is_so = to_matrix(np.array(constraint.target)), _turn(pose, constraint.point)
     lines = tuple(np.stack([begin, begin + AXIS * axis]) for axis in asked.T)
@@ -134,7 +136,7 @@ def parallel_figure(constraint: ParallelConstraint, pose: Posed, floor: float) -
 
 
 def balance_figure(constraint: BalanceConstraint, pose: Posed, floor: float) -> HandleShape:
-    """A disc under the centre of mass, and the place that it is to be over."""
+    """Disc under the centre of mass, and its target."""
     x, y, _ = _mass(pose)
     below = np.array([x, y, floor])
     disc = below + DISC_RADIUS * _CIRCLE
@@ -146,7 +148,7 @@ def balance_figure(constraint: BalanceConstraint, pose: Posed, floor: float) -> 
 
 
 def clear_figure(constraint: ClearConstraint, pose: Posed, floor: float) -> HandleShape:
-    """The capsules that the arms are kept out of."""
+    """Capsules that the arms avoid."""
     return HandleShape(lines=tuple(capsule_lines(pose.motion, pose.row)), only_chosen=True)
 
 
@@ -171,7 +173,7 @@ Shape = tuple[list[FloatArray], list[FloatArray]]
 
 
 def _half_space(size: FloatArray) -> Shape:
-    """A piece of the plane, and its normal."""
+    """Piece of the plane, and its normal."""
     normal = size / np.linalg.norm(size)
     first = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
     first /= np.linalg.norm(first)
@@ -186,7 +188,7 @@ def _box(size: FloatArray) -> Shape:
 
 
 def _table(size: FloatArray) -> Shape:
-    """A box whose top counts."""
+    """Box with an emphasised top."""
     lines, _ = _box(size)
     return lines, [lines[1]]
 

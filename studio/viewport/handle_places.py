@@ -1,12 +1,12 @@
-"""The place by which a constraint is held and dragged, by its kind."""
+"""Position of the handle by which a constraint is dragged, by its kind."""
 
 from studio.core.constraints.base import Constraint, Vector
 
 
 def handle_place(constraint: Constraint, floor: float = 0.0) -> Vector | None:
-    """Position (3,) of the handle, metres in the motion's space over a ground ``floor`` high; None: it has no place.
+    """Position (3,) of the handle, metres in the motion's space over a ground ``floor`` high; None if it has none.
 
-    The constraint is as it is at one moment (``TargetContext.fixed``).
+    The constraint is that of one moment (``TargetContext.fixed``).
     """
     place = getattr(constraint, constraint.shown.held_by, None)
     if not isinstance(place, tuple):

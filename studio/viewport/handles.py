@@ -1,4 +1,4 @@
-"""Constraint handles: where the targets are for each performer, and which of them are missed."""
+"""Constraint handles: the targets of each performer, and which of them are missed."""
 
 from collections.abc import Container, Mapping
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from studio.viewport.handle_places import handle_place
 
 @dataclass(frozen=True, eq=False)
 class Handle:
-    """A constraint as one performer has it on the stage: its place (3,) if it has one, its figure, activation now."""
+    """Constraint of one performer on the stage: its position (3,) if it has one, its figure, its present activation."""
 
     constraint_id: str
     performer_id: str
@@ -30,12 +30,12 @@ class Handle:
 
     @property
     def missed(self) -> bool:
-        """True if the constraint should hold now and does not."""
+        """True if the constraint is fully active now and not met."""
         return self.activation > 0.5 and self.figure.missed
 
     @property
     def extent(self) -> FloatArray:
-        """(N, 3) stage points of all that is drawn of it."""
+        """(N, 3) stage points of its drawing."""
         own = [] if self.target is None else [self.target[None]]
         links = [] if self.figure.link is None else [self.figure.link]
         return np.concatenate([*own, *links, *self.figure.lines])
@@ -44,7 +44,7 @@ class Handle:
 def constraint_handles(
     project: Project, posed: Mapping[str, Posed], active: str | None, only: Container[str] | None = None
 ) -> list[Handle]:
-    """The handles of every posed performer, the active one's last, so that they are drawn on top; or ``only`` some."""
+    """Handles of every posed performer, the active one's last, so that they are drawn on top; or ``only`` some."""
     handles = []
     for performer_id, pose in sorted(posed.items(), key=lambda item: item[0] == active):
         asked = project.constraints_for(performer_id, pose.clip) if pose.clip else {}
@@ -75,5 +75,5 @@ def constraint_handles(
 
 
 def floor_under(project: Project, pose: Posed) -> float:
-    """Metres: how high the ground is under a body's root."""
+    """Height in metres of the ground under a body's root."""
     return float(project.ground.height_at(pose.points[0]))

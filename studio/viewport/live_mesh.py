@@ -1,4 +1,4 @@
-"""A mesh whose points and normals are numpy arrays that VTK reads in place."""
+"""Mesh whose points and normals are numpy arrays that VTK reads in place."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -16,7 +16,7 @@ FloatBuffer = NDArray[np.float32]
 
 
 class LiveMesh:
-    """A polydata over ``points`` and ``normals`` (V, 3): write into them, then call ``touch``."""
+    """Polydata over ``points`` and ``normals`` (V, 3): write into them, then call ``touch``."""
 
     def __init__(self, vertex_count: int, triangles: NDArray[np.integer]) -> None:
         self.points: FloatBuffer = np.zeros((vertex_count, 3), dtype=np.float32)
@@ -28,7 +28,7 @@ class LiveMesh:
         self.polydata = self.part(triangles)
 
     def part(self, triangles: NDArray[np.integer]) -> pv.PolyData:
-        """Another polydata over the same points, of these triangles alone."""
+        """Polydata over the same points, of these triangles alone."""
         polydata = pv.PolyData()
         polydata.SetPoints(self._vtk_points)
         polydata.GetPointData().SetNormals(self._vtk_normals)
@@ -37,7 +37,7 @@ class LiveMesh:
         return polydata
 
     def touch(self) -> None:
-        """Tell VTK that the buffers hold new numbers."""
+        """Notify VTK that the buffers have changed."""
         self._vtk_points.GetData().Modified()
         self._vtk_normals.Modified()
         self._vtk_points.Modified()
@@ -46,7 +46,7 @@ class LiveMesh:
 
 
 class LiveLines:
-    """Coloured paths, as many as each ``show_paths`` is given, in one polydata."""
+    """Coloured paths in one polydata, replaced by each ``show_paths``."""
 
     def __init__(self, width: float = 2.0) -> None:
         self._polydata = pv.PolyData()
@@ -74,7 +74,7 @@ class LiveLines:
 
 
 def flat_actor(polydata: pv.PolyData) -> pv.Actor:
-    """An actor that draws a polydata in the colours of its points, untouched by light."""
+    """Actor that draws a polydata in the colours of its points, without lighting."""
     mapper = pv.DataSetMapper(polydata)
     mapper.SetColorModeToDirectScalars()
     mapper.scalar_visibility = True

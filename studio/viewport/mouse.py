@@ -1,4 +1,4 @@
-"""Events of the mouse: the gesture that a press begins, selection, and hovering."""
+"""Mouse events: the gesture for a press, selection, and hovering."""
 
 from __future__ import annotations
 
@@ -28,7 +28,9 @@ _CAMERA = {
 
 
 def press(viewport: Viewport, document: Document, live: Live, event: QMouseEvent) -> None:
-    """Alt with any button, or the middle one, moves the camera; the left one drags, picks or selects."""
+    """Begin a gesture or select: Alt with any button, or the middle one, moves the camera; the left one drags, picks or
+    selects.
+    """
     x, y = event.position().x(), event.position().y()
     alt = bool(event.modifiers() & Qt.KeyboardModifier.AltModifier)
     kind = _CAMERA.get(event.button())
@@ -67,9 +69,9 @@ def _grab_gizmo(viewport: Viewport, document: Document, live: Live, x: float, y:
 
 
 def _select(viewport: Viewport, document: Document, x: float, y: float) -> None:
-    """A target before a joint before a body before a prop; a click on nothing lets go of everything.
+    """Select a target before a joint before a body before a prop; a click on nothing deselects.
 
-    A target that is held lies on a joint: that is picked with it, so that more can be asked of it.
+    A met target is at a joint, which is picked with it, so that it can be constrained further.
     """
     where = (viewport.camera, viewport.view_size, x, y)
     handles = {f"{one.performer_id} {one.constraint_id}": one for one in viewport.handles()}
@@ -102,7 +104,7 @@ def _select_body_or_prop(
 
 
 def _gizmo_part(viewport: Viewport, x: float, y: float) -> str | None:
-    """Part of the gizmo under the mouse; joints of a body's feet go before its handles."""
+    """Part of the gizmo under the mouse; joints of a body's feet come before its handles."""
     gizmo, movable = viewport.gizmo(), viewport.movable()
     part = gizmo.part_at(x, y) if gizmo is not None else None
     if part is None or movable is None or not movable.yields:

@@ -1,4 +1,4 @@
-"""Gestures of the mouse: each begins when made, follows the mouse, and is finished or cancelled."""
+"""Mouse gestures: each begins when it is created, follows the mouse, and is finished or cancelled."""
 
 import math
 from collections.abc import Callable
@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from studio.document.document import Document
+from studio.document.length_units import length_text
 from studio.engine.live_interface import Live
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.gizmo import GIZMO_AXES, Gizmo, moved_axes
@@ -25,17 +26,17 @@ class ViewportGesture(Protocol):
     """A drag from press to release."""
 
     def update(self, x: float, y: float, fine: bool, snap: bool) -> None:
-        """The mouse is at pixel (x, y)."""
+        """Handle the mouse at pixel (x, y)."""
 
     def finish(self) -> None:
-        """The button was let go."""
+        """Finish, after the button is released."""
 
     def cancel(self) -> None:
-        """Esc: everything is as it was before."""
+        """Restore the state before the gesture (Esc)."""
 
 
 class CameraDrag:
-    """Orbits, pans or zooms the camera; ``show`` takes every new camera."""
+    """Orbits, pans or zooms the camera; ``show`` is called with every new camera."""
 
     def __init__(
         self,
@@ -50,7 +51,7 @@ class CameraDrag:
         self._x, self._y = x, y
 
     def update(self, x: float, y: float, fine: bool, snap: bool) -> None:
-        """Turn or move by the way from the press."""
+        """Orbit or move by the displacement since the press."""
         right, down = x - self._x, y - self._y
         if self._kind == "orbit":
             self._show(self._begin.orbited(-right * ORBIT_PER_PIXEL, down * ORBIT_PER_PIXEL))
@@ -61,15 +62,15 @@ class CameraDrag:
             self._show(self._begin.zoomed(ZOOM_PER_PIXEL ** (right - down)))
 
     def finish(self) -> None:
-        """The camera stays where it is."""
+        """Keep the camera."""
 
     def cancel(self) -> None:
-        """The camera goes back."""
+        """Restore the camera."""
         self._show(self._begin)
 
 
 class EditDrag:
-    """Edits a thing by a part of a gizmo; one undo step, and none at all when cancelled."""
+    """Edits a thing by a part of a gizmo; one undo step, or none if it is cancelled."""
 
     def __init__(self, document: Document, live: Live, movable: Movable, part: str, steps: SnapSteps) -> None:
         self._live, self._movable, self.part, self._steps = live, movable, part, steps
@@ -80,17 +81,17 @@ class EditDrag:
     """Words beside the gizmo: the change of what is dragged."""
 
     def finish(self) -> None:
-        """The edit stays."""
+        """Keep the edit."""
         self._live.interactive = False
 
     def cancel(self) -> None:
-        """The thing is as it was, and the edit vanishes from the history."""
+        """Restore the thing, and remove the edit from the history."""
         self._movable.put_back(self._number)
         self._live.interactive = False
 
 
 class MoveDrag(EditDrag):
-    """Moves a thing along the axes of a gizmo, in a space of which the origin is ``zero`` (3,), stage."""
+    """Moves a thing along the axes of a gizmo, in a space whose origin is ``zero`` (3,), stage."""
 
     def __init__(
         self, document: Document, live: Live, movable: Movable, gizmo: Gizmo, part: str, x: float, y: float,
@@ -104,7 +105,9 @@ class MoveDrag(EditDrag):
         self._grip = gizmo.grip(part, x, y)
 
     def update(self, x: float, y: float, fine: bool, snap: bool) -> None:
-        """Follow the mouse along the part's axes: ``fine`` a fifth of the way, ``snap`` to steps of the space."""
+        """Follow the mouse along the part's axes: a fifth of the distance if ``fine``, in steps of the space if
+        ``snap``.
+        """
         axes, free = self._gizmo.axes, np.array(moved_axes(self.part))
         grip = self._gizmo.grip(self.part, x, y)
         self._moved += np.where(free, axes @ (grip - self._grip) * (FINE_DRAG if fine else 1.0), 0.0)
@@ -115,7 +118,7 @@ class MoveDrag(EditDrag):
             place = np.where(free, np.round(place / step) * step, place)
         changes = zip(GIZMO_AXES, (place - begin).tolist(), free, strict=True)
         self.words = "   ".join(
-            f"{axis.upper()} {100.0 * change:+.1f} cm" for axis, change, is_free in changes if is_free
+            f"{axis.upper()} {length_text(change, 'cm', 1, '+')}" for axis, change, is_free in changes if is_free
         )
         stage = self._zero + axes.T @ place
         self._movable.move(self._movable.placement.to_motion(stage), self._number)
@@ -137,7 +140,7 @@ class RotateDrag(EditDrag):
         """Radians by which the thing is rotated."""
 
     def update(self, x: float, y: float, fine: bool, snap: bool) -> None:
-        """Follow the mouse round the middle: ``fine`` a fifth of the way, ``snap`` to steps."""
+        """Follow the mouse round the centre: a fifth of the angle if ``fine``, in steps if ``snap``."""
         pace = FINE_DRAG if fine else 1.0
         if self.part == TRACKBALL:
             self._roll(x, y, pace, snap)
@@ -150,7 +153,7 @@ class RotateDrag(EditDrag):
         self._movable.rotate(rotation_about(self.gizmo.axis(self.part), self.angle), self._number)
 
     def _roll(self, x: float, y: float, pace: float, snap: bool) -> None:
-        """Rotate about the picture's axes as a ball does that is rolled by its front."""
+        """Rotate about the screen's axes like a trackball."""
         self._rolled += (np.array([x, y]) - self._mouse) / self.gizmo.radius * pace
         self._mouse = np.array([x, y])
         across, down = (_stepped(each, self._steps.radians) if snap else each for each in self._rolled.tolist())
@@ -172,7 +175,7 @@ class ScaleDrag(EditDrag):
         self._gizmo, self._grip, self._mouse = gizmo, (x, y), np.array([x, y])
 
     def update(self, x: float, y: float, fine: bool, snap: bool) -> None:
-        """Follow the mouse: ``fine`` a fifth of the way, ``snap`` to steps of the factor."""
+        """Follow the mouse: a fifth of the distance if ``fine``, in steps of the factor if ``snap``."""
         factor = self._gizmo.factor(self.part, self._grip, x, y)
         if fine:
             factor = 1.0 + FINE_DRAG * (factor - 1.0)
@@ -183,7 +186,7 @@ class ScaleDrag(EditDrag):
 
 
 def nudge(document: Document, movable: Movable, gizmo: AnyGizmo, axis: str, sign: float, steps: SnapSteps) -> None:
-    """Change a thing by one snapping step along or about an ``axis`` of its gizmo, where it can be; one undo step."""
+    """Change a thing by one snapping step along or about an ``axis`` of its gizmo, if possible; one undo step."""
     number, place = document.new_gesture(), GIZMO_AXES.index(axis)
     if isinstance(gizmo, RotateGizmo):
         if axis in gizmo.parts:

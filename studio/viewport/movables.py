@@ -1,4 +1,4 @@
-"""Things that a gizmo can move: targets, props, performers. Each knows its axes and changes the document."""
+"""Things that a gizmo can edit: targets, props, performers. Each provides its axes and edits the document."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -33,7 +33,7 @@ LEAST_SIDE = 0.001
 
 
 class Movable:
-    """A thing that a gizmo moves, rotates or resizes; each kind overrides what it can."""
+    """Thing that a gizmo moves, rotates or resizes; each kind overrides the supported methods."""
 
     placement: Placement
     """Placement on the stage of the space of its ``place``."""
@@ -54,7 +54,7 @@ class Movable:
 
     @property
     def pivot(self) -> FloatArray:
-        """(3,) stage point about which it is rotated."""
+        """(3,) stage point about which it rotates."""
         return self.placement.to_stage(self.place)
 
     @property
@@ -64,25 +64,25 @@ class Movable:
 
     @property
     def parent_axes(self) -> FloatArray:
-        """(3, 3) axes of what carries it as columns, stage space."""
+        """(3, 3) axes of its parent as columns, stage space."""
         return self.placement.rotation
 
     def move(self, place: FloatArray, gesture: int) -> None:
-        """Put it at ``place`` (3,), as a part of a gesture."""
+        """Move it to ``place`` (3,), as a part of a gesture."""
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
-        """Rotate it by ``rotation`` (3, 3) of the stage from how it was when this was made."""
+        """Rotate it by ``rotation`` (3, 3) of the stage relative to its state at creation."""
 
     def scale(self, factors: FloatArray, gesture: int) -> None:
-        """Make it ``factors`` (3,) times as large along its own axes as when this was made."""
+        """Resize it by ``factors`` (3,) along its own axes relative to its state at creation."""
 
     def put_back(self, gesture: int) -> None:
-        """Put it as it was when this was made."""
+        """Restore its state at creation."""
         raise NotImplementedError
 
 
 class Target(Movable):
-    """The place by which a constraint is held, as a performer on a ``floor`` sees it at a moment."""
+    """Target of a constraint, as on a performer at one moment, over a ``floor``."""
 
     def __init__(self, document: Document, constraint_id: str, moment: TargetContext, floor: float) -> None:
         self._document, self._id, self._moment, self._floor = document, constraint_id, moment, floor
@@ -91,7 +91,7 @@ class Target(Movable):
 
     @staticmethod
     def is_held(now: Constraint) -> bool:
-        """True if a constraint, as it is at a moment, has a place to be moved."""
+        """True if a constraint, fixed at one moment, has a position to be moved."""
         return handle_place(now) is not None
 
     @property
@@ -101,12 +101,12 @@ class Target(Movable):
 
     @property
     def place(self) -> FloatArray:
-        """(3,) in the space of the motion."""
+        """(3,) position in the space of the motion."""
         now = self._moment.fixed(self._constraint)
         return np.array(handle_place(now, self._floor) if now else None)
 
     def move(self, place: FloatArray, gesture: int) -> None:
-        """Put it at ``place``."""
+        """Move it to ``place``."""
         old = self._constraint
         x, y, z = place.tolist()
         text = f"{'Key' if is_keyed(old) and not self._is_apart else 'Move'} {self._words}"
@@ -121,7 +121,7 @@ class Target(Movable):
 
     @property
     def parent_axes(self) -> FloatArray:
-        """(3, 3) axes of what it follows, else of the motion's space."""
+        """(3, 3) axes of the followed object, else of the motion's space."""
         target = getattr(self._begin, self._begin.shown.held_by or "target", None)
         track = self._moment.track(target) if isinstance(target, Follow) else None
         rotation = self.placement.rotation
@@ -129,7 +129,7 @@ class Target(Movable):
 
     @property
     def _words(self) -> str:
-        """Words for what is dragged: ``target of Right wrist``, ``centre of Table``, with the body that has its own."""
+        """Name of the dragged thing: ``target of Right wrist``, ``centre of Table``, with the body if it is its own."""
         whom = f" for {self._moment.pose.performer.name}" if self._is_apart else ""
         return f"{self._begin.shown.handle} of {self._begin.name}{whom}"
 
@@ -140,7 +140,7 @@ class Target(Movable):
         return own is not None and self._moment.performer_id in dict(own.own)
 
     def put_back(self, gesture: int) -> None:
-        """As it was: without the key that a drag has set."""
+        """Restore it, without the key that a drag has set."""
         self._put(self._begin, f"Move {self._begin.name}", gesture)
 
     def _put(self, seen: Constraint, text: str, gesture: int) -> None:
@@ -150,7 +150,7 @@ class Target(Movable):
 
 
 class PlacedProp(Movable):
-    """A prop where it is now: a drag moves it, sets a key, or gives it another place in the hands that hold it."""
+    """Prop at its present position: a drag moves it, sets a key, or changes its position in the holder's hands."""
 
     rotates = True
     scales = (True, True, True)
@@ -167,7 +167,7 @@ class PlacedProp(Movable):
         return self._pose.place
 
     def move(self, place: FloatArray, gesture: int) -> None:
-        """Put its centre at ``place``."""
+        """Move its centre to ``place``."""
         verb = (
             "Key" if isinstance(self._begin.position, KeyedPlace) and self._begin.lies_at(self._pose.time) else "Move"
         )
@@ -175,12 +175,12 @@ class PlacedProp(Movable):
 
     @property
     def own_axes(self) -> FloatArray:
-        """(3, 3) its axes."""
+        """(3, 3) its own axes."""
         return self._pose.axes
 
     @property
     def parent_axes(self) -> FloatArray:
-        """(3, 3) axes of the segment or chest that carries it, else of the stage."""
+        """(3, 3) axes of the segment or chest of its holder, else of the stage."""
         hold = None if self._begin.lies_at(self._pose.time) else self._begin.held_at(self._pose.time)
         if hold is None:
             return np.eye(3)
@@ -192,13 +192,13 @@ class PlacedProp(Movable):
         self._put(turned_prop(self._pose, rotation), "Turn", gesture)
 
     def scale(self, factors: FloatArray, gesture: int) -> None:
-        """Make it larger about its centre, and with it what keeps bodies out."""
+        """Resize it about its centre, and the constraints that make it an obstacle."""
         x, y, z = np.maximum(np.array(self._begin.size) * factors, LEAST_SIDE).tolist()
         obstacles = {key: replace(each, size=(x, y, z)) for key, each in self._obstacles.items()}
         self._put(replace(self._begin, size=(x, y, z)), "Resize", gesture, obstacles)
 
     def put_back(self, gesture: int) -> None:
-        """Former place."""
+        """Restore it."""
         self._put(self._begin, "Move", gesture, self._obstacles)
 
     def _put(
@@ -212,7 +212,7 @@ class PlacedProp(Movable):
 
 
 class PlacedPerformer(Movable):
-    """A performer, held at the ground under its root: all that it plays goes along."""
+    """Performer, held at the ground under its root: all its clips move along."""
 
     flat = yields = rotates = heading_only = True
 
@@ -223,11 +223,11 @@ class PlacedPerformer(Movable):
 
     @property
     def place(self) -> FloatArray:
-        """(3,) on the ground of the stage."""
+        """(3,) position on the ground of the stage."""
         return np.array([*self._pose.points[0, :2], self._floor])
 
     def move(self, place: FloatArray, gesture: int) -> None:
-        """Stand where its root is over ``place``."""
+        """Move its root over ``place``."""
         x, y = (np.array(self._begin.position) + (place - self.place)[:2]).tolist()
         self._put(replace(self._begin, position=(x, y)), "Move", gesture)
 
@@ -237,14 +237,14 @@ class PlacedPerformer(Movable):
         return Placement.of(self._begin).rotation
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
-        """Turn about where its root is now, by what the rotation is about Z."""
+        """Rotate it about its present root, by the rotation's part about Z."""
         pivot, angle = self.place[:2], math.atan2(rotation[1, 0], rotation[0, 0])
         x, y = (pivot + rotation[:2, :2] @ (np.array(self._begin.position) - pivot)).tolist()
         turned = replace(self._begin, position=(x, y), heading=wrapped(self._begin.heading + angle))
         self._put(turned, "Turn", gesture)
 
     def put_back(self, gesture: int) -> None:
-        """Former place."""
+        """Restore its placement."""
         self._put(self._begin, "Move", gesture)
 
     def _put(self, performer: Performer, verb: str, gesture: int) -> None:
@@ -252,7 +252,7 @@ class PlacedPerformer(Movable):
 
 
 class SelectedTogether(Movable):
-    """Things of a kind that are selected together: the gizmo is that of the last one, the others go along."""
+    """Selected things of one kind: the gizmo is that of the last one, the others move along."""
 
     def __init__(self, document: Document, words: str, lead: Movable, others: Sequence[Movable]) -> None:
         self._document, self._words, self._lead, self._all = document, words, lead, (lead, *others)
@@ -269,7 +269,7 @@ class SelectedTogether(Movable):
 
     @property
     def pivot(self) -> FloatArray:
-        """(3,) stage point about which the last one is rotated; each is about its own."""
+        """(3,) stage point about which the last one rotates; each has its own."""
         return self._lead.pivot
 
     @property
@@ -279,11 +279,11 @@ class SelectedTogether(Movable):
 
     @property
     def parent_axes(self) -> FloatArray:
-        """(3, 3) axes of what carries the last one."""
+        """(3, 3) axes of the parent of the last one."""
         return self._lead.parent_axes
 
     def move(self, place: FloatArray, gesture: int) -> None:
-        """Put the last one at ``place``, and the others as far from where they were."""
+        """Move the last one to ``place``, and the others by the same displacement."""
         moved = self.placement.to_stage(place) - self._begins[0]
         with self._document.group(f"Move {self._words}", gesture):
             for each, begin in zip(self._all, self._begins, strict=True):
@@ -302,12 +302,12 @@ class SelectedTogether(Movable):
                 each.scale(factors, gesture)
 
     def put_back(self, gesture: int) -> None:
-        """Put all as they were."""
+        """Restore all."""
         with self._document.group(f"Move {self._words}", gesture):
             for each in self._all:
                 each.put_back(gesture)
 
 
 def is_keyed(constraint: Constraint) -> bool:
-    """True if the dragged place is keyed, so that a drag sets a key."""
+    """True if the dragged position is keyed, so that a drag sets a key."""
     return isinstance(getattr(constraint, constraint.shown.held_by, None), KeyedPlace | KeyedOwnPlace)

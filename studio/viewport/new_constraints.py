@@ -1,4 +1,4 @@
-"""A new constraint of any kind, made of what a body does at the playhead: it asks for what is there already."""
+"""New constraints of any kind whose targets are the present pose of a body at the playhead."""
 
 import math
 from dataclasses import dataclass, replace
@@ -58,7 +58,7 @@ _WHOLE_BODY = Chain(limb=0.0, clavicle=0.0, trunk=1.0, root=1.0, free_arms=1.0, 
 
 @dataclass(frozen=True)
 class NewConstraintContext:
-    """Source of a new constraint: a body at the playhead, and the joint picked on it if there is one."""
+    """Context of a new constraint: a body at the playhead, and the joint picked on it if there is one."""
 
     moment: TargetContext
     joint: BodyJoint | None
@@ -72,27 +72,27 @@ class NewConstraintContext:
 
     @property
     def pose(self) -> Posed:
-        """The body at the playhead."""
+        """Body at the playhead."""
         return self.moment.pose
 
     @property
     def picked(self) -> BodyJoint:
-        """Picked joint; only a kind that needs one asks."""
+        """Picked joint; only for kinds that need one."""
         assert self.joint is not None
         return self.joint
 
     def place(self, point: BodyPoint) -> FloatArray:
-        """(3,) where a point of the body is, in the space of the motion."""
+        """(3,) position of a point of the body, in the space of the motion."""
         return self._of_motion(point_path(self.pose.motion, point, slice(self.pose.row, self.pose.row + 1))[0])
 
     def _of_motion(self, place: FloatArray) -> FloatArray:
-        """A place in the space of the row's motion, in that of the motion of the clip that plays."""
+        """Position in the space of the playing clip's motion, from one in that of the row's."""
         if self.pose.clip_placement == self.pose.placement:
             return place
         return self.pose.clip_placement.to_motion(self.pose.placement.to_stage(place))
 
     def turn(self, part: BodyPart) -> FloatArray:
-        """(3, 3) how a segment is turned, in the space of the motion."""
+        """(3, 3) rotation of a segment, in the space of the motion."""
         motion = self.pose.motion
         turn = motion.rotations[self.pose.row, motion.morphology.layout.segment(part)]
         if self.pose.clip_placement == self.pose.placement:
@@ -110,8 +110,8 @@ class NewConstraintContext:
     def between_stances(self, part: BodyPart, now: float) -> tuple[float, float]:
         """Seconds of the motion from the end of the last stance of a limb, or of the clip, to the begin of the next.
 
-        What stands ``now`` counts as one with the motion before and after it: the target is where it stands. A limb
-        that stands elsewhere stays there whatever a constraint asks for: faded in meanwhile, it would jump once let go.
+        A stance at ``now`` counts as one with the motion around it, because the target is there. A limb in another
+        stance stays there whatever the constraint: if it faded in meanwhile, the limb would jump when released.
         """
         clip, project = self.pose.clip, self.project
         assert clip is not None
@@ -129,7 +129,7 @@ class NewConstraintContext:
 
     @cached_property
     def around(self) -> tuple[AdaptedMotion, slice, FloatArray]:
-        """The motion over time, its rows around the playhead, and their seconds (F,) of the clip's motion."""
+        """Motion over time, its rows around the playhead, and their seconds (F,) of the clip's motion."""
         motion, clip = self.pose.over_time, self.pose.clip
         assert clip is not None
         rate, speed = self.project.frame_rate_of(clip), float(speed_at(clip.speed, self.pose.seconds))
@@ -139,17 +139,17 @@ class NewConstraintContext:
         return motion, rows, clip.motion_seconds(clip.stage_seconds(self.pose.seconds, rate) + since, rate)
 
     def points(self, point: BodyPoint) -> FloatArray:
-        """(F, 3) where a point of the body is in the rows ``around``."""
+        """(F, 3) positions of a point of the body in the rows ``around``."""
         motion, rows, _ = self.around
         return point_path(motion, point, rows)
 
     def turns(self, part: BodyPart) -> FloatArray:
-        """(F, 3, 3) how a segment is turned in the rows ``around``."""
+        """(F, 3, 3) rotations of a segment in the rows ``around``."""
         motion, rows, _ = self.around
         return motion.rotations[rows, motion.morphology.layout.segment(part)]
 
     def limb(self, point: BodyPoint) -> LimbPath | None:
-        """Path of a point of a forearm, hand, shank or foot, drawn to where it is now; None for other points."""
+        """Path of a point of a forearm, hand, shank or foot, blended to its present position; None for other points."""
         side, bone = _side_and_bone(point.part)
         if bone not in UPPER_SEGMENT:
             return None
@@ -160,10 +160,9 @@ class NewConstraintContext:
     def common(
         self, name: str, point: BodyPoint, chain: Chain, moving: FloatArray | None = None, *, limb: bool = False
     ) -> dict[str, Any]:
-        """Fields of every kind: last priority, fully active near the playhead or, if nothing is ``moving``, always.
-
-        ``moving`` (F, D), metres or radians in the rows ``around``, is what the constraint keeps at its value of now;
-        of the position of a ``limb`` on the way that segments take.
+        """Common fields of every kind: last priority, fully active near the playhead or, if nothing is ``moving``,
+        always. ``moving`` (F, D), metres or radians in the rows ``around``, are the values that the constraint keeps
+        at the present one; those of the position of a ``limb`` follow its path.
         """
         motion_id = self.pose.motion_id or ""
         existing = self.project.constraints_of(motion_id).values()
@@ -184,7 +183,7 @@ class NewConstraintContext:
 
 
 def _is_on(part: BodyPart, point: ContactPoint) -> bool:
-    """True if a contact keeps a segment where it is: a foot that of its leg, a hand that of its arm."""
+    """True if a contact fixes a segment: that of a foot its leg, that of a hand its arm."""
     segments = ("upper_arm", "forearm", "hand") if point.member == "hand" else ("thigh", "shank", "foot", "toe")
     side = ("left", "right")[point.side] if point.limb >= 0 else ""
     return part in {f"{side}_{segment}" for segment in segments}
@@ -198,7 +197,7 @@ def _steps_to_next_stance(stands: NDArray[np.bool_]) -> int:
 
 
 def constraint_here(here: NewConstraintContext, kind: str) -> Constraint:
-    """A constraint of ``kind`` that asks for what the body does at the playhead."""
+    """New constraint of ``kind`` whose target is the present pose."""
     make = CONSTRAINT_KINDS[kind].make
     assert make is not None  # a kind without one has no action
     made = make(here)
@@ -206,7 +205,7 @@ def constraint_here(here: NewConstraintContext, kind: str) -> Constraint:
 
 
 def new_position(here: NewConstraintContext) -> Constraint:
-    """The joint stays where it is."""
+    """Position constraint at the joint's present position."""
     joint = here.picked
     place = _vector(here.place(joint.point))
     # Bodies of other measures are elsewhere in the middle of a walk: each has its own place, as long as that is known.
@@ -216,7 +215,7 @@ def new_position(here: NewConstraintContext) -> Constraint:
 
 
 def new_orientation(here: NewConstraintContext) -> Constraint:
-    """The segment stays turned as it is."""
+    """Orientation constraint with the segment's present rotation."""
     from scipy.spatial.transform import Rotation  # late: it takes longer than a window
 
     joint = here.picked
@@ -232,14 +231,14 @@ def new_orientation(here: NewConstraintContext) -> Constraint:
 
 
 def new_look_at(here: NewConstraintContext) -> Constraint:
-    """The eyes look two metres ahead."""
+    """Look-at constraint with a target two metres ahead."""
     target = here.place(EYES) + LOOK_AT_DISTANCE * here.turn(EYES.part)[:, 0]
     gazes = here.turns(EYES.part)[:, :, 0]
     return LookAtConstraint(**here.common("Look at", EYES, _HEAD, gazes), target=_vector(target))
 
 
 def new_upright(here: NewConstraintContext) -> Constraint:
-    """Keep the axis up that points up now."""
+    """Upright constraint on the axis that points up now."""
     part = turned_part(here.picked.point)
     chain = _HEAD if part in (BodyPart.HEAD, BodyPart.NECK) else replace(here.picked.chain, end_segment=1.0)
     common = here.common(f"{part.label.capitalize()} upright", BodyPoint(part), chain)
@@ -247,8 +246,8 @@ def new_upright(here: NewConstraintContext) -> Constraint:
 
 
 def new_parallel(here: NewConstraintContext) -> Constraint:
-    """Keep the segment as it is to that of the other side; a segment in the middle to the pelvis, which the thorax
-    carries on.
+    """Parallel constraint that keeps the present angle to the segment of the other side; for a segment in the middle to
+    the pelvis, for the pelvis to the thorax.
     """
     part = turned_part(here.picked.point)
     other = other_side(part)
@@ -261,7 +260,7 @@ def new_parallel(here: NewConstraintContext) -> Constraint:
 
 
 def new_distance(here: NewConstraintContext) -> Constraint:
-    """Both wrists stay as far apart as they are; another joint stays at its place."""
+    """Distance constraint with the present distance of both wrists; for another joint, to its present position."""
     joint = here.picked
     begin, other = here.place(joint.point), opposite_hand(joint.point)
     name = "Hands apart" if other else f"{joint.name.capitalize()} near"
@@ -275,12 +274,12 @@ def new_distance(here: NewConstraintContext) -> Constraint:
 
 
 def new_balance(here: NewConstraintContext) -> Constraint:
-    """The centre of mass stays over its own path."""
+    """Balance constraint over the centre of mass' own path."""
     return BalanceConstraint(**here.common("Balance", BodyPoint(BodyPart.PELVIS), _WHOLE_BODY))
 
 
 def new_area(here: NewConstraintContext) -> Constraint:
-    """A table under the joint."""
+    """Area constraint with a table under the joint."""
     joint = here.picked
     x, y, top = here.place(joint.point)
     floor = float(here.project.ground.height_at(here.pose.clip_placement.to_stage((x, y, 0.0))))
@@ -293,7 +292,7 @@ def new_area(here: NewConstraintContext) -> Constraint:
 
 
 def new_rail(here: NewConstraintContext) -> Constraint:
-    """A line through the joint along the way that it takes about the playhead."""
+    """Rail constraint along the joint's path about the playhead."""
     joint = here.picked
     path = here.points(joint.point)
     moved = path[-1] - path[0] if len(path) else np.zeros(3)
@@ -303,19 +302,19 @@ def new_rail(here: NewConstraintContext) -> Constraint:
 
 
 def new_clear(here: NewConstraintContext) -> Constraint:
-    """The arms stay out of the body."""
+    """Constraint that keeps the arms out of the body."""
     return ClearConstraint(**here.common("Clear of body", BodyPoint(BodyPart.THORAX), Chain()))
 
 
 def turned_part(point: BodyPoint) -> BodyPart:
-    """The segment that an animator turns at a joint: at the wrist the hand."""
+    """Segment that is rotated at a joint: at the wrist the hand."""
     side, bone = _side_and_bone(point.part)
     next_bone = TURNED_BY.get(bone) if point.at_end else None
     return BodyPart(f"{side}{next_bone}") if next_bone else point.part
 
 
 def opposite_hand(point: BodyPoint) -> BodyPoint | None:
-    """The same point of the other hand; None for a point that is on no hand or wrist."""
+    """The same point of the other hand; None unless it is on a hand or wrist."""
     side, bone = _side_and_bone(point.part)
     if bone not in ("forearm", "hand") or not point.at_end:
         return None

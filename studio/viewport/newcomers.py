@@ -1,4 +1,4 @@
-"""New performers: the camera brings one into the picture that comes onto the stage outside of it."""
+"""New performers: the camera moves so that one outside of the view becomes visible."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
@@ -16,7 +16,7 @@ PICTURE_EDGE = 0.06
 
 @dataclass(frozen=True)
 class CameraStep:
-    """The camera before and after it has stepped back for who came."""
+    """Camera before and after it was moved for new performers."""
 
     came: frozenset[str]
     before: OrbitCamera
@@ -24,22 +24,22 @@ class CameraStep:
 
 
 class Newcomers:
-    """Knows who is on the stage; an import that is undone takes the camera back, unless the user has moved it."""
+    """Known performers; undoing an import moves the camera back, unless the user has moved it."""
 
     def __init__(self) -> None:
         self._known = frozenset[str]()
         self._step: CameraStep | None = None
 
     def meet(self, bodies: Collection[str]) -> None:
-        """Note the performers that are there when the stage is shown first."""
+        """Store the performers when the stage is shown first."""
         self._known, self._step = frozenset(bodies), None
 
     def camera_for(
         self, performers: Collection[str], bodies: Mapping[str, Posed], camera: OrbitCamera, size: Size
     ) -> OrbitCamera:
-        """Camera moved so that bodies that are new since the last call are in view, never nearer than before.
+        """Camera moved so that bodies that are new since the last call are visible, never nearer than before.
 
-        It is unchanged if all of them are in view already; bodies that were mostly in view stay in view.
+        It is unchanged if all of them are visible; bodies that were mostly visible stay so.
         """
         before, self._known = self._known, (self._known | bodies.keys()) & frozenset(performers)
         step = self._step
@@ -63,7 +63,7 @@ def is_seen(body: Posed, camera: OrbitCamera, size: Size) -> bool:
 
 
 def seen(body: Posed, camera: OrbitCamera, size: Size, edge: float) -> float:
-    """Part of a body's points in the picture, less an ``edge`` in parts of its width and height."""
+    """Fraction of a body's points in the picture, without an ``edge`` in fractions of its width and height."""
     pixels, depth = camera.project(body.points, size)
     place = pixels / size
     return float(((depth > 0.0) & (place >= edge).all(axis=1) & (place <= 1.0 - edge).all(axis=1)).mean())

@@ -1,4 +1,4 @@
-"""Onion skins: the same body at frames before and after the playhead, and at moments that are kept."""
+"""Onion skins: a body at frames before and after the playhead, and at kept moments."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ NEAREST_OPACITY, FARTHEST_OPACITY = 0.38, 0.12
 
 @dataclass(frozen=True)
 class OnionSkins:
-    """Number of skins before and after the playhead, and of frames between two of them."""
+    """Numbers of skins before and after the playhead, and of frames between two of them."""
 
     before: int = 3
     after: int = 3
@@ -22,7 +22,7 @@ class OnionSkins:
 
 @dataclass(frozen=True, eq=False)
 class Ghost:
-    """A body at another moment, seen through in a colour."""
+    """Body at another moment, translucent in a colour."""
 
     pose: Posed
     colour: str
@@ -32,9 +32,9 @@ class Ghost:
 def onion_ghosts(
     project: Project, poses: Iterable[Posed], skins: OnionSkins, time: float, frame_rate: float
 ) -> Iterator[Ghost]:
-    """Ghosts of poses of ``time`` (seconds of the stage), ``skins.step`` frames apart; none beyond a motion's ends.
+    """Ghosts of poses at ``time`` (seconds of the stage), ``skins.step`` frames apart; none beyond a motion's ends.
 
-    The newest motion over time is shown, so that the skins follow a drag when its clip has been solved again.
+    They show the newest whole motion, and so follow a drag after its clip is solved again.
     """
     for pose in poses:
         for sign, count, colour in (
@@ -53,7 +53,7 @@ def onion_ghosts(
 
 
 def kept_ghosts(project: Project, posed: Mapping[str, Posed], kept: Iterable[tuple[str, float]]) -> Iterator[Ghost]:
-    """Ghosts of performers at kept moments, (performer id, seconds of the stage), as they are adapted now."""
+    """Ghosts of performers at kept moments, (performer id, seconds of the stage), as adapted now."""
     for performer_id, time in kept:
         pose = posed.get(performer_id)
         if pose is not None and not pose.resting:

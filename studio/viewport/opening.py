@@ -1,4 +1,4 @@
-"""First place of the camera: three-quarter, low, every performer in sight and apart."""
+"""Initial camera: three-quarter, low, with every performer visible and separate."""
 
 import math
 from collections.abc import Mapping
@@ -45,7 +45,7 @@ def opening_camera(
     ground: Ground | None = None,
     covered_below: float = 0.0,
 ) -> OrbitCamera:
-    """The first camera for these performers, more from the side where the ``ground`` goes up or down before them.
+    """Initial camera for these performers, more from the side if the ``ground`` rises or falls before them.
 
     It shows them above the ``covered_below`` pixels along the lower edge.
     """
@@ -62,8 +62,8 @@ def opening_camera(
 def clear_of_words(
     camera: OrbitCamera, points: FloatArray, size: tuple[float, float], covered_below: float = 0.0
 ) -> OrbitCamera:
-    """Farther away and looking higher or lower, until no stage point (N, 3) lies behind the chips along the upper edge
-    or behind the ``covered_below`` pixels along the lower one.
+    """Camera moved away and tilted until no stage point (N, 3) is behind the chips along the upper edge or the
+    ``covered_below`` pixels along the lower one.
     """
     for _ in range(STEPS_BACK):
         pixels, depth = camera.project(points, size)
@@ -78,7 +78,7 @@ def clear_of_words(
 
 
 def _facing(posed: Mapping[str, Posed]) -> float:
-    """Azimuth towards which the pelves face most of the time; 0 where they turn all round."""
+    """Azimuth of the front of the pelves most of the time; 0 if they turn all round."""
     ways = []
     for pose in posed.values():
         rows = np.unique(np.linspace(0, pose.over_time.frame_count - 1, LOOKED_AT).astype(int))
@@ -95,12 +95,12 @@ def _apart(camera: OrbitCamera, places: FloatArray) -> float:
 
 
 def _tall_in_front(camera: OrbitCamera, posed: Mapping[str, Posed]) -> bool:
-    """True if taller bodies stand nearer and hide the smaller ones."""
+    """True if taller bodies are nearer and hide smaller ones."""
     statures = np.array([pose.over_time.morphology.stature for pose in posed.values()])
     nearness = np.array([pose.points[0] @ camera.axes[2] for pose in posed.values()])
     return bool((statures - statures.mean()) @ (nearness - nearness.mean()) > 0) if len(posed) > 1 else False
 
 
 def is_another_size(now: tuple[float, float], before: tuple[float, float]) -> bool:
-    """True if a view has another size than before; a line of words below it makes no difference."""
+    """True if the size of a view has changed, except by a message line below it."""
     return any(abs(one / other - 1) > ANOTHER for one, other in zip(now, before, strict=True))

@@ -1,4 +1,4 @@
-"""Recorded markers, force plates and forces of an optical capture at a moment, on the stage."""
+"""Recorded markers, force plates and forces of an optical capture at one moment, on the stage."""
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ FORCE_COLOUR = colours.kind_colour("balance")
 
 @dataclass(frozen=True, eq=False)
 class MarkerFrame:
-    """One moment: ``points`` (N, 3) of the markers that are seen, by bare label; lines of plates and forces."""
+    """One moment: ``points`` (N, 3) of the visible markers, by bare label; lines of plates and forces."""
 
     labels: tuple[str, ...]
     used: NDArray[np.bool_]
@@ -36,7 +36,7 @@ class MarkerFrame:
 
 
 class RecordedBy:
-    """An optical capture in the space of its motion, or over the floor where it shows no body."""
+    """Optical capture in the space of its motion, or above the floor if it has no body."""
 
     def __init__(self, capture: Capture) -> None:
         from studio.core.normalized.normalize import motion_origin  # late, with scipy
@@ -54,7 +54,7 @@ class RecordedBy:
         self._forces = [_pushes(trial, place) for place in range(len(trial.plates))]
 
     def at(self, frame: int, placement: Placement) -> MarkerFrame:
-        """Show a frame of the capture at a place of the stage; frames beyond its ends are clamped."""
+        """Recording at a frame, placed on the stage; frames beyond its ends are clamped."""
         assert self.capture.markers is not None
         trial = self.capture.markers.trial
         frame = min(max(frame, 0), trial.frame_count - 1)
@@ -85,10 +85,10 @@ class RecordedBy:
 
 
 class RecordingView:
-    """Chooses what recording is shown, and keeps what was made of it."""
+    """Choice of the shown recording, with a cache of its data."""
 
     def __init__(self, changed: Callable[[], object]) -> None:
-        """``changed`` is called when something else is to be seen."""
+        """``changed`` is called when the view has to be drawn again."""
         self.marked: Collection[str] = ()
         """Bare labels that stand out, and are shown with their names."""
         self.named = False
@@ -97,18 +97,18 @@ class RecordingView:
         self._made: RecordedBy | None = None
 
     def mark(self, labels: Collection[str]) -> None:
-        """Let markers stand out, by their bare labels; with none, all are alike."""
+        """Highlight markers by their bare labels; none for an empty list."""
         self.marked = tuple(labels)
         self._changed()
 
     def name(self, all_of_them: bool) -> None:
-        """Show every marker with its name, or only those that stand out."""
+        """Show the names of all markers, or only of highlighted ones."""
         self.named = all_of_them
         self._changed()
 
     def at(self, document: Document, posed: Mapping[str, Posed], *, shown: bool) -> MarkerFrame | None:
-        """A selected capture that shows no body, for there is nothing else to see of it; else, if ``shown`` or some
-        marker is marked, what the active performer's motion was recorded from.
+        """Recording to be drawn: a selected capture without a body; else, if ``shown`` or some marker is highlighted,
+        the source of the active performer's motion.
         """
         bare = bare_capture(document)
         if bare is not None:
@@ -126,21 +126,21 @@ class RecordingView:
 
 
 def bare_capture(document: Document) -> Capture | None:
-    """The selected capture if it has markers and no body."""
+    """Selected capture if it has markers and no body."""
     chosen = document.selection.of("captures")
     capture = document.project.captures.get(chosen[-1]) if chosen else None
     return capture if capture is not None and capture.markers is not None and capture.body_map is None else None
 
 
 def recorded_of(document: Document, pose: Posed | None) -> Capture | None:
-    """The optical capture that a performer plays, if it is one."""
+    """Optical capture of a performer's motion, if it is one."""
     motion = document.project.motions.get(pose.motion_id or "") if pose else None
     capture = document.project.captures.get(motion.capture_id) if motion else None
     return capture if capture is not None and capture.markers is not None and capture.body_map is not None else None
 
 
 def _pushes(trial: Trial, place: int) -> tuple[FloatArray, FloatArray] | None:
-    """Centre of pressure and ground reaction force in newtons of a plate; None where the file has another unit."""
+    """Centre of pressure and ground reaction force in newtons of a plate; None if the file has another unit."""
     plate = trial.plates[place]
     newtons = trial.analog.units[plate.channels[0]].lower().startswith("n")
     return plate_reactions(trial, plate) if newtons and len(trial.analog.samples) else None

@@ -1,4 +1,4 @@
-"""Painting over the picture: constraint handles and joints."""
+"""Overlay of the picture: constraint handles and joints."""
 
 from collections.abc import Collection, Iterable, Mapping
 
@@ -31,14 +31,14 @@ JOINT_COLOUR = QColor(colours.STAGE_SELECTED_HANDLE)
 
 
 class Overlay:
-    """Paints stage things with one painter and one camera; sizes in logical pixels."""
+    """Paints stage items with one painter and one camera; sizes in logical pixels."""
 
     def __init__(self, painter: QPainter, camera: OrbitCamera, size: tuple[float, float]) -> None:
         self._painter, self._camera, self._size = painter, camera, size
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
 
     def handles(self, handles: Iterable[Handle], selected: set[str]) -> None:
-        """Figures and targets in their kind's colour; lines to what misses them."""
+        """Paint figures and targets in their kind's colour, with lines to missed ones."""
         for handle in handles:
             chosen = handle.constraint_id in selected
             self._figure(handle, chosen)
@@ -56,7 +56,7 @@ class Overlay:
             self._target(pixels[0], colour, chosen)
 
     def ghost(self, points: FloatArray, pairs: NDArray[np.intp]) -> None:
-        """The source as grey sticks seen through everything: ``pairs`` (B, 2) of ``points`` (N, 3)."""
+        """Paint the source as grey sticks, visible through everything: ``pairs`` (B, 2) of ``points`` (N, 3)."""
         pixels, depth = self._camera.project(points, self._size)
         if (depth <= 0).any():
             return
@@ -70,7 +70,7 @@ class Overlay:
             self._painter.drawEllipse(QPointF(x, y), 2.8, 2.8)
 
     def trail_keys(self, keys: Iterable[TrailKeys]) -> None:
-        """Diamonds on trails, as keys are on the timeline."""
+        """Paint diamonds on trails, like keys on the timeline."""
         for each in keys:
             pixels, depth = self._camera.project(each.points, self._size)
             for (x, y), ahead in zip(pixels, depth, strict=True):
@@ -86,7 +86,9 @@ class Overlay:
                     self._painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
 
     def markers(self, recording: MarkerFrame, marked: Collection[str], named: bool) -> None:
-        """Dots seen through everything, those that no map names fainter; names at the marked ones, or at all."""
+        """Paint dots, visible through everything, fainter for markers outside the map; with names of highlighted ones,
+        or of all.
+        """
         if not len(recording.points):
             return
         pixels, depth = self._camera.project(recording.points, self._size)
@@ -115,21 +117,21 @@ class Overlay:
         self._painter.drawText(where, words)
 
     def names(self, tops: Mapping[str, FloatArray]) -> None:
-        """Names over the tops (3,) of heads."""
+        """Paint names over the tops (3,) of heads."""
         for name, top in tops.items():
             pixels, depth = self._camera.project(top, self._size)
             if depth[0] > 0:
                 self._name(pixels[0] + [-3.3 * len(name) - 8.0, -10.0], name, MARKER_COLOUR, 12)
 
     def joints(self, places: FloatArray) -> None:
-        """Dots at the joints (J, 3) of a body that can be picked."""
+        """Paint dots at the pickable joints (J, 3) of a body."""
         pixels, depth = self._camera.project(places, self._size)
         for pixel, ahead in zip(pixels, depth, strict=True):
             if ahead > 0:
                 draw_disc(self._painter, pixel, 3.0, JOINT_COLOUR)
 
     def joint(self, place: FloatArray, colour: str, strong: bool) -> None:
-        """A ring round a joint: strong for the picked one, thin for the one under the mouse."""
+        """Paint a ring round a joint: strong for the picked one, thin for the hovered one."""
         pixels, depth = self._camera.project(place, self._size)
         if depth[0] <= 0:
             return
@@ -142,7 +144,7 @@ class Overlay:
             draw_disc(self._painter, pixels[0], 2.5, QColor(colour))
 
     def notice(self, words: str, share: float | None) -> None:
-        """One line low in the middle, with a bar under it where something is under way."""
+        """Paint one line low in the middle, with a progress bar below it for a running task."""
         font = self._painter.font()
         font.setPixelSize(13)
         self._painter.setFont(font)
@@ -162,7 +164,7 @@ class Overlay:
                 self._painter.drawRoundedRect(bar, 2.0, 2.0)
 
     def _figure(self, handle: Handle, chosen: bool) -> None:
-        """Quiet lines: fainter on the bodies that are not worked on, and while the constraint is not active."""
+        """Paint faint lines: fainter on bodies that are not active, and while the constraint is inactive."""
         figure, colour = handle.figure, colours.kind_colour(handle.kind)
         if figure.only_chosen and not (chosen and handle.main):
             return
@@ -178,7 +180,9 @@ class Overlay:
             self._link(handle, figure.link, colour, max(strength, GAZE) if gazes else strength)
 
     def _link(self, handle: Handle, link: FloatArray, colour: str, strength: float) -> None:
-        """From what is to what is asked: red and strong when that is missed, else quiet with a dot at each end."""
+        """Paint a line from the present state to the target: red and strong if missed, else faint with a dot at each
+        end.
+        """
         pixels, depth = self._camera.project(link, self._size)
         if (depth <= 0).any():
             return
@@ -192,7 +196,7 @@ class Overlay:
             draw_disc(self._painter, pixel, 3.0, dot)
 
     def _thin(self, points: FloatArray, colour: str, strength: float) -> None:
-        """A line over ``points`` (N, 3), as far as they are before the camera."""
+        """Paint a line over ``points`` (N, 3), where they are in front of the camera."""
         pixels, depth = self._camera.project(points, self._size)
         if (depth <= 0).any():
             return

@@ -1,4 +1,4 @@
-"""Pictures a second of late, and latency from the hand to its pose."""
+"""Frame rate of recent pictures, and latency from the mouse to the shown pose."""
 
 import math
 import time
@@ -12,7 +12,7 @@ SAID_EVERY = 0.25
 
 
 class Pace:
-    """Hears of every picture while something moves."""
+    """Statistics of every picture during motion."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
@@ -24,17 +24,17 @@ class Pace:
         self._words, self._said_at = "", -math.inf
 
     def rest(self) -> None:
-        """Nothing moves any more."""
+        """Note that nothing moves any more."""
         self._pictures.clear()
         self._begun = self._asked_at = self._behind = None
         self._words, self._said_at = "", -math.inf
 
     def posed(self, asked_at: float | None) -> None:
-        """A picture is about to be made; ``asked_at`` as ``picture`` has it."""
+        """Note that a picture is about to be made; ``asked_at`` as in ``picture``."""
         self._posed = (asked_at,)
 
     def seen(self, moving: bool) -> None:
-        """It is painted, or the same once more: it counts once, and its pose is as old as it is now."""
+        """Note that the picture is painted; repeated paints count once, with the pose's present age."""
         if not moving:
             self.rest()
         elif self._posed is not None:
@@ -42,9 +42,8 @@ class Pace:
         self._posed = None
 
     def picture(self, asked_at: float | None) -> None:
-        """A picture is made; ``asked_at`` (by the clock) that was asked which its pose answers, None for playback.
-
-        A pose that answers what was asked before anything moved is not behind: nobody has asked anything else of it.
+        """Note that a picture is made; ``asked_at`` (by the clock) is the time of the request that its pose answers,
+        None for playback. A pose for a request before the motion began is not late: nothing newer was requested.
         """
         now = self._clock()
         self._begun = now if self._begun is None else self._begun
@@ -59,7 +58,7 @@ class Pace:
 
     @property
     def words(self) -> str:
-        """``12 pictures/s · 85 ms latency``, anew some times a second, to be read; nothing at rest."""
+        """``12 pictures/s · 85 ms latency``, updated some times a second; empty at rest."""
         now = self._clock()
         if not self._words or now - self._said_at >= SAID_EVERY:
             self._words, self._said_at = self._now, now

@@ -1,4 +1,4 @@
-"""Lines on the stage: trails of a point, rings round who is selected, marks where bodies touch the ground."""
+"""Lines on the stage: trails of a point, rings round the selected performers, marks of ground contacts."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ _UP = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True, eq=False)
 class TrailKeys:
-    """Places (N, 3), on the stage, of a body's trail at the times of keys, and the trail's colour."""
+    """Positions (N, 3), on the stage, of a body's trail at the times of keys, and the trail's colour."""
 
     points: FloatArray
     colour: str
@@ -33,7 +33,7 @@ class TrailKeys:
 
 @dataclass(frozen=True, eq=False)
 class StagePath:
-    """A line through stage ``points`` (N, 3), its colour as strong at each as ``strength`` (N,) says."""
+    """Line through stage ``points`` (N, 3), with opacity ``strength`` (N,)."""
 
     points: FloatArray
     colour: str
@@ -50,9 +50,8 @@ def stage_paths(
 def trails(
     project: Project, posed: Mapping[str, Posed], point: BodyPoint | None, smooth: bool = True
 ) -> list[StagePath]:
-    """The way of ``point`` on every body in the moments round this one, in the body's colour.
-
-    ``smooth``, by a curve through its frames; else from frame to frame.
+    """Path of ``point`` on every body round this moment, in the body's colour; interpolated by a curve if ``smooth``,
+    else from frame to frame.
     """
     found = []
     for pose in posed.values() if point is not None else ():
@@ -70,7 +69,7 @@ def trails(
 
 
 def trail_keys(project: Project, posed: Mapping[str, Posed], point: BodyPoint, constraint_id: str) -> list[TrailKeys]:
-    """Places on the trails of ``point`` at the keys of a constraint, of every body that has one within its trail."""
+    """Positions on the trails of ``point`` at the keys of a constraint, of every body with one within its trail."""
     fields = fields_of("constraints", constraint_id, project.constraints.get(constraint_id))
     found = []
     for pose in posed.values():
@@ -88,14 +87,14 @@ def trail_keys(project: Project, posed: Mapping[str, Posed], point: BodyPoint, c
 
 
 def selection_rings(project: Project, posed: Mapping[str, Posed], selected: Collection[str]) -> list[StagePath]:
-    """A ring on the ground round each selected performer."""
+    """Ring on the ground round each selected performer."""
     chosen = [posed[key] for key in selected if key in posed]
     centres, sizes = [pose.points[0] for pose in chosen], [2 * pose.motion.morphology.leg_length for pose in chosen]
     return _rings(project, centres, PATH_RING_RADIUS * np.array(sizes), colours.STAGE_SELECTED_HANDLE, 0.7)
 
 
 def prop_paths(project: Project, selected: Collection[str], time: float) -> list[StagePath]:
-    """The ways of selected props that are keyed or move by a rule, round a ``time`` of the stage."""
+    """Paths of selected props that are keyed or move by a rule, round a ``time`` of the stage."""
     chosen = [project.props[key] for key in selected if key in project.props]
     paths = [
         each.position.path(time) for each in chosen if not each.held_at(time) and not isinstance(each.position, tuple)
@@ -104,7 +103,7 @@ def prop_paths(project: Project, selected: Collection[str], time: float) -> list
 
 
 def contact_marks(project: Project, posed: Mapping[str, Posed]) -> list[StagePath]:
-    """A small ring on the ground where a heel, toe, hand, knee or seat is in contact now."""
+    """Small ring on the ground at each present contact of a heel, toe, hand, knee or seat."""
     centres: list[FloatArray] = []
     standing: dict[tuple[object, int], list[ContactPoint]] = {}
     for pose in posed.values():
@@ -119,7 +118,7 @@ def contact_marks(project: Project, posed: Mapping[str, Posed]) -> list[StagePat
 
 
 def _smooth(path: FloatArray, frames: FloatArray, frame_rate: float) -> tuple[FloatArray, FloatArray]:
-    """The same way, drawn through at least ``TRAIL_RATE`` points a second by a spline through its frames."""
+    """Path interpolated to at least ``TRAIL_RATE`` points a second by a spline through its frames."""
     from scipy.interpolate import CubicSpline  # late: it takes longer than a window
 
     steps = int(np.ceil(TRAIL_RATE / frame_rate))

@@ -23,14 +23,14 @@ Size = tuple[float, float]
 
 @dataclass(frozen=True)
 class PickedJoint:
-    """A joint of a performer."""
+    """Joint of a performer."""
 
     performer_id: str
     joint: BodyJoint
 
 
 def joint_at(posed: Mapping[str, Posed], camera: OrbitCamera, size: Size, x: float, y: float) -> PickedJoint | None:
-    """The joint nearest to pixel (x, y) and in reach of it; of several that are about as near, the one in front."""
+    """Joint nearest to pixel (x, y) within reach; of several about as near, the one in front."""
     found: list[tuple[float, float, PickedJoint]] = []
     for performer_id, pose in posed.items():
         joints = body_joints(pose.motion.morphology.layout)
@@ -46,7 +46,7 @@ def joint_at(posed: Mapping[str, Posed], camera: OrbitCamera, size: Size, x: flo
 
 
 def body_at(posed: Mapping[str, Posed], camera: OrbitCamera, size: Size, x: float, y: float) -> str | None:
-    """The performer whose body is under pixel (x, y), judged by its bones; the front one of several."""
+    """Performer whose bones are under pixel (x, y); the front one of several."""
     found: list[tuple[float, str]] = []
     for performer_id, pose in posed.items():
         pairs = bone_pairs(pose.motion.morphology.layout)
@@ -63,7 +63,7 @@ def body_at(posed: Mapping[str, Posed], camera: OrbitCamera, size: Size, x: floa
 
 
 def prop_under(props: Mapping[str, PropPose], camera: OrbitCamera, size: Size, x: float, y: float) -> str | None:
-    """The prop whose box the ray of sight through pixel (x, y) meets first (slab test in the box's axes)."""
+    """Prop whose box the view ray through pixel (x, y) meets first (slab test in the box's axes)."""
     origin, sight = camera.ray(x, y, size)
     found: list[tuple[float, str]] = []
     for prop_id, pose in props.items():
@@ -85,7 +85,7 @@ def nearest_place(
     y: float,
     reach: float,
 ) -> str | None:
-    """The key of the stage place (3,) nearest to pixel (x, y) within ``reach`` pixels."""
+    """Key of the stage position (3,) nearest to pixel (x, y) within ``reach`` pixels."""
     best, found = reach, None
     for key, place in places:
         pixels, depth = camera.project(place, size)

@@ -1,4 +1,4 @@
-"""A motion that is only looked at: sticks that play over the picture and end in what they come to, again and again."""
+"""Preview of a motion: sticks that play over the picture in a loop."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ PREVIEW_PICTURES, PREVIEW_HELD_PICTURES = 24, 18
 
 
 class Preview:
-    """Paints over ``widget`` and asks it for no picture of the stage, which stays as it is."""
+    """Paints over ``widget`` without redrawing the stage."""
 
     def __init__(self, widget: QWidget) -> None:
         self._widget, self._tick = widget, 0
@@ -26,7 +26,7 @@ class Preview:
 
     @property
     def points(self) -> FloatArray | None:
-        """(N, 3) what is painted now; None while nothing is looked at."""
+        """(N, 3) painted points; None without a preview."""
         if self._points is None:
             return None
         share = min(self._tick / PREVIEW_PICTURES, 1.0)
@@ -42,7 +42,7 @@ class Preview:
         self._widget.update()
 
     def paint(self, overlay: Overlay) -> None:
-        """Paint what is looked at, if anything."""
+        """Paint the preview, if there is one."""
         if self.points is not None and self._pairs is not None:
             overlay.ghost(self.points, self._pairs)
 

@@ -1,4 +1,4 @@
-"""The most important problem now: which performer misses which constraint by most, where it should hold."""
+"""Most important problem now: the performer and constraint with the worst residual at full activation."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from studio.engine.residuals import Residual, worst_residual
 
 @dataclass(frozen=True)
 class Problem:
-    """The worst frame of the worst performer of one constraint."""
+    """Worst frame of one constraint on its worst performer."""
 
     performer_id: str
     constraint_id: str
@@ -24,7 +24,7 @@ class Problem:
 
 
 def worst_problem(project: Project, result_of: Results) -> Problem | None:
-    """The worst residual of an enabled constraint over all visible performers; None if all hold."""
+    """Worst residual of an enabled constraint over all visible performers; None if all are met."""
     worst: Problem | None = None
     for performer_id, performer in project.performers.items():
         motion = result_of(performer_id) if performer.visible and performer.clips else None

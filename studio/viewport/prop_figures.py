@@ -1,4 +1,4 @@
-"""Surfaces of props in VTK, within a cube of one metre, to be scaled to a prop's size."""
+"""Surfaces of props in VTK, in a unit cube of one metre, scaled to a prop's size."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from studio.core.stage.prop_shapes import FloatArray, fitted, unit_surface
 
 
 def unit_mesh(prop: Prop) -> pv.PolyData:
-    """The surface of a prop's shape; faces share no corners where edges are sharp."""
+    """Surface of a prop's shape; faces do not share vertices at sharp edges."""
     if prop.shape is PropShape.MESH and prop.mesh is not None:
         return _polygons(fitted(prop.mesh), prop.mesh.triangles)
     surface = unit_surface(prop.shape)

@@ -1,4 +1,4 @@
-"""The gizmo that rotates: a ring about each axis, a ring across the sight, and a trackball within them."""
+"""Gizmo that rotates: a ring about each axis, a view ring, and a trackball within them."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,17 +20,17 @@ _ROUND = np.linspace(0.0, 2.0 * np.pi, RING_SIDES + 1)
 
 @dataclass(frozen=True, eq=False)
 class RotateGizmo(GizmoFrame):
-    """A gizmo that rotates a thing about the rows of ``axes``, or about the stage's Z alone while ``heading_only``."""
+    """Gizmo that rotates a thing about the rows of ``axes``, or only about the stage's Z if ``heading_only``."""
 
     heading_only: bool = False
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """The rings that it has."""
+        """Its rings."""
         return ("z",) if self.heading_only else (*GIZMO_AXES, SCREEN_PART)
 
     def ring(self, part: str) -> FloatArray:
-        """(RING_SIDES + 1, 2) pixels of a ring, closed; angles grow with a positive rotation about its axis."""
+        """(RING_SIDES + 1, 2) pixels of a ring, closed; angles increase with a positive rotation about its axis."""
         first, second, _ = self._basis(part)
         radius = self.length * (SCREEN_RING if part == SCREEN_PART else ROTATE_RING)
         points = np.outer(np.cos(_ROUND), first) + np.outer(np.sin(_ROUND), second)
@@ -43,7 +43,7 @@ class RotateGizmo(GizmoFrame):
         return pixels.min(axis=0) - LINE_REACH, pixels.max(axis=0) + LINE_REACH
 
     def in_front(self, part: str) -> NDArray[np.bool_]:
-        """(RING_SIDES,) True for sides on the half towards the viewer; all of a ring that is seen from its axis."""
+        """(RING_SIDES,) True for sides on the half towards the viewer; all of a ring seen along its axis."""
         first, second, axis = self._basis(part)
         if part == SCREEN_PART or self.heading_only or abs(float(axis @ self.sight)) > 0.985:
             return np.ones(RING_SIDES, dtype=np.bool_)
@@ -52,7 +52,7 @@ class RotateGizmo(GizmoFrame):
 
     @cached_property
     def radius(self) -> float:
-        """Pixels of a ring that is seen from its axis."""
+        """Radius in pixels of a ring seen along its axis."""
         return ROTATE_RING * self.pixels
 
     def axis(self, part: str) -> FloatArray:
@@ -60,7 +60,7 @@ class RotateGizmo(GizmoFrame):
         return self._basis(part)[2]
 
     def part_at(self, x: float, y: float) -> str | None:
-        """The part under pixel (x, y): the near halves of rings before the outer ring before the trackball."""
+        """Part under pixel (x, y): the near halves of rings before the view ring before the trackball."""
         mouse = np.array([x, y])
         away = {part: self._distance(part, mouse) for part in self.parts}
         nearest = min(away, key=lambda part: away[part])
@@ -70,7 +70,7 @@ class RotateGizmo(GizmoFrame):
         return TRACKBALL if inside else None
 
     def bearing(self, part: str, x: float, y: float, grip: tuple[float, float]) -> float:
-        """Radians about a ring's axis at which pixel (x, y) is; from ``grip`` where the ring is seen edge on."""
+        """Angle in radians about a ring's axis at pixel (x, y); relative to ``grip`` if the ring is seen edge on."""
         first, second, axis = self._basis(part)
         if abs(float(axis @ self.sight)) >= EDGE_ON:
             away = self.in_plane(axis, x, y) - self.origin
@@ -83,7 +83,7 @@ class RotateGizmo(GizmoFrame):
         return float((np.array([x, y]) - np.array(grip)) @ tangent / self.radius)
 
     def sector(self, part: str, begin: float, angle: float) -> FloatArray:
-        """(N, 2) pixels of the sector of a ring from bearing ``begin`` over ``angle`` radians, from the middle on."""
+        """(N, 2) pixels of the sector of a ring from bearing ``begin`` over ``angle`` radians, from the centre on."""
         first, second, _ = self._basis(part)
         radius = self.length * (SCREEN_RING if part == SCREEN_PART else ROTATE_RING)
         angles = begin + np.linspace(0.0, angle, 2 + int(abs(angle) * RING_SIDES / (2.0 * np.pi)))
@@ -91,7 +91,7 @@ class RotateGizmo(GizmoFrame):
         return self.camera.project(self.origin + radius * np.concatenate([np.zeros((1, 3)), points]), self.size)[0]
 
     def _basis(self, part: str) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Two axes of a ring's plane and the axis that it goes round, stage space."""
+        """Two axes of a ring's plane and its normal, stage space."""
         if part == SCREEN_PART:
             right, up, back = self.camera.axes
             return right, up, back

@@ -33,7 +33,7 @@ HEADED = (AreaShape.BOX, AreaShape.TABLE, AreaShape.MESH)
 
 
 class RotatedTarget(Target):
-    """A target that is rotated about the point of the body to which it applies."""
+    """Target that is rotated about the constrained point of the body."""
 
     rotates = True
 
@@ -49,24 +49,24 @@ class RotatedTarget(Target):
         return self._point
 
     def _axes_along(self, direction: Vector) -> FloatArray:
-        """(3, 3) axes on the stage of which the last points along a ``direction`` of the motion's space."""
+        """(3, 3) axes on the stage, the last along a ``direction`` of the motion's space."""
         return np.asarray(self.placement.rotation @ frame_along(np.array(direction), np.array([1.0, 0.0, 0.0])))
 
     def _here(self, rotation: FloatArray) -> FloatArray:
-        """A rotation (3, 3) of the stage, in the space of the constraint."""
+        """Rotation (3, 3) of the stage in the space of the constraint."""
         axes = self.placement.rotation
         return np.asarray(axes.T @ rotation @ axes)
 
     @property
     def _fixed(self) -> Constraint:
-        """The constraint with what it had at the playhead when the gizmo was made."""
+        """Constraint with its values at the playhead when the gizmo was made."""
         fixed = self._moment.fixed(self._begin)
         assert fixed is not None
         return fixed
 
 
 class RotatedSegment(RotatedTarget):
-    """The rotation that an orientation constraint gives to a segment."""
+    """Target rotation of an orientation constraint."""
 
     moves = False
 
@@ -89,7 +89,7 @@ class RotatedSegment(RotatedTarget):
 
     @property
     def own_axes(self) -> FloatArray:
-        """(3, 3) axes of the target as it is now."""
+        """(3, 3) present axes of the target."""
         now = self._moment.fixed(self._constraint)
         assert isinstance(now, OrientationConstraint)
         return np.asarray(self.placement.rotation @ to_matrix(np.array(now.target)))
@@ -103,7 +103,7 @@ class RotatedSegment(RotatedTarget):
 
 
 class RotatedDirection(RotatedTarget):
-    """The direction that an axis of a segment keeps."""
+    """Target direction of a segment's axis."""
 
     moves = False
     is_held = RotatedSegment.is_held
@@ -111,7 +111,7 @@ class RotatedDirection(RotatedTarget):
 
     @property
     def own_axes(self) -> FloatArray:
-        """(3, 3) axes of which the last is the direction."""
+        """(3, 3) axes, the last along the direction."""
         now = self._constraint
         assert isinstance(now, UprightConstraint)
         return self._axes_along(now.direction)
@@ -124,7 +124,7 @@ class RotatedDirection(RotatedTarget):
 
 
 class RotatedAboutCentre(RotatedTarget):
-    """A thing with a centre, about which it is rotated."""
+    """Thing that is rotated about its centre."""
 
     @property
     def pivot(self) -> FloatArray:
@@ -133,17 +133,17 @@ class RotatedAboutCentre(RotatedTarget):
 
 
 class RotatedRail(RotatedAboutCentre):
-    """A rail, rotated about its centre."""
+    """Rail, rotated about its centre."""
 
     @property
     def own_axes(self) -> FloatArray:
-        """(3, 3) axes of which the last is the direction."""
+        """(3, 3) axes, the last along the direction."""
         now = self._moment.fixed(self._constraint)
         assert isinstance(now, RailConstraint)
         return self._axes_along(now.direction)
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
-        """Rotate the direction as it is at the playhead."""
+        """Rotate the direction from its value at the playhead."""
         fixed = self._fixed
         assert isinstance(fixed, RailConstraint)
         assert isinstance(self._begin, RailConstraint)
@@ -154,10 +154,10 @@ class RotatedRail(RotatedAboutCentre):
 
 
 class LookedAt(RotatedTarget):
-    """A place that is looked at: it goes round the eyes when rotated."""
+    """Look-at target, which orbits the eyes when rotated."""
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
-        """Take the place round the eyes."""
+        """Move the target on a circle about the eyes."""
         fixed, eyes = self._fixed, self.placement.to_motion(self._point)
         assert isinstance(fixed, LookAtConstraint)
         assert isinstance(fixed.target, tuple)
@@ -165,7 +165,7 @@ class LookedAt(RotatedTarget):
 
 
 class RotatedArea(RotatedAboutCentre):
-    """An area: those with a heading go round Z, a half-space tilts every way, and most have a size."""
+    """Area: one with a heading rotates about Z, a half-space tilts in every direction, and most have a size."""
 
     def __init__(self, document: Document, constraint_id: str, moment: TargetContext, floor: float) -> None:
         super().__init__(document, constraint_id, moment, floor)
@@ -181,7 +181,7 @@ class RotatedArea(RotatedAboutCentre):
 
     @property
     def own_axes(self) -> FloatArray:
-        """(3, 3) axes of its heading; of a half-space the last is its normal."""
+        """(3, 3) axes of its heading; the last is the normal of a half-space."""
         now = self._moment.fixed(self._constraint)
         assert isinstance(now, AreaConstraint)
         if now.shape is AreaShape.HALF_SPACE:
@@ -190,7 +190,7 @@ class RotatedArea(RotatedAboutCentre):
         return self.placement.around(type(self.placement)(heading=heading)).rotation
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
-        """Turn it about Z through its centre, or tilt the plane of a half-space."""
+        """Rotate it about Z through its centre, or tilt the plane of a half-space."""
         area = self._area
         text = f"Turn {area.name}"
         if area.shape is AreaShape.HALF_SPACE:
@@ -203,7 +203,7 @@ class RotatedArea(RotatedAboutCentre):
             self._put(replace(area, heading=heading), text, gesture)
 
     def scale(self, factors: FloatArray, gesture: int) -> None:
-        """Make it larger about its centre."""
+        """Resize it about its centre."""
         x, y, z = np.maximum(np.array(self._area.size) * factors, LEAST_SIDE).tolist()
         self._put(replace(self._area, size=(x, y, z)), f"Resize {self._area.name}", gesture)
 
@@ -219,7 +219,7 @@ def tilt_of(moment: TargetContext, constraint: Constraint, name: str) -> FloatAr
 
 
 def target_of_kind(constraint: Constraint) -> type[Target]:
-    """Class of a constraint's handle; a kind without one is only moved."""
+    """Class of a constraint's handle; a kind without one can only be moved."""
     target = CONSTRAINT_KINDS[constraint.kind].target
     kind: type[Target] = target() if target else Target
     return kind

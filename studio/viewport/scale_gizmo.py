@@ -1,4 +1,4 @@
-"""The gizmo that resizes: a line with a box along each axis, and a box in the middle for all of them."""
+"""Gizmo that resizes: a line with a box along each axis, and a box in the middle for all of them."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ LEAST_FACTOR = 0.01
 
 @dataclass(frozen=True, eq=False)
 class ScaleGizmo(GizmoFrame):
-    """A gizmo that makes a thing larger along those of its own axes that have a size."""
+    """Gizmo that resizes a thing along those of its own axes that have a size."""
 
     scales: tuple[bool, bool, bool] = (True, True, True)
 
@@ -25,7 +25,7 @@ class ScaleGizmo(GizmoFrame):
         return bool(self.scales[axis] and self.facing[axis] < 0.985)
 
     def part_at(self, x: float, y: float) -> str | None:
-        """The part under pixel (x, y): the middle before the axes."""
+        """Part under pixel (x, y): the middle before the axes."""
         mouse = np.array([x, y])
         if np.hypot(*(mouse - self.centre)) <= BALL_REACH:
             return BALL_HANDLE

@@ -1,4 +1,4 @@
-"""Seams of a plain skin: dark lines between the panels of the body, which show how its segments turn."""
+"""Seams of a plain skin: dark lines between the panels of the body, which show the rotations of its segments."""
 
 from functools import lru_cache
 
@@ -23,15 +23,15 @@ JOINED_PANELS = BodyPart.LEFT_TOE, BodyPart.RIGHT_TOE, BodyPart.LEFT_CLAVICLE, B
 
 
 def panel_field(skin: SkinnedMesh, layout: BodyLayout) -> NDArray[np.float32]:
-    """(V,) from -1 to 1: zero on the seams, where a vertex goes half with each of two panels."""
+    """(V,) from -1 to 1: zero on the seams, where a vertex has equal weights of two panels."""
     signs = panel_signs(layout)
     return np.asarray((signs[skin.segments] * skin.weights).sum(axis=1), dtype=np.float32)
 
 
 @lru_cache
 def panel_signs(layout: BodyLayout) -> NDArray[np.float32]:
-    """(S,) 1 or -1: each panel has the other sign than the one that carries it. The waist between pelvis and thorax is
-    one panel.
+    """(S,) 1 or -1: each panel has the opposite sign of its parent. The waist between pelvis and
+    thorax is one panel.
     """
     signs = np.ones(layout.segment_count, dtype=np.float32)
     whole = {layout.segment(part) for part in JOINED_PANELS}
@@ -44,7 +44,7 @@ def panel_signs(layout: BodyLayout) -> NDArray[np.float32]:
 
 
 def draw_seams(actor: pv.Actor, colour: str) -> None:
-    """Let ``actor`` draw the field of its mesh as panels and seams of this colour."""
+    """Draw the field of an actor's mesh as panels, with seams in this colour."""
     actor.mapper.lookup_table = _table(colour)
     actor.mapper.scalar_range = (-1.0, 1.0)
     actor.mapper.interpolate_before_map = True

@@ -1,4 +1,4 @@
-"""The movable thing that is selected, and the gizmo of a tool there."""
+"""Movable thing that is selected, and the gizmo of a tool for it."""
 
 from collections.abc import Callable, Mapping
 
@@ -23,9 +23,9 @@ AnyGizmo = Gizmo | RotateGizmo | ScaleGizmo
 
 
 def selected_movable(document: Document, posed: Mapping[str, Posed], *, picking: bool = False) -> Movable | None:
-    """The thing that the gizmo moves: the current selection, if it can be moved, with the others of its kind.
+    """Thing that the gizmo moves: the current selection, if it can be moved, with the others of its kind.
 
-    A body is not while a joint of it is picked, beside which its handle would lie.
+    A body cannot while a joint of it is picked, because the handles would overlap.
     """
     collection, current = document.selection.current or ("", "")
     if picking and collection == "performers":
@@ -41,7 +41,7 @@ def selected_movable(document: Document, posed: Mapping[str, Posed], *, picking:
 
 
 def _movable(document: Document, posed: Mapping[str, Posed], collection: str, entity_id: str) -> Movable | None:
-    """A prop, body or target, as something that a gizmo moves; None if it is not seen now or has no place."""
+    """Prop, body or target as a ``Movable``; None if it is not visible or has no position."""
     project, active = document.project, posed.get(document.active_performer_id or "")
     if collection == "props" and entity_id in project.props:
         return PlacedProp(document, entity_id, posed)
@@ -62,9 +62,9 @@ def _movable(document: Document, posed: Mapping[str, Posed], collection: str, en
 def gizmo_of(
     tool: str, movable: Movable, space: Space, camera: OrbitCamera, size: tuple[float, float], pixels: float
 ) -> AnyGizmo | None:
-    """The gizmo of a tool, ``move``, ``rotate`` or ``scale``, with arrows of so many ``pixels``.
+    """Gizmo of a tool, ``move``, ``rotate`` or ``scale``, with arrows of that many ``pixels``.
 
-    None where the tool does nothing to the thing.
+    None if the tool does not apply.
     """
     axes = axes_in(movable, space, camera).T
     if tool == "move" and movable.moves:
@@ -78,7 +78,7 @@ def gizmo_of(
 
 
 def axes_in(movable: Movable, space: Space, camera: OrbitCamera) -> FloatArray:
-    """(3, 3) axes of a space as columns, stage space; of what stays on the ground, level."""
+    """(3, 3) axes of a space as columns, stage space; horizontal for things that stay on the ground."""
     makers: dict[Space, Callable[[], FloatArray]] = {
         Space.WORLD: lambda: np.eye(3),
         Space.LOCAL: lambda: movable.own_axes,
@@ -92,7 +92,7 @@ def axes_in(movable: Movable, space: Space, camera: OrbitCamera) -> FloatArray:
 
 
 def zero_of(movable: Movable, space: Space) -> FloatArray | None:
-    """(3,) stage point from which whole steps of a space count; None: from where the thing is."""
+    """(3,) stage point from which the steps of a space count; None for the thing's own position."""
     if space is Space.WORLD:
         return np.zeros(3)
     is_fixed = space is Space.PARENT and np.allclose(movable.parent_axes, movable.placement.rotation)

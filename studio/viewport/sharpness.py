@@ -1,4 +1,4 @@
-"""Resolution of the picture while something moves: lower where drawing takes too long, as without a graphics card."""
+"""Resolution of the picture during motion: lower if drawing is slow, as without a graphics card."""
 
 SHARES = (1.0, 2 / 3, 1 / 2)
 """Parts of the width and the height."""
@@ -12,19 +12,19 @@ RETRY = 60
 
 
 class Sharpness:
-    """Hears how long each picture took that was drawn while something moved; above ``slow`` seconds is too long."""
+    """Resolution from the drawing times of pictures during motion; above ``slow`` seconds is too long."""
 
     def __init__(self, slow: float) -> None:
         self._limit, self._retry = slow, RETRY
         self._step = self._slow = self._quick = 0
 
     def size(self, full: tuple[int, int]) -> tuple[int, int]:
-        """Pixels of the next picture that moves; at rest all are drawn."""
+        """Pixels of the next picture during motion; at rest the full size is drawn."""
         share = SHARES[self._step]
         return max(round(full[0] * share), 1), max(round(full[1] * share), 1)
 
     def took(self, seconds: float) -> None:
-        """One picture was drawn."""
+        """Note the drawing time of a picture."""
         self._slow = max(self._slow + (1 if seconds > self._limit else -1), 0)
         finer = SHARES[max(self._step - 1, 0)] / SHARES[self._step]  # as its time is: half of it is not of the pixels
         self._quick = max(self._quick + (1 if seconds * finer < self._limit else -1), 0)
@@ -35,7 +35,7 @@ class Sharpness:
             self._go(self._step - 1)
 
     def rest(self) -> None:
-        """Nothing moves: the next time a little more is tried."""
+        """Note that nothing moves: the next motion starts with a slightly higher resolution."""
         self._go(max(self._step - 1, 0))
         self._retry = RETRY
 

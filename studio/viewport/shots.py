@@ -1,4 +1,4 @@
-"""The pictures of a film of the viewport, asked of another process: what it has to know, and how that gets there."""
+"""Pictures of a film of the viewport, drawn by another process: its input and the transfer of it."""
 
 import json
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from studio.viewport.camera import OrbitCamera
 
 @dataclass(frozen=True)
 class View:
-    """Picture of the stage without what serves only to edit it."""
+    """Display settings of a picture, without parts that serve only editing."""
 
     camera: OrbitCamera
     height: float
@@ -35,7 +35,7 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class Shots:
-    """The pictures of a film."""
+    """Pictures of a film."""
 
     project: Project
     view: View
@@ -48,7 +48,7 @@ class Shots:
 
 
 def send(shots: Shots, stream: IO[bytes]) -> None:
-    """Write what ``receive`` reads: a line of JSON, the project as its file has it, and its arrays."""
+    """Write the input of ``receive``: a line of JSON, the project as in its file, and its arrays."""
     members: Members = {}
     project = project_json(shots.project, members)
     arrays = {name: npy_parts(array) for name, array in members.items()}
@@ -67,7 +67,10 @@ def send(shots: Shots, stream: IO[bytes]) -> None:
 
 
 def receive(stream: IO[bytes]) -> Shots:
-    """The shots that were sent: read as any file of ours is, nothing in them is run. Raises StudioError, ValueError."""
+    """Shots written by ``send``, read like any file of ours, without running anything in them.
+
+    Raises StudioError, ValueError.
+    """
     head = json_of(stream.readline())
     project = parsed(stream.read(head["project"]), "project")
     arrays = {name: array_of(stream.read(size)) for name, size in head["arrays"].items()}

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class SnapSteps:
-    """Steps to which Ctrl snaps a drag, and by which keys nudge a thing."""
+    """Steps of a drag with Ctrl, and of nudges by keys."""
 
     metres: float = 0.01
     radians: float = math.radians(15.0)

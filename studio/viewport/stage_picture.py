@@ -1,4 +1,4 @@
-"""The stage in VTK: floor, bodies, trails and props, drawn off screen into an array of pixels."""
+"""Stage in VTK: floor, bodies, trails and props, drawn off screen into an array of pixels."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -34,7 +34,7 @@ Pixels = NDArray[np.uint8]
 
 
 class StageScene:
-    """Everything VTK holds. ``sync`` brings it to a moment, ``render`` draws it, ``close`` frees it."""
+    """All VTK objects. ``sync`` updates them to a moment, ``render`` draws them, ``close`` frees them."""
 
     def __init__(self) -> None:
         self.plotter = pv.Plotter(off_screen=True, lighting="none")
@@ -67,7 +67,7 @@ class StageScene:
         moving: bool = False,
         ghosts: Sequence[Ghost] = (),
     ) -> None:
-        """Show performers as skins or bones, shadows, lines, props and ghosts; coarser while all is moving."""
+        """Update performers as skins or bones, shadows, lines, props and ghosts; coarser during motion."""
         self._drop_bodies(project, posed)
         for performer_id, pose in posed.items():
             body = self._body(performer_id, project.characters[pose.performer.character_id])
@@ -88,9 +88,10 @@ class StageScene:
         offset: tuple[float, float] = (0.0, 0.0),
         eye: Eye = CENTRE_EYE,
     ) -> Pixels:
-        """The picture (height, width, 4), RGBA; ``offset`` shifts it by parts of a pixel.
+        """Picture (height, width, 4), RGBA; ``offset`` shifts it by fractions of a pixel.
 
-        From an ``eye`` beside the camera the stage is seen through a window at the camera's target (off-axis).
+        For an ``eye`` beside the camera the stage is seen through a window at the camera's target (off-axis
+        projection).
         """
         window, lens = self._window, self.plotter.renderer.GetActiveCamera()
         if tuple(window.GetSize()) != size:
@@ -114,7 +115,7 @@ class StageScene:
         return pixels
 
     def close(self) -> None:
-        """Free the window and everything drawn in it."""
+        """Free the window and all its objects."""
         self._shading.clear()
         self._bodies.clear()
         self._props.clear()
@@ -123,7 +124,7 @@ class StageScene:
         self.plotter.deep_clean()
 
     def _add(self, actor: pv.Actor) -> None:
-        """Draw an actor before the backdrop, which is then hidden behind it at no cost."""
+        """Add an actor before the backdrop, so that hidden parts of the backdrop cost nothing."""
         backdrop = (
             self._grid,
             self._shadows.actor,

@@ -1,4 +1,4 @@
-"""Smooth stills: many pictures, each shifted by a part of a pixel, averaged while nothing moves."""
+"""Anti-aliased stills: many pictures, each shifted by a fraction of a pixel, averaged while nothing moves."""
 
 import numpy as np
 
@@ -11,13 +11,13 @@ _GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])
 
 
 def shift(sample: int) -> tuple[float, float]:
-    """By how many pixels, within half of one, the picture of ``sample`` is shifted; 0 is not."""
+    """Shift in pixels, within half of one, of the picture of ``sample``; zero for sample 0."""
     x, y = (0.5 + _GOLDEN * sample) % 1.0 - 0.5
     return float(x), float(y)
 
 
 class Still:
-    """A picture that gets smoother with each ``refine``."""
+    """Picture that improves with each ``refine``."""
 
     def __init__(self, scene: Renders, camera: OrbitCamera, size: tuple[int, int]) -> None:
         self._scene, self._camera, self._size = scene, camera, size
@@ -25,23 +25,23 @@ class Still:
         self.count = 1
 
     def refine(self) -> None:
-        """Take in one more picture."""
+        """Add one more picture."""
         self._sum += self._scene.render(self._camera, self._size, shift(self.count))
         self.count += 1
 
     @property
     def complete(self) -> bool:
-        """True if more samples would not be seen."""
+        """True if more samples would not be visible."""
         return self.count >= STILL_SAMPLES
 
     @property
     def pixels(self) -> Pixels:
-        """(height, width, 4) RGBA so far."""
+        """(height, width, 4) RGBA of the present average."""
         return ((self._sum + self.count // 2) // self.count).astype(np.uint8)
 
 
 def smooth_picture(scene: Renders, camera: OrbitCamera, size: tuple[int, int], samples: int) -> Pixels:
-    """Draw the scene now, with as many samples a pixel."""
+    """Picture of the scene with a number of samples for each pixel."""
     still = Still(scene, camera, size)
     while still.count < samples:
         still.refine()

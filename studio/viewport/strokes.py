@@ -1,4 +1,4 @@
-"""Lines and discs over the picture, with a dark edge that is seen on any ground."""
+"""Lines and discs over the picture, with a dark edge that is visible on any background."""
 
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QBrush, QColor, QPainter, QPen

@@ -1,4 +1,4 @@
-"""Turntable: the camera goes round what it looks at, at an even speed."""
+"""Turntable: the camera orbits its target at a constant speed."""
 
 import math
 import time
@@ -13,7 +13,7 @@ STEP_MILLISECONDS = 16
 
 
 class Turntable(QObject):
-    """Calls ``turn`` with the radians since the last call, as long as it runs."""
+    """Calls ``turn`` with the radians since the last call while it runs."""
 
     def __init__(self, turn: Callable[[float], object], parent: QObject) -> None:
         super().__init__(parent)
@@ -24,16 +24,16 @@ class Turntable(QObject):
 
     @property
     def running(self) -> bool:
-        """True while the camera goes round."""
+        """True while the camera orbits."""
         return self._timer.isActive()
 
     def start(self) -> None:
-        """Begin to turn."""
+        """Start to orbit."""
         self._last = time.monotonic()
         self._timer.start()
 
     def stop(self) -> None:
-        """Stay where the camera is."""
+        """Stop the camera."""
         self._timer.stop()
 
     def _step(self) -> None:

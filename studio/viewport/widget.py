@@ -1,4 +1,4 @@
-"""The 3D viewport: the document's performers as the engine adapts them, to be picked and dragged."""
+"""3D viewport: the document's performers as adapted by the engine, to be picked and dragged."""
 
 from collections import Counter
 from collections.abc import Callable, Container
@@ -18,6 +18,7 @@ from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.stage.saved_camera import CameraPlacement
 from studio.document import colours
 from studio.document.document import Document
+from studio.document.dragging import POSE, STRIKE
 from studio.engine.empty_stage import empty_words
 from studio.engine.live_interface import Live
 from studio.engine.moments import TargetContext
@@ -29,7 +30,7 @@ from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
 from studio.viewport.canvas import Canvas
 from studio.viewport.chips import Chips
 from studio.viewport.corrected_joint import CorrectedJoint
-from studio.viewport.dropping import StrikeDrops
+from studio.viewport.dropping import BodyDrops
 from studio.viewport.follow_camera import FollowCamera
 from studio.viewport.framing import selected_points
 from studio.viewport.gizmo import ARROW_PIXELS, GIZMO_AXES, Space, arrow_pixels
@@ -61,7 +62,7 @@ WHEEL_ZOOM = 1.15
 
 
 class Viewport(Canvas):
-    """Shows and edits the stage of a document; see the methods for what menus and shortcuts may call."""
+    """View and editor of the stage of a document; its methods are called by menus and shortcuts."""
 
     picked_changed = Signal()
 
@@ -98,7 +99,8 @@ class Viewport(Canvas):
         self._posed_in = document.project
         self._follower, self._newcomers = FollowCamera(), Newcomers()
         self._pace = Pace()
-        self.preview, self.strike_drops = Preview(self), StrikeDrops(self, document)
+        self.preview = Preview(self)
+        self.strike_drops, self.pose_drops = (BodyDrops(self, document, kind) for kind in (STRIKE, POSE))
         self._problem: Problem | None = None
         self._glide = Glide(self.set_camera, self)
         self._turntable = Turntable(self._turn, self)
@@ -126,7 +128,7 @@ class Viewport(Canvas):
         self.setFocus()
 
     def stop(self) -> None:
-        """Let go of VTK, document and engine. May be called twice."""
+        """Release VTK, document and engine. May be called twice."""
         self.cancel_gesture()
         self._glide.stop()
         self._turntable.stop()
@@ -139,30 +141,30 @@ class Viewport(Canvas):
     # What menus, shortcuts and chips call
 
     def frame_all(self) -> None:
-        """Show all performers, as large as they fit."""
+        """Frame all performers."""
         points = [pose.points for pose in (self.posed | self.resting).values()]
         points += [self._recorded.points] if self._recorded else []
         if points:
             self._frame(np.concatenate(points))
 
     def frame_selection(self) -> None:
-        """Show what is selected, else all performers."""
+        """Frame the selection, else all performers."""
         points = selected_points(self._document, self.posed, self.props, self.handles())
         self._frame(np.concatenate(points)) if points else self.frame_all()
 
     def set_view(self, name: str) -> None:
-        """Glide to a view by name: ``perspective``, ``front``, ``side`` or ``top``."""
+        """Animate to a view by name: ``perspective``, ``front``, ``side`` or ``top``."""
         azimuth, elevation = VIEWS[name]
         self._glide.start(self.camera, replace(self.camera, azimuth=azimuth, elevation=elevation))
 
     def set_tool(self, name: str) -> None:
-        """``select`` hides the gizmo; ``move``, ``rotate`` and ``scale`` show theirs on what is selected."""
+        """Set the tool: ``select`` hides the gizmo; ``move``, ``rotate`` and ``scale`` show theirs on the selection."""
         self.tool = name
         self._chips.tell_space(self.gizmo_space.value, name in ("move", "rotate"))
         self.update()
 
     def next_gizmo_space(self) -> None:
-        """Move and rotate along the axes of the next space."""
+        """Switch the gizmo to the axes of the next space."""
         spaces = list(Space)
         self.gizmo_space = spaces[(spaces.index(self.gizmo_space) + 1) % len(spaces)]
         self.set_tool(self.tool)
@@ -174,13 +176,13 @@ class Viewport(Canvas):
         self.update()
 
     def nudge(self, sign: float) -> None:
-        """Move, rotate or resize what is selected by one snapping step, 1 or -1, along the chosen axis."""
+        """Move, rotate or resize the selection by one snapping step, 1 or -1, along the chosen axis."""
         movable, gizmo = self.movable(), self.gizmo()
         if movable is not None and gizmo is not None and self.gesture is None:
             nudge(self._document, movable, gizmo, self._nudged, sign, self.snap_steps)
 
     def toggle_parallel(self) -> None:
-        """Perspective or parallel."""
+        """Toggle perspective and parallel projection."""
         self.set_camera(replace(self.camera, parallel=not self.camera.parallel))
         self._chips.tell_parallel(self.camera.parallel)
 
@@ -190,12 +192,12 @@ class Viewport(Canvas):
         return self.camera.placement
 
     def look_through(self, placement: CameraPlacement) -> None:
-        """Glide to a placement of the camera."""
+        """Animate to a placement of the camera."""
         self._glide.start(self.camera, OrbitCamera.at(placement))
         self._chips.tell_parallel(placement.parallel)
 
     def set_turntable(self, on: bool) -> None:
-        """Let the camera go round what it looks at, or stop it."""
+        """Start or stop the turntable."""
         if on:
             self._turntable.start()
         else:
@@ -207,17 +209,17 @@ class Viewport(Canvas):
 
     @property
     def turntable(self) -> bool:
-        """True while the camera goes round."""
+        """True while the turntable runs."""
         return self._turntable.running
 
     def toggle_bones(self) -> None:
-        """Skin or bones."""
+        """Toggle skin and bones."""
         self._bones = not self._bones
         self._chips.shading.say("Bones" if self._bones else "Skin")
         self.show_again()
 
     def set_ghost_shown(self, shown: bool) -> None:
-        """The ghost of the source at the active performer, on or off."""
+        """Show or hide the ghost of the source at the active performer."""
         self._chips.ghost.setChecked(shown)
         self.show_again()
 
@@ -232,7 +234,7 @@ class Viewport(Canvas):
         return self._chips.correct.isChecked()
 
     def set_correcting(self, correcting: bool) -> None:
-        """Pose the picked joint by the gizmo, or move and turn what is selected."""
+        """Let the gizmo pose the picked joint, or move and rotate the selection."""
         self._chips.correct.setChecked(correcting)
         self._correcting_changed()
 
@@ -242,7 +244,7 @@ class Viewport(Canvas):
         self.show_again()
 
     def set_onion_shown(self, shown: bool) -> None:
-        """The onion skins of the selected bodies, on or off."""
+        """Show or hide the onion skins of the selected bodies."""
         self._chips.onion.setChecked(shown)
         self.show_again()
 
@@ -252,12 +254,12 @@ class Viewport(Canvas):
         return self._chips.onion.isChecked()
 
     def set_onion_skins(self, skins: OnionSkins) -> None:
-        """Show so many skins, so many frames apart."""
+        """Set the number of skins and their distance in frames."""
         self.onion_skins = skins
         self.show_again()
 
     def keep_ghosts(self) -> None:
-        """Keep the moment of the playhead: the selected bodies are seen as they are then, or the active one is."""
+        """Keep ghosts of the selected bodies, or the active one, at the playhead."""
         now = self._document.playhead.time
         self._kept += [(key, now) for key in self._ghosted() if (key, now) not in self._kept]
         self.show_again()
@@ -268,12 +270,12 @@ class Viewport(Canvas):
         return tuple(self._kept)
 
     def clear_ghosts(self) -> None:
-        """Let go of all kept moments."""
+        """Remove all kept ghosts."""
         self._kept.clear()
         self.show_again()
 
     def set_following(self, following: bool) -> None:
-        """The camera goes with the active performer, or stays."""
+        """Let the camera follow the active performer, or stop that."""
         self._chips.follow.setChecked(following)
         self.show_again()
 
@@ -283,7 +285,7 @@ class Viewport(Canvas):
         return self._chips.follow.isChecked()
 
     def set_markers_shown(self, shown: bool) -> None:
-        """The markers, plates and forces that the active performer's motion was recorded from, on or off."""
+        """Show or hide the markers, plates and forces of the active performer's recording."""
         self._chips.markers.setChecked(shown)
         self.show_again()
 
@@ -293,14 +295,14 @@ class Viewport(Canvas):
         return self._chips.markers.isChecked()
 
     def go_to_problem(self) -> None:
-        """Go to the frame of the most important problem and select who and what it is about."""
+        """Go to the frame of the most important problem and select its performer and constraint."""
         if self._problem is not None:
             self._document.playhead.set_time(self._problem.time)
             performer, constraint = self._problem.performer_id, self._problem.constraint_id
             self._document.selection.set(("performers", performer), ("constraints", constraint))
 
     def pick(self, picked: PickedJoint | None) -> None:
-        """Highlight a joint and select its performer; None lets go of it."""
+        """Highlight a joint and select its performer; None clears the pick."""
         if picked != self.joint_picked:
             self.joint_picked = picked
             self.picked_changed.emit()
@@ -309,7 +311,9 @@ class Viewport(Canvas):
         self.show_again()
 
     def add_constraint_at_pick(self, kind: str = "position") -> str | None:
-        """Ask the picked joint, or the body, to keep what it does at the playhead, and select that; returns its id."""
+        """Add a constraint that keeps the present state of the picked joint, or the body, at the playhead, and select
+        it; returns its id.
+        """
         picked = self.joint_picked
         performer_id = picked.performer_id if picked else self._document.active_performer_id or ""
         pose = self.posed.get(performer_id)
@@ -336,13 +340,13 @@ class Viewport(Canvas):
 
     @property
     def notice(self) -> str:
-        """Sentence while nobody performs: the task under way, else what to do."""
+        """Sentence while there are no performers: the running task, else the next step."""
         if self.posed or self._recorded is not None:
             return ""
         return self._progress[0] or empty_words(self._document.project)
 
     def cancel_gesture(self) -> bool:
-        """Take back the drag under way; False when there is none."""
+        """Cancel the current drag; False if there is none."""
         gesture, self.gesture = self.gesture, None
         if gesture is not None:
             gesture.cancel()
@@ -350,7 +354,7 @@ class Viewport(Canvas):
         return gesture is not None
 
     def set_camera(self, camera: OrbitCamera) -> None:
-        """Look from another place; from now on the view is the user's."""
+        """Set the camera; automatic framing ends."""
         self._framed = self._framed or bool(self.posed)
         super().set_camera(camera)
 
@@ -361,7 +365,7 @@ class Viewport(Canvas):
         return QPointF(*self.camera.project(place, self.view_size)[0][0])
 
     def gizmo(self) -> AnyGizmo | None:
-        """The gizmo on what is selected, as seen now."""
+        """Gizmo on the selection, for the present camera."""
         movable = self.movable()
         if movable is None:
             return None
@@ -370,7 +374,7 @@ class Viewport(Canvas):
         return gizmo_of(self.tool, movable, self.gizmo_space, self.camera, self.view_size, pixels)
 
     def movable(self) -> Movable | None:
-        """The thing that the gizmo moves; None if there is none."""
+        """Thing that the gizmo moves; None if there is none."""
         picked = self.joint_picked
         pose = self.posed.get(picked.performer_id) if picked else None
         if self.correcting and picked is not None and pose is not None and pose.motion_id is not None:
@@ -378,14 +382,14 @@ class Viewport(Canvas):
         return selected_movable(self._document, self.posed, picking=picked is not None)
 
     def handles(self, only: Container[str] | None = None) -> list[Handle]:
-        """The constraint handles, of all constraints or ``only`` some."""
+        """Constraint handles, of all constraints or ``only`` some."""
         return constraint_handles(self._document.project, self.posed, self._document.active_performer_id, only)
 
     # Drawing
 
     @property
     def moving(self) -> bool:
-        """While something moves, pictures are not smoothed."""
+        """True while something moves, so that pictures are not anti-aliased."""
         return (
             self._document.playhead.playing
             or self._live.play.running
@@ -396,7 +400,7 @@ class Viewport(Canvas):
 
     @property
     def in_hand(self) -> bool:
-        """While something is dragged."""
+        """True during a drag."""
         return self.gesture is not None or self._live.interactive
 
     def bring_up_to_date(self, scene: "StageScene") -> None:
@@ -431,7 +435,7 @@ class Viewport(Canvas):
         self._chips.tell_work(len(self.posed), self._pace.words, all(map(self._live.is_eased, self.posed)))
 
     def _ghosted(self) -> list[str]:
-        """Ids of the selected performers, else that of the active one, as far as they are seen."""
+        """Ids of the selected performers, else that of the active one, if visible."""
         selected = self._document.selection.of("performers") or (self._document.active_performer_id or "",)
         return [key for key in selected if key in self.posed]
 
@@ -452,7 +456,7 @@ class Viewport(Canvas):
             self.show_soon()
 
     def _tell_problem(self) -> None:
-        """As the strips have it: at the same moment by the same answers."""
+        """Show the worst problem of the same results as the strips of the timeline."""
         self._problem = worst_problem(self._document.project, self._live.reported)
         self._chips.tell_problem(self._problem.sentence if self._problem else None)
 
@@ -465,7 +469,7 @@ class Viewport(Canvas):
         self._newcomers.meet(self._document.project.performers)
 
     def paint_over(self, painter: QPainter) -> None:
-        """Handles, joints and gizmo."""
+        """Paint handles, joints and gizmo."""
         self._pace.seen(self.moving)
         overlay = Overlay(painter, self.camera, self.view_size)
         ghost = self._ghost()
@@ -501,7 +505,7 @@ class Viewport(Canvas):
         self._place_constrain_chip()
 
     def _twins(self) -> dict[str, FloatArray]:
-        """Tops of the heads, (3,) metres, of bodies of one character, by the names that tell them apart."""
+        """Tops of the heads, (3,) metres, of bodies with the same character, by their distinguishing names."""
         seen = Counter(pose.performer.character_id for pose in self.posed.values())
         return {
             pose.performer.name: pose.points[pose.motion.morphology.layout.head_end]
@@ -534,14 +538,14 @@ class Viewport(Canvas):
 
     @property
     def view(self) -> View:
-        """Picture of the stage now, without what serves only to edit it."""
+        """Display settings of the present view, without parts that serve only editing."""
         active, now = self._document.active_performer_id, self._document.playhead.time
         ghost_of, followed = active if self.ghost_shown else None, active if self.following else None
         turning = TURN_RATE if self.turntable else 0.0
         return View(self.camera, self.view_size[1], self._bones, self._trail_point(), ghost_of, followed, now, turning)
 
     def _trail_point(self) -> BodyPoint | None:
-        """The point whose paths are drawn: the selected constraint's, else the picked joint's."""
+        """Point whose trails are drawn: the selected constraint's, else the picked joint's."""
         if not self._chips.trails.isChecked():
             return None
         selected = self._document.selection.of("constraints")
@@ -601,7 +605,7 @@ class Viewport(Canvas):
         self.show_again()
 
     def _playhead_moved(self, time: float) -> None:
-        """Playback ticks faster than captures were recorded: only another frame, or project, is another picture."""
+        """Draw again only for another frame or project, since playback ticks faster than captures."""
         project = self._document.project
         if project is not self._posed_in or not self.posed or has_moved_on(project, self.posed, time):
             self.show_again()
@@ -613,7 +617,7 @@ class Viewport(Canvas):
             self.show_soon()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """The chips follow the room there is."""
+        """Lay out the chips again."""
         super().resizeEvent(event)
         self._chips.fit(event.size().width())
         if self.camera == self._opening and self.posed and is_another_size(self.view_size, self._opening_size):
@@ -634,7 +638,7 @@ class Viewport(Canvas):
         mouse.move(self, event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """The gesture is done."""
+        """Finish the gesture."""
         gesture, self.gesture = self.gesture, None
         if gesture is not None:
             gesture.finish()
@@ -647,19 +651,19 @@ class Viewport(Canvas):
             self.add_constraint_at_pick()
 
     def leaveEvent(self, event: QEvent) -> None:
-        """Nothing is under the mouse any more."""
+        """Remove the highlight."""
         self.joint_hovered = self.gizmo_part_hovered = self.body_hovered = None
         self.update()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom towards what is under the mouse."""
+        """Zoom about the mouse."""
         self._glide.stop()
         where, turn = event.position(), event.angleDelta().y() / 120.0
         self.set_camera(self.camera.zoomed_at(WHEEL_ZOOM**turn, where.x(), where.y(), self.view_size))
         event.accept()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Cancel a drag or let go of the picked joint by Esc; nudge what the gizmo moves."""
+        """Cancel a drag or clear the pick by Esc; nudge the movable thing."""
         key = Qt.Key(event.key())
         if key == Qt.Key.Key_Escape and (self.cancel_gesture() or self.joint_picked is not None):
             self.pick(None)
@@ -670,7 +674,7 @@ class Viewport(Canvas):
 
     @property
     def _keys(self) -> dict[Qt.Key, Callable[[], object]]:
-        """Keys that turn and move by steps; all others are those of actions, which a key map may change."""
+        """Keys of nudges; all others are those of actions, which a key map may change."""
         return {
             **{Qt.Key[f"Key_{axis.upper()}"]: partial(self.choose_nudged_axis, axis) for axis in GIZMO_AXES},
             Qt.Key.Key_Plus: partial(self.nudge, 1.0),

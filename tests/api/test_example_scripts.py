@@ -93,6 +93,15 @@ def test_swapped_priorities_change_which_constraint_is_met(capsys: pytest.Captur
     assert first != second
 
 
+@pytest.mark.parametrize(
+    ("ending", "code", "said"), [("'No capture.'", 1, "No capture.\n"), ("3", 3, ""), ("None", 0, ""), ("", 0, "")]
+)
+def test_a_script_ends_with_its_own_words_and_exit_code(ending: str, code: int, said: str, tmp_path, capsys) -> None:
+    (tmp_path / "mine.py").write_text(f"import sys; sys.exit({ending})", encoding="utf-8")
+    assert main(["script", str(tmp_path / "mine.py")]) == code
+    assert capsys.readouterr().err == said
+
+
 @pytest.mark.parametrize("script", sorted(SCRIPTS.glob("*.py")), ids=lambda path: path.stem)
 def test_an_example_is_short_and_says_how_it_is_run(script: Path) -> None:
     text = script.read_text()

@@ -165,6 +165,57 @@ def test_a_wrist_at_the_edge_of_a_table_goes_little_farther_than_out_of_it() -> 
         assert np.linalg.norm(nearest_allowed_position(table, point) - point) < 3.0 * within
 
 
+def _distance_to(shape: AreaShape, size: tuple[float, float, float], point: Any) -> float:
+    """Distance in metres of a point to a shape about 0, 0 inside."""
+    away = np.abs(point) - 0.5 * np.array(size)
+    match shape:
+        case AreaShape.HALF_SPACE:
+            return max(float(point @ np.array(size)) / float(np.linalg.norm(size)), 0.0)
+        case AreaShape.SPHERE:
+            return max(float(np.linalg.norm(point)) - 0.5 * size[0], 0.0)
+        case AreaShape.CYLINDER:
+            beyond = [float(np.hypot(*point[:2])) - 0.5 * size[0], away[2]]
+            return float(np.linalg.norm(np.maximum(beyond, 0.0)))
+    return float(np.linalg.norm(np.maximum(away, 0.0)))
+
+
+@pytest.mark.parametrize("margin", [0.02, 0.13])
+@pytest.mark.parametrize("shape", [each for each in AreaShape if each is not AreaShape.MESH], ids=str)
+def test_a_margin_is_as_far_from_every_shape_at_its_edges_as_at_its_faces(shape: AreaShape, margin: float) -> None:
+    """A wrist before and above the edge of a table counted as 4 cm in it: the table grew by square edges."""
+    random, size = np.random.default_rng(3), (0.3, 0.5, 0.2)
+    area = ask(AreaConstraint, RIGHT, ARM, shape=shape, centre=(0.0, 0.0, 0.0), size=size, margin=margin)
+    left = 0
+    for point in random.uniform(-0.5, 0.5, (3000, 3)):
+        place = nearest_allowed_position(area, point)
+        assert _distance_to(shape, size, place) >= margin - 1e-9
+        if _distance_to(shape, size, point) >= margin:
+            assert place == pytest.approx(point)
+            left += 1
+        else:
+            assert _distance_to(shape, size, place) == pytest.approx(margin, abs=1e-7)
+    assert 100 < left < 2990
+
+
+@pytest.mark.parametrize("margin", [0.05, 0.2])
+def test_a_table_with_a_margin_pushes_neighbours_alike(margin: float) -> None:
+    random, half = np.random.default_rng(4), np.array([0.4, 0.4, 0.35])
+    table = ask(
+        AreaConstraint, RIGHT, ARM, shape="table", centre=(0.0, 0.0, 0.0), size=tuple(2.0 * half), margin=margin
+    )
+    for _ in range(1000):
+        point = random.uniform(-half - margin, half + margin)
+        if point[2] + half[2] + margin > 0.101:  # below it goes back down
+            apart = nearest_allowed_position(table, point + 1e-7) - nearest_allowed_position(table, point)
+            assert np.linalg.norm(apart) < 2e-4
+
+
+@pytest.mark.parametrize("side", ["inside", "on_surface"])
+def test_a_margin_is_kept_outside_alone(side: str) -> None:
+    with pytest.raises(ValueError, match="outside"):
+        ask(AreaConstraint, RIGHT, ARM, margin=0.1, **{side: True})
+
+
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_an_area_above_a_target_keeps_the_wrist_out_and_as_near_as_may_be(body: Morphology) -> None:
     wrist = place_of(RIGHT, solved(body))[30]

@@ -100,6 +100,13 @@ def test_a_foot_that_is_slowly_set_down_or_drawn_up_does_not_stand_till_it_is_do
         assert last - first >= 58
 
 
+def test_a_foot_that_sinks_into_soft_ground_stands_from_where_it_landed() -> None:
+    """Skin under markers, and soft floors, give way by centimetres under a load that grows."""
+    low = np.interp(np.arange(120.0), [20, 38, 80, 119], [0.045, 0.045, 0.005, 0.0])
+    landing = np.stack([np.interp(np.arange(120.0), [0, 40], [-1.6, 0.0]), np.zeros(120), low], axis=1)
+    assert np.allclose(_detect(landing, _track([(0, 119)], low=0.0))[ContactPoint.LEFT_HEEL], [(40, 119)], atol=2)
+
+
 def _turning(pivot: int, frames: int = 120) -> np.ndarray:
     """Soles (F, 2, 3, 3): the left foot turns by 60 degrees on its heel (0) or its ball (1) from frame 50 to 70."""
     angles = np.radians(60.0) * np.clip((np.arange(frames) - 50.0) / 20.0, 0.0, 1.0)

@@ -135,3 +135,12 @@ def test_sides_of_a_ball_are_told_apart_everywhere() -> None:
         a, b = (nearest_allowed_position(area(BALL), (0.0, r, 0.0))[1] - r for r in (first, second))
         assert (a > 0.0) == (first < 0.3)
         assert (b > 0.0) == (second < 0.3)
+
+
+@pytest.mark.parametrize("margin", [0.02, 0.1])
+def test_a_point_keeps_its_margin_from_a_mesh(margin: float) -> None:
+    random, kept = np.random.default_rng(5), area(BALL, margin=margin)
+    radius = float(np.linalg.norm(BALL.vertices, axis=1).mean())
+    for point in random.uniform(-1.5 * radius, 1.5 * radius, (60, 3)):
+        place, away = nearest_allowed_position(kept, point), float(np.linalg.norm(point))
+        assert np.linalg.norm(place) == pytest.approx(max(away, radius + margin), abs=0.02 * radius)

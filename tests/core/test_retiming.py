@@ -138,3 +138,12 @@ def test_a_clip_that_goes_on_in_another_one_is_known_by_its_times():
     assert first.goes_on_in(after, 0.01)
     assert not first.goes_on_in(replace(after, speed=1.0), 0.01)
     assert not first.goes_on_in(replace(after, begin=0.6), 0.01)
+
+
+def test_a_key_far_away_costs_no_memory_and_changes_nothing_among_those_nearby() -> None:
+    near = KeyedNumber((0.0, 1.0, 2.0), (1.0, 3.0, 3.0))
+    far = KeyedNumber((0.0, 1.0, 2.0, 1e9), (1.0, 3.0, 3.0, 3.0))
+    seconds = np.linspace(-1.0, 2.0, 50)
+    np.testing.assert_array_equal(playing_seconds(far, seconds), playing_seconds(near, seconds))
+    later = np.array([3.0, 1e4, 1e9, 2e9])
+    np.testing.assert_allclose(motion_seconds(far, playing_seconds(far, later)), later, rtol=1e-9)

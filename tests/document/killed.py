@@ -1,6 +1,7 @@
 """Run as a program: forks a child that works on a document, kills it with -9, and looks at what is left.
 
-``python -m tests.document.killed edit|save FOLDER KILLS SEED`` prints the number of kills that it survived.
+``python -m tests.document.killed edit|save|export|record|index FOLDER KILLS SEED`` prints the number of kills that cost
+something.
 """
 
 import os
@@ -8,7 +9,8 @@ import select
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 
@@ -18,9 +20,16 @@ from studio.core.stage.project import Project
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
 from studio.document.recovery import recover, recoverable_sessions
+from studio.io.export import write_capture
 from studio.io.project.entity_json import project_json
 from studio.io.project.project_file import read_project, write_project
-from tests.builders import make_project
+from studio.library.catalogue import Catalogue
+from studio.library.indexing import corrected, index, whole_library
+from studio.library.library import Library
+from studio.live.recording import Recorder, read_recording
+from studio.startup.process import prepare_process
+from tests.builders import make_capture, make_project
+from tests.library.damaged_catalogue import CAPTURES, make_catalogue
 
 ID = "00112233445566778899aabbccddeeff"
 
@@ -47,6 +56,35 @@ def save_for_ever(path: Path, tell: int) -> None:
     for turn in range(1 << 30):
         write_project(path, (small(), large())[turn % 2], ID)
         os.write(tell, b"1\n")
+
+
+def export_for_ever(paths: Sequence[Path], tell: int) -> None:
+    """Two captures by turns, in the format of each path."""
+    captures = make_capture(frames=4), make_capture(frames=200)
+    for turn in range(1 << 30):
+        write_capture(captures[turn % 2], paths[turn // 2 % len(paths)])
+        os.write(tell, b"1\n")
+
+
+def record_for_ever(path: Path, tell: int) -> None:
+    """Datagrams by number; the count of those that are kept is told."""
+    recorder = Recorder(path)
+    for number in range(1 << 30):
+        recorder.keep(0.001 * number, str(number).encode() * 20)
+        os.write(tell, f"{number + 1}\n".encode())
+
+
+def index_for_ever(folder: Path, tell: int) -> None:
+    """The captures of a folder, read anew each time, and a label that a person corrects between."""
+    os.write(tell, b"0\n")
+    for number in range(1, 1 << 30):
+        with Catalogue(folder / "catalogue") as catalogue:
+            for name in CAPTURES:
+                os.utime(folder / "takes" / name, (number, number))
+            index(catalogue, [folder / "takes"])
+            clip = Library.of(catalogue).clips[0]
+            corrected(catalogue, clip.number, replace(clip.label, tags=(f"mine {number}",), confirmed=True))
+        os.write(tell, f"{number}\n".encode())
 
 
 def small() -> Project:
@@ -102,6 +140,55 @@ def check_saves(folder: Path, kills: int, chance: Random) -> int:
     return lost
 
 
+def check_exports(folder: Path, kills: int, chance: Random) -> int:
+    paths, lost = [folder / f"walk{suffix}" for suffix in (".bvh", ".fbx", ".glb")], 0
+    whole = []
+    for path in paths:
+        contents = []
+        for frames in (4, 200):
+            write_capture(make_capture(frames=frames), path)
+            contents.append(path.read_bytes())
+        whole.append(contents)
+    for _ in range(kills):
+        killed_child(lambda tell: export_for_ever(paths, tell), chance.random() * 0.1)
+        lost += any(path.read_bytes() not in contents for path, contents in zip(paths, whole, strict=True))
+    return lost
+
+
+def check_recordings(folder: Path, kills: int, chance: Random) -> int:
+    lost = 0
+    for kill in range(kills):
+        path = folder / f"{kill}.osc"
+        kept = killed_child(lambda tell, path=path: record_for_ever(path, tell), chance.random() * 0.02)
+        packets = read_recording(path).packets
+        lost += len(packets) < kept
+        lost += [packet for _, packet in packets] != [str(number).encode() * 20 for number in range(len(packets))]
+    return lost
+
+
+def check_catalogues(folder: Path, kills: int, chance: Random) -> int:
+    made, lost = folder / "made", 0
+    make_catalogue(made)
+    for _ in range(kills):
+        number = killed_child(lambda tell: index_for_ever(made, tell), chance.random() * 2.0)
+        with Catalogue(made / "catalogue") as catalogue:
+            index(catalogue, [made / "takes"])
+            tags = [clip.label.tags for clip in whole_library(catalogue).clips if clip.label.confirmed]
+            lost += bool(catalogue.remarks) or len(tags) < 1
+            if number:
+                lost += (f"mine {number}",) not in tags and (f"mine {number + 1}",) not in tags
+    return lost
+
+
+CHECKS = {
+    "edit": check_edits,
+    "save": check_saves,
+    "export": check_exports,
+    "record": check_recordings,
+    "index": check_catalogues,
+}
+
 if __name__ == "__main__":
-    check = {"edit": check_edits, "save": check_saves}[sys.argv[1]]
+    prepare_process()
+    check = CHECKS[sys.argv[1]]
     print(check(Path(sys.argv[2]), int(sys.argv[3]), Random(int(sys.argv[4]))))

@@ -69,8 +69,8 @@ def edit(document: Document, steps: int = 5) -> None:
     document.undo_stack.undo()
 
 
-@pytest.mark.parametrize("what", ["edit", "save"])
-def test_kill_9_costs_no_acknowledged_edit_and_no_saved_file(tmp_path: Path, what: str) -> None:
+@pytest.mark.parametrize("what", ["edit", "save", "export", "record"])
+def test_kill_9_costs_no_acknowledged_edit_and_no_file_that_was_whole(tmp_path: Path, what: str) -> None:
     command = [sys.executable, "-m", "tests.document.killed", what, str(tmp_path), str(KILLS), "11"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=100, check=False)
     assert (done.stdout.strip(), done.returncode) == ("0", 0), done.stderr

@@ -14,7 +14,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.constraints.follow import FollowPerformer, FollowProp, FollowTracked
-from studio.core.curves.keyed import KeyedPlace
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
@@ -28,6 +28,7 @@ from studio.core.stage.prop import Prop
 from studio.core.stage.saved_camera import CAMERA_SLOTS, CameraPlacement
 from studio.core.stage.sound_track import SoundTrack
 from studio.core.stage.whom import DistanceMeasure, FollowPartner
+from studio.document.clip_edits import set_speed
 from studio.document.document import Document
 from studio.document.stored_cameras import give_slot, store_camera
 from studio.io.project.entity_json import project_json
@@ -36,6 +37,11 @@ from tests.builders import make_capture, make_constraint, make_contact, make_pro
 WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
 PROJECT = make_project(characters=3, constraints=2, contacts=3)
 
+EDITS = (
+    "add", "add contact", "add prop", "drag", "drag", "trim", "remove", "ground", "group", "behave", "camera", "sound",
+    "footage", "correct", "correct", "retime", "retime",
+)  # fmt: skip
+"""Kinds of random edits, the frequent ones twice."""
 REMOVED = {
     "behaviours": 2, "cameras": 1, "sounds": 1, "footage": 1, "corrections": 3, "constraints": 6, "contacts": 6,
     "props": 6,    "performers": 2, "characters": 1, "motions": 0.1, "captures": 0.1,
@@ -63,26 +69,7 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
     """One of the edits an animator makes; some belong to the current gesture."""
     project = document.project
     constraints, contacts = list(project.constraints), list(project.contacts)
-    match chance.choice(
-        [
-            *(
-                "add",
-                "add contact",
-                "add prop",
-                "drag",
-                "drag",
-                "trim",
-                "remove",
-                "ground",
-                "group",
-                "behave",
-                "camera",
-                "sound",
-                "footage",
-            ),
-            *("correct", "correct"),
-        ]
-    ):
+    match chance.choice(EDITS):
         case "add" if project.motions:
             props = [FollowProp(key) for key in project.props]
             target = chance.choice([(0.4, -0.3, 1.2), KeyedPlace((0.1,), ((0.0, 0.1, 1.0),)), *props])
@@ -127,6 +114,9 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
             performer = chance.choice(list(project.performers))
             added = new_correction("Elbow", performer, 0.2)
             document.add("corrections", added, "Add correction")
+        case "retime" if project.clips:
+            speeds = [2.0, KeyedNumber((0.05, 0.1), (1.0, chance.uniform(0.4, 2.0)))]
+            set_speed(document, chance.choice(list(project.clips)), chance.choice(speeds), "Key speed", gesture)
         case "remove":
             [name] = chance.choices(list(REMOVED), list(REMOVED.values()))
             keys = list(getattr(project, name))

@@ -1,10 +1,15 @@
 """The Python console: edits of the open project as undo steps, errors in words, and a window that goes on meanwhile."""
 
+import random
 import time
+from dataclasses import replace
 
 import pytest
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtTest import QTest
+
+from studio.core.stage.project import Project
+from studio.core.stage.prop import Prop
 
 PATIENCE = 30_000
 
@@ -128,3 +133,90 @@ def test_a_window_that_closes_leaves_a_running_statement_behind(qtbot, console, 
     qtbot.waitUntil(lambda: console.session.running)
     window.leave()
     qtbot.waitUntil(lambda: not console.session.running, timeout=PATIENCE)
+
+
+WAITING_BLOCK = (
+    "import time\n"
+    "with scene.undo_step('Move'):\n"
+    "    scene.change('performers', 'performer 0', position=(3.0, 0.0))\n"
+    "    while not scene.project.props: time.sleep(0.01)\n"
+    "    scene.change('performers', 'performer 0', position=(4.0, 0.0))\n"
+)
+
+
+@pytest.fixture
+def block(qtbot, console, window):
+    """The document while a block with an edit waits for a prop; adding one lets it go on."""
+
+    def begin(source: str = WAITING_BLOCK):
+        document = window.bench.document
+        console.run(source)
+        qtbot.waitUntil(lambda: document.project.performers["performer 0"].position == (3.0, 0.0), timeout=PATIENCE)
+        return document
+
+    yield begin
+    console.session.stop()
+    qtbot.waitUntil(lambda: not console.session.running, timeout=PATIENCE)
+
+
+def end_of(block_document, qtbot, console):
+    with qtbot.waitSignal(console.session.ended, timeout=PATIENCE):
+        block_document.add("props", Prop("Box"), "Add box")
+    QTest.qWait(0)
+
+
+def test_an_edit_of_the_user_within_a_block_outlasts_its_error(block, qtbot, console) -> None:
+    document = block(WAITING_BLOCK + "    1 / 0\n")
+    end_of(document, qtbot, console)
+    assert [prop.name for prop in document.project.props.values()] == ["Box"]
+    assert document.project.performers["performer 0"].position == (3.0, 0.0)
+    assert [document.undo_stack.text(k) for k in range(document.undo_stack.count())] == ["Move", "Add box"]
+
+
+def test_undo_within_a_block_takes_back_what_it_has_done_and_all_steps_lead_back_to_the_beginning(
+    block, qtbot, console, window
+) -> None:
+    document = window.bench.document
+    performer = document.project.performers["performer 0"]
+    begin = document.project
+    document.replace("performers", "performer 0", replace(performer, name="Mine"), "Rename")
+    block()
+    document.undo_stack.undo()
+    assert document.project.performers["performer 0"] == replace(performer, name="Mine")
+    end_of(document, qtbot, console)
+    assert document.project.performers["performer 0"].position == (4.0, 0.0)
+    while document.undo_stack.canUndo():
+        document.undo_stack.undo()
+    assert document.project == begin
+
+
+def test_a_block_leaves_a_project_alone_that_is_opened_meanwhile(block, qtbot, console) -> None:
+    document = block()
+    document.new(Project())
+    end_of(document, qtbot, console)
+    assert document.undo_stack.count() == 1
+    assert not document.project.performers
+
+
+def test_stop_at_any_moment_ends_a_statement_once_and_leaves_no_step_open(qtbot, console, window) -> None:
+    chance, document = random.Random(0), window.bench.document
+    endless = (
+        "while True:\n    with scene.undo_step('Move'): scene.change('performers', 'performer 0', position=(1, 0))"
+    )
+    begin = document.project
+    ended = []
+    console.session.ended.connect(lambda: ended.append(1))
+    for turn in range(60):
+        console.run("sum(range(20000))" if turn % 2 else endless)
+        until = time.monotonic() + 0.004 * chance.random()
+        while time.monotonic() < until:
+            pass
+        console.session.stop()
+        console.session.stop()
+        qtbot.waitUntil(lambda: not console.session.running, timeout=PATIENCE)
+    assert len(ended) == 60
+    document.add("props", Prop("Box"), "Add box")
+    assert document.undo_stack.undoText() == "Add box"
+    while document.undo_stack.canUndo():
+        document.undo_stack.undo()
+    assert document.project == begin

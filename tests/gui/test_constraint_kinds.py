@@ -519,7 +519,7 @@ def test_turns_distances_headings_and_balance_are_keyed_or_follow_from_their_for
     choose(inspector, "Target is", "Keyed over time")
     enter(inspector, "Place Y", "0.4")
     assert current(document).place.values[0][1] == 0.4
-    press(inspector, "The height of the centre of mass is asked too")
+    press(inspector, "Constrain the height of the centre of mass too")
     assert current(document).vertical
 
 

@@ -6,16 +6,18 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QAbstractButton, QApplication
 
 from studio.app.action_set import with_mnemonics
 from studio.app.actions import MENUS
 from studio.app.application import import_views, show_views
+from studio.app.preferences import key_maps
 from studio.core.captures.contacts import ContactInterval, Touch
 from studio.core.stage.prop import Prop
 from studio.core.stage.staging import SPACING, side_by_side
 from studio.engine.performance import root_paths
 from studio.io.bvh.writer import write_bvh
+from studio.panels.command_palette import plain_text
 from studio.panels.message_strip import Lifetime
 from tests.builders import make_capture
 from tests.gui.viewport_use import LEFT, NONE, joint_pixel
@@ -63,11 +65,37 @@ def test_a_new_project_forgets_the_range(changed):
     assert (document.playhead.first, document.playhead.last) == (0, 300)
 
 
-def test_every_menu_opens_by_a_letter_of_its_own(window):
-    titles = [menu.title() for menu in window.actions_by_id.menus.values()]
-    letters = [title[title.index("&") + 1].lower() for title in titles]
+@pytest.mark.parametrize("key_map", sorted(key_maps()))
+def test_every_menu_opens_by_a_letter_that_nothing_else_has(window, key_map):
+    actions = window.actions_by_id
+    window.bench.preferences = replace(window.bench.preferences, key_map=key_map, own_keys={"save": ("Alt+F",)})
+    actions.apply_keys()
+    titles = [menu.title() for menu in actions.menus.values()]
+    letters = [title[title.index("&") + 1].upper() for title in titles]
+    taken = {keys for of_action in actions.keys_now().values() for keys in of_action}
+    assert "Alt+F" in taken
     assert len({*letters}) == len(MENUS)
-    assert with_mnemonics(("Clip", "Constraint")) == ["&Clip", "C&onstraint"]
+    assert not {f"Alt+{letter}" for letter in letters} & taken
+
+
+def test_a_menu_without_a_free_letter_has_none():
+    assert with_mnemonics(("Clip", "Constraint")) == ["C&lip", "&Constraint"]
+    assert with_mnemonics(("Clip", "Lip"), ["Alt+C", "Alt+I", "Ctrl+Alt+P"]) == ["Cli&p", "&Lip"]
+    assert with_mnemonics(("A", "A")) == ["&A", "A"]
+
+
+def test_names_with_an_ampersand_are_shown_whole_and_open_nothing(window, qtbot, tmp_path):
+    document, actions = window.bench.document, window.actions_by_id
+    document.replace("motions", "motion", replace(document.project.motions["motion"], name="R&Q"), "Rename motion")
+    for key, performer in tuple(document.project.performers.items()):
+        document.replace("performers", key, replace(performer, name=f"{key} R&Q"), "Rename R&Q")
+        document.selection.set(("performers", key), ("clips", performer.clips[0]))
+        qtbot.wait(1)
+        buttons = [each for each in window.findChildren(QAbstractButton) if each.isVisible()]
+        assert [each.text() for each in buttons if not each.shortcut().isEmpty()] == []
+        assert any("R&&Q" in each.text() for each in buttons)
+    assert actions.by_id["undo"].text() == "Undo rename R&&Q"
+    assert plain_text(actions.by_id["undo"]) == "Undo rename R&Q"
 
 
 def test_a_click_on_the_guesses_shows_the_import_report(window):

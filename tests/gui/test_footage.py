@@ -1,5 +1,7 @@
 """Reference footage: the frame of the playhead in its panel, of films and of numbered pictures."""
 
+import os
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -13,6 +15,7 @@ from studio.core.stage.footage import Footage
 from studio.engine.footage_frames import READ_AHEAD, FootageFrame, FootageFrames
 from studio.io.media.film import write_film
 from studio.io.media.footage_file import MOST_FOOTAGE_SIDE, footage_frames, read_footage, sequence_of
+from studio.io.media.media_files import MediaMissing, find_media
 from studio.io.project.project_file import new_document_id, read_project, write_project
 from tests.patience import PATIENCE
 
@@ -199,6 +202,33 @@ def test_footage_is_written_and_found_again_where_its_file_has_moved(qtbot, film
     seen(qtbot, view, 15)
     document.undo_stack.undo()
     assert [each.source for each in document.project.footage.values()] == [str(path)]
+
+
+def test_footage_is_shown_once_its_file_is_back_where_it_was_and_relinked_there(qtbot, filmed, tmp_path, monkeypatch):
+    window, view, path = filmed
+    document, project_file = window.bench.document, tmp_path / "stage.studio"
+    write_project(project_file, document.project, new_document_id())
+    away = path.rename(tmp_path / "away")
+    document.show_opened(read_project(project_file))
+    assert view.words == "walk.mp4 cannot be shown."
+    away.rename(path)
+    monkeypatch.setattr(relinking, "ask_file", lambda bench, title, kind, then: then(path))
+    window.strip.press("Relink…")
+    document.playhead.set_time(0.5)
+    seen(qtbot, view, 15)
+
+
+@pytest.mark.parametrize("source", ["x" * 5000, "\0", "/dev/null/walk.mp4", "gone.mp4"])
+def test_a_source_that_no_file_can_have_is_missing_footage(source, tmp_path):
+    with pytest.raises(MediaMissing, match="of walk cannot be found"):
+        find_media(source, "walk", (tmp_path,))
+
+
+def test_pipes_and_folders_are_no_pictures_of_a_sequence(tmp_path):
+    write_sequence(tmp_path, (1, 2))
+    (tmp_path / "shot.3.png").mkdir()
+    os.mkfifo(tmp_path / "shot.4.png")
+    assert len(sequence_of(tmp_path / "shot.1.png")) == 2
 
 
 def test_nothing_is_read_while_the_panel_is_hidden(qtbot, window, tmp_path):

@@ -7,12 +7,13 @@ import pytest
 from PySide6.QtCore import QMimeData, QPoint, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDragLeaveEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QWidget
 
 from studio.app.application import import_views, show_views
 from studio.app.strike_edit import _known_capture
+from studio.document.priorities import ties_with_moved
 from studio.panels.library_delegate import EYE_WIDTH
-from tests.builders import make_capture, make_project
+from tests.builders import make_capture, make_constraint, make_project
 from tests.gui.viewport_use import LEFT, NONE
 from tests.gui.window_use import drop
 
@@ -64,6 +65,34 @@ def test_priorities_change_by_keys_wherever_the_keyboard_is(window):
     assert list(document.project.constraints_of("motion"))[-2] == order[-1]
     window.actions_by_id.by_id["lower_priority"].trigger()
     assert list(document.project.constraints_of("motion")) == order
+
+
+def test_selected_bars_change_their_priority_together_by_keys_and_say_so_where_they_cannot(window):
+    document = window.bench.document
+    order = list(document.project.constraints_of("motion"))
+    document.selection.set(("constraints", order[-1]), ("constraints", order[-2]))
+    window.activateWindow()
+    steps = document.undo_stack.count()
+    QTest.keyClick(window, Qt.Key.Key_Up, ALT)
+    assert list(document.project.constraints_of("motion")) == [*order[:-3], *order[-2:], order[-3]]
+    assert document.undo_stack.count() == steps + 1
+    QTest.keyClick(window, Qt.Key.Key_Down, ALT)
+    assert list(document.project.constraints_of("motion")) == order
+    assert window.strip.text == ""
+    QTest.keyClick(window, Qt.Key.Key_Down, ALT)
+    assert list(document.project.constraints_of("motion")) == order
+    assert window.strip.text == "What is selected is last in the order of priorities already."
+    assert document.undo_stack.count() == steps + 2
+
+
+def test_constraints_of_one_priority_that_move_together_keep_it_and_join_those_between_which_they_come():
+    constraints = {
+        key: make_constraint(name=key, priority=priority)
+        for key, priority in (("a", 0), ("b", 0), ("c", 1), ("d", 1), ("e", 2))
+    }
+    assert ties_with_moved(constraints, ["c", "d", "a", "b", "e"], {"c", "d"}) == [False, True, False, True, False]
+    assert ties_with_moved(constraints, ["a", "c", "d", "b", "e"], {"c", "d"}) == [False, True, True, True, False]
+    assert ties_with_moved(constraints, ["a", "b", "e", "c", "d"], {"e"}) == [False, True, False, False, True]
 
 
 def test_a_file_that_hovers_is_answered_by_a_frame_until_it_leaves_or_is_dropped(window, walk):
@@ -123,3 +152,27 @@ def test_boxes_that_are_added_one_after_another_lie_beside_each_other(window):
     assert apart.min() >= 0.4
     assert apart.max() < 1.2
     assert places[:, 2] == pytest.approx(0.2)
+
+
+def test_focus_is_seen_wherever_tab_leads(window, qtbot):
+    """Tools, history, tabs, order of priorities, timeline and 3D view looked the same with the keyboard and without."""
+    import_views()
+    show_views(window)
+    qtbot.waitUntil(lambda: len(window.bench.viewport.posed) == 4, timeout=20000)
+    window.bench.document.selection.set(("constraints", "constraint 1"))
+    window.show_dock("Strikes")
+    window.activateWindow()
+    QTest.qWait(50)
+    unseen = []
+    for widget in window.findChildren(QWidget):
+        tabbed = bool(widget.focusPolicy() & Qt.FocusPolicy.TabFocus) and widget.focusProxy() is None
+        if not (tabbed and widget.isVisible() and widget.isEnabled()):
+            continue
+        pictures = []
+        for focused in (False, True):
+            (widget.setFocus if focused else widget.clearFocus)()
+            QApplication.processEvents()
+            pictures.append(widget.grab().toImage())
+        if widget.hasFocus() and pictures[0] == pictures[1]:
+            unseen.append(f"{type(widget).__name__} {widget.objectName()} {widget.accessibleName()}")
+    assert not unseen

@@ -5,10 +5,12 @@ from dataclasses import replace
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QLineEdit
 
 from studio.app.actions import ACTIONS
 from studio.app.preferences import key_maps, keys_with
 from studio.core.stage.prop import Prop
+from studio.io.project.project_file import new_document_id, read_project, write_project
 from studio.panels.library_rows import rows_of
 from tests.builders import make_project
 
@@ -118,3 +120,25 @@ def test_no_key_map_gives_the_key_of_the_search_to_anything_else():
         assert [key for key, keys in keys_with(defaults, changed).items() if "Ctrl+Shift+F" in keys] == [
             "search_library"
         ]
+
+
+def test_captures_and_characters_are_found_by_tags_that_are_typed_in_their_forms(window, tmp_path):
+    document, inspector = window.bench.document, window.inspector
+    for item, tags in ((("captures", "capture"), "Slow, calm,slow , "), (("performers", "performer 1"), "hero")):
+        document.selection.set(item)
+        fields = inspector.findChildren(QLineEdit)
+        [field] = [each for each in fields if each.accessibleName() == "Tags" and each.isVisible()]
+        field.setFocus()
+        QTest.keyClicks(field, tags)
+        QTest.keyClick(field, Qt.Key.Key_Return)
+    assert document.project.motions["motion"].tags == ("Slow", "calm", "slow")
+    assert document.project.characters["character 1"].tags == ("hero",)
+    assert document.history == ("Set tags of walk", "Set tags of Body 1")
+    for words, found in (("calm walk", "walk"), ("HERO", "Body 1")):
+        write(window, words)
+        assert found in texts(window)
+        assert len(texts(window)) == 2
+    write_project(tmp_path / "tagged.studio", document.project, new_document_id())
+    assert read_project(tmp_path / "tagged.studio").project.motions["motion"].tags == ("Slow", "calm", "slow")
+    document.undo_stack.undo()
+    assert document.project.characters["character 1"].tags == ()

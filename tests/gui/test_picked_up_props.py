@@ -9,6 +9,7 @@ import pytest
 from studio.app.verbs.props import add_box
 from studio.core.captures.contacts import ContactInterval, Touch
 from studio.core.mesh.hand_shapes import OPEN_GRIP
+from studio.core.solver.performers.prop_tracks import carried_track
 from studio.core.stage.prop import Carried, Prop
 from studio.engine.performance import posed_performers
 from studio.engine.prop_places import prop_at
@@ -110,6 +111,24 @@ def test_a_box_beyond_reach_is_moved_ahead_of_who_picks_it_up_and_a_message_says
     assert document.undo_stack.count() == steps + 1
     document.undo_stack.undo()
     assert document.project.props[prop_id].position == (4.0, 0.0, 0.2)
+
+
+def test_gestures_do_not_swing_a_box_that_the_motion_does_not_hold(played):
+    """Hands of the capture that went to the hips lifted the box into the face, and turned a palm by 179 degrees."""
+    document = played.bench.document
+    prop_id = document.add("props", Prop("Box", position=(0.6, 0.0, 0.2)), "Add box")
+    pick_up(played, FIRST, prop_id, PICKED)
+    hold = document.project.props[prop_id].held
+    assert hold.steady
+    motion = posed_performers(document.project, played.bench.live.result, PICKED)[FIRST].motion
+    unasked, layout = motion.unasked, motion.morphology.layout
+    positions, rotations = unasked.positions.copy(), unasked.rotations
+    arms = [layout.wrist(side) + end for side in range(2) for end in range(2)]
+    before = carried_track(hold, positions, rotations, motion.body).places
+    positions[:, arms] += [0.2, 0.1, 0.5]
+    assert carried_track(hold, positions, rotations, motion.body).places == pytest.approx(before)
+    held = replace(hold, steady=False)
+    assert np.abs(carried_track(held, positions, rotations, motion.body).places - before).max() > 0.4
 
 
 def test_who_takes_a_box_face_to_face_leaves_it_its_heading_and_finds_free_places(played, qtbot):

@@ -2,15 +2,19 @@
 
 import numpy as np
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtGui import QDragEnterEvent, QDragMoveEvent, QDropEvent, QMouseEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QLineEdit
+from PySide6.QtWidgets import QApplication, QLineEdit
 
 from studio import api
+from studio.app.application import show_viewport
 from studio.app.pose_library import PoseLibrary
 from studio.core.rotations import from_rotation_vector, inverse, multiply, to_rotation_vector
 from studio.core.stage.local_pose import POSE_REGIONS, local_pose
 from studio.engine.performance import pose_of
+from studio.library.saved_poses import read_pose
+from studio.viewport import picking
 
 HANDSTAND = api.example_captures_folder() / "handstand.bvh"
 SAVED_AT, APPLIED_AT = 2.5, 0.5
@@ -34,7 +38,7 @@ def poses(window, tmp_path):
     bench = window.bench
     [performer] = bench.document.project.performers
     bench.document.selection.set(("performers", performer))
-    library = PoseLibrary(bench, tmp_path / "poses")
+    library = window.pose_library = PoseLibrary(bench, tmp_path / "poses")
     window.docks["Poses"].setWidget(library.panel)
     window.show_dock("Poses")
     bench.document.playhead.set_time(SAVED_AT)
@@ -109,9 +113,52 @@ def test_the_name_is_typed_in_the_list_and_the_file_has_it(window, poses, tmp_pa
     QTest.qWait(50)
     assert [path.name for path in (tmp_path / "poses").iterdir()] == ["bow.json"]
     assert poses.panel.poses.item(0).text() == "Bow"
+    assert not window.bench.document.project.corrections
     QTest.mouseClick(poses.panel.delete, Qt.MouseButton.LeftButton)
     assert not list((tmp_path / "poses").iterdir())
     assert not poses.panel.poses.count()
+
+
+def test_a_pose_is_dragged_onto_a_body_which_takes_it_as_one_undo_step(window, poses, monkeypatch, tmp_path):
+    bench, view = window.bench, poses.panel.poses
+    show_viewport(window)
+    [key] = bench.document.project.performers
+    bench.document.playhead.set_time(APPLIED_AT)
+    assert bench.live.wait(SOLVED_SECONDS)
+    saved = read_pose(next((tmp_path / "poses").glob("*.json"))).pose
+    begun = []
+    view.startDrag = begun.append
+    start = view.visualItemRect(view.item(0)).center()
+    QTest.mousePress(view.viewport(), Qt.MouseButton.LeftButton, pos=start)
+    for step in (20, 40):
+        place = QPointF(start + QPoint(step, 0))
+        at, held, keys = view.viewport().mapToGlobal(place), Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
+        QApplication.sendEvent(view.viewport(), QMouseEvent(QEvent.Type.MouseMove, place, at, held, held, keys))
+    QTest.mouseRelease(view.viewport(), Qt.MouseButton.LeftButton, pos=start)
+    assert begun
+    monkeypatch.setattr(picking, "body_at", lambda *_: key)
+    content = view.mimeData([view.item(0)])
+    place, copy = QPoint(200, 200), Qt.DropAction.CopyAction
+    for event in (
+        QDragEnterEvent(place, copy, content, held, keys),
+        QDragMoveEvent(place, copy, content, held, keys),
+        QDropEvent(QPointF(place), copy, content, held, keys),
+    ):
+        event.ignore()
+        QApplication.sendEvent(bench.viewport, event)
+        assert event.isAccepted()
+    assert bench.document.history == ("Apply pose Pose 1",)
+    assert degrees_apart(shown_pose(window, APPLIED_AT), saved, POSE_REGIONS["Arms"]).max() < 1.0
+
+
+def test_each_pose_has_a_picture_of_its_own(window, poses):
+    window.bench.document.playhead.set_time(0.0)
+    assert window.bench.live.wait(SOLVED_SECONDS)
+    QTest.mouseClick(poses.panel.save, Qt.MouseButton.LeftButton)
+    icons = [poses.panel.poses.item(row).icon().pixmap(72).toImage() for row in range(2)]
+    assert icons[0] != icons[1]
+    for icon in icons:
+        assert sum(icon.pixelColor(x, y).alpha() > 0 for x in range(72) for y in range(72)) > 200
 
 
 def test_without_a_body_that_plays_a_sentence_says_what_to_do(window, poses):

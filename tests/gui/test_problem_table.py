@@ -2,12 +2,14 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from studio.app.problem_tour import ProblemTour
 from studio.app.workbench import Workbench
+from studio.core.errors import INTERNAL_ERROR
 from studio.core.solver.performers.rows import timing_of
 from studio.document.document import Document
 from studio.engine.problem_search import ProblemSearch
@@ -68,6 +70,22 @@ def test_bodies_that_slide_are_told_with_the_moment_and_the_capture_itself_has_n
     assert slide.amount > 0.02  # the standing bodies are moved 0.3 m forward in half a second
     assert timing.begin <= slide.time <= timing.begin + 0.5
     assert whole["performer 0"].findings["peak"].amount == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_foot_that_skates_is_a_problem_also_where_no_contact_says_that_it_stands(stage):
+    document, *_ = stage
+    free = replace(document.project, contacts={}, constraints={})
+    results = results_of(free)
+    first = next(iter(summary_of(free, results, {})))
+    assert "slide" not in first.findings
+    slower = {key: replace(each, positions=each.positions * [0.7, 1.0, 1.0]) for key, each in results.items()}
+    skating = summary_of(free, slower, {})
+    found = problems_in(skating)[0]
+    assert found.sentence == f"{found.row.body}: skate 210 mm, {WHOLE_MOTION}"
+    in_the_air = {
+        key: replace(each, positions=np.add(each.positions, (0.0, 0.0, 0.01))) for key, each in slower.items()
+    }
+    assert not problems_in(summary_of(free, in_the_air, {}))
 
 
 def test_problems_are_in_the_order_of_their_weight_and_each_is_named_once(stage):
@@ -132,7 +150,7 @@ def test_a_column_sorts_by_badness_and_a_click_goes_to_the_frame_and_selects(sta
     assert document.playhead.time == pytest.approx(row.findings["residual"].time, abs=0.5 / 60.0)
 
 
-def test_a_stage_that_cannot_be_measured_is_told_in_a_sentence(stage, qtbot, monkeypatch):
+def test_a_stage_that_cannot_be_measured_is_told_in_a_sentence_and_logged(stage, qtbot, monkeypatch, caplog):
     _, _, search, _, tour, _ = stage
 
     def broken(*_):
@@ -141,7 +159,8 @@ def test_a_stage_that_cannot_be_measured_is_told_in_a_sentence(stage, qtbot, mon
     monkeypatch.setattr("studio.engine.problem_search.summary_of", broken)
     with qtbot.waitSignal(search.failed, timeout=PATIENCE) as caught:
         tour.go(1)
-    assert "internal error: no" in caught.args[0]
+    assert f"{INTERNAL_ERROR}: no" in caught.args[0]
+    assert [record.exc_info[0] for record in caplog.records] == [ValueError]
     assert search.rows == ()
 
 

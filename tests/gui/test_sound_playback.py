@@ -169,6 +169,20 @@ def test_a_sound_whose_file_has_moved_is_found_in_a_known_folder_else_relinked(h
     assert [each.source for each in document.project.sounds.values()] == [str(file)]
 
 
+def test_a_sound_is_heard_once_its_file_is_back_where_it_was_and_relinked_there(heard, qtbot, tmp_path, monkeypatch):
+    window, playback, playhead = heard
+    file = tmp_path / "steps.wav"
+    away = file.rename(tmp_path / "away")
+    playback._samples.clear()
+    playhead.set_time(0.8)
+    qtbot.waitUntil(lambda: not window.bench.runner.running, timeout=PATIENCE)
+    away.rename(file)
+    monkeypatch.setattr(relinking, "ask_file", lambda bench, title, kind, then: then(file))
+    window.strip.press("Relink…")
+    playhead.set_time(0.9)
+    qtbot.waitUntil(lambda: playback._samples[str(file)] is not None, timeout=PATIENCE)
+
+
 def output_of(tmp_path, backends, report=lambda sentence: None):
     samples = read_samples(write_wave(tmp_path / "steps.wav", clicks((0.0, 0.3), 1.0)))
     output = SoundOutput(report, backends=backends)

@@ -1,5 +1,7 @@
 """Sound tracks: their waveform and beats on the timeline, to which contacts and keys snap."""
 
+import os
+import struct
 import wave
 
 import numpy as np
@@ -10,7 +12,9 @@ from studio.app.verbs.media import add_sound
 from studio.core.errors import StudioError
 from studio.core.stage.beats import beats_of
 from studio.core.stage.sound_track import SoundTrack
-from studio.io.media.sound_file import read_sound
+from studio.io.child_process import child_process, wait_for
+from studio.io.media import sound_file
+from studio.io.media.sound_file import read_samples, read_sound
 from studio.io.project.project_file import new_document_id, read_project, write_project
 from tests.patience import PATIENCE
 
@@ -60,6 +64,52 @@ def test_a_file_becomes_a_waveform_and_its_beats(tmp_path):
     assert max(sound.peaks) == 255
     assert np.argmax(sound.peaks) in (50, 51, 125, 126)
     assert sound.beats == pytest.approx((0.5, 1.25), abs=FRAME)
+
+
+def test_values_that_are_no_numbers_are_silence_between_the_beats(tmp_path):
+    samples = clicks((0.5, 1.25), 2.0).astype("<f4")
+    samples[[100, 20_000, 30_000]] = np.inf, np.nan, -np.inf
+    head = struct.pack(
+        "<4sI4s4sIHHIIHH4sI",
+        b"RIFF",
+        36 + samples.nbytes,
+        b"WAVE",
+        b"fmt ",
+        16,
+        3,
+        1,
+        RATE,
+        4 * RATE,
+        4,
+        32,
+        b"data",
+        samples.nbytes,
+    )
+    path = tmp_path / "steps.wav"
+    path.write_bytes(head + samples.tobytes())
+    sound = read_sound(path)
+    assert sound.beats == pytest.approx((0.5, 1.25), abs=FRAME)
+    assert sum(peak > 20 for peak in sound.peaks) > 10
+
+
+def test_a_sound_that_could_not_be_decoded_whole_ends_with_its_last_whole_sample(tmp_path, monkeypatch):
+    path = write_wave(tmp_path / "steps.wav", clicks((0.5,), 1.0))
+
+    def cut_off(process, alive):
+        code = wait_for(process, alive)
+        os.truncate(f"/proc/self/fd/{decoded_files[-1]}", 1003)
+        return code
+
+    decoded_files = []
+
+    def recorded(command, stdin, stdout, stderr):
+        decoded_files.append(stdout.fileno())
+        return child_process(command, stdin, stdout, stderr)
+
+    monkeypatch.setattr(sound_file, "wait_for", cut_off)
+    monkeypatch.setattr(sound_file, "child_process", recorded)
+    assert len(read_samples(path)) == 250
+    assert len(read_sound(path).peaks) == 3
 
 
 def test_a_file_without_sound_is_a_sentence(tmp_path):

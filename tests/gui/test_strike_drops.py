@@ -11,10 +11,10 @@ from PySide6.QtWidgets import QWidget
 from studio.app.strike_target import StrikeTarget
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.stage.prop import Prop
-from studio.document.dragging import carried_strike
+from studio.document.dragging import STRIKE, carried_row
 from studio.library.clip_labels import Limb
 from studio.viewport import picking
-from studio.viewport.dropping import StrikeDrops
+from studio.viewport.dropping import BodyDrops
 from tests.gui.striking_use import struck_place
 from tests.gui.window_use import PATIENCE, same, wait_until_idle
 
@@ -117,7 +117,7 @@ def test_over_the_3d_view_the_body_under_the_mouse_is_chosen_and_takes_it(docume
     view, taken = QWidget(), []
     view.posed = view.camera = view.view_size = None
     qtbot.addWidget(view)
-    drops = StrikeDrops(view, document)
+    drops = BodyDrops(view, document, STRIKE)
     drops.dropped.connect(lambda *what: taken.append(what))
     key = next(iter(document.project.performers))
     monkeypatch.setattr(picking, "body_at", lambda *_: None)
@@ -129,7 +129,7 @@ def test_over_the_3d_view_the_body_under_the_mouse_is_chosen_and_takes_it(docume
 
 def drop(widget, where, take, row=0):
     left, keys = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
-    content = carried_strike(row)  # the event borrows it
+    content = carried_row(STRIKE, row)  # the event borrows it
     event = QDropEvent(where, Qt.DropAction.CopyAction, content, left, keys)
     take(event)
     return event

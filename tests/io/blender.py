@@ -20,8 +20,8 @@ def opened_in_blender(path: Path, *, frames: int, rate: float, action_of: Path |
     """A file as Blender reads it, in metres and world axes: by armature, by mesh and by other object.
 
     ``bones`` names, ``heads`` (F, B, 3), ``rotations`` (F, B, 3, 3) since they were bound; ``vertices`` (F, V, 3);
-    ``places`` (F, 3). With ``action_of``, the armature moves as that of another file. Skips where there is no
-    Blender.
+    ``places`` (F, 3). ``cameras`` have their vertical ``angle`` of view and ``axes``: right, up, backward. With
+    ``action_of``, the armature moves as that of another file. Skips where there is no Blender.
     """
     python = os.environ.get(VARIABLE)
     if not python:

@@ -81,7 +81,15 @@ def main(source: str, target: str, frames: int, rate: float, other: str) -> None
         for kind, records in found.items()
     }
     about["rate"] = scene.render.fps / scene.render.fps_base
-    about["cameras"] = {item.name: item.data.angle_y for item in bpy.data.objects if item.type == "CAMERA"}
+    about["cameras"] = {
+        item.name: {
+            "angle": item.data.angle_y,
+            "parallel": item.data.type == "ORTHO",
+            "axes": (to_studio @ turn(np.array(item.matrix_world))).T.tolist(),
+        }
+        for item in bpy.data.objects
+        if item.type == "CAMERA"
+    }
     arrays = {
         f"{kind} {name} {key}": np.array(values)
         for kind, records in found.items()

@@ -41,6 +41,7 @@ def main(add_on: str, source: str, target: str) -> None:
         sender.bind(("127.0.0.1", 0))
         rig.morpho_port = sender.getsockname()[1]  # a port that is free once this socket is closed
     assert bpy.ops.object.morpho_follow() == {"FINISHED"}
+    assert bpy.app.timers.is_registered(live.read_packets)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         for packet in (b"of another program", *map(bytes.fromhex, given["packets"].tolist())):
             sender.sendto(packet, ("127.0.0.1", rig.morpho_port))
@@ -51,6 +52,7 @@ def main(add_on: str, source: str, target: str) -> None:
     found = [rig.matrix_world @ rig.pose.bones[name].head for name in names.tolist()]
     np.savez(target, heads=np.array(found))
     live.unregister()
+    assert not bpy.app.timers.is_registered(live.read_packets)
 
 
 if __name__ == "__main__":

@@ -57,6 +57,17 @@ def test_points_without_names_open_as_bare_markers_and_say_what_to_do(captures: 
     np.testing.assert_allclose(positions[:, 1, 2], trial.points[:, 0, 2], atol=1e-12)
 
 
+def test_labels_that_were_exchanged_are_put_right_and_reported(tmp_path: Path) -> None:
+    trial, _ = made_trial()
+    names = {"leftheel": "lefttoe", "lefttoe": "leftheel"}
+    write_c3d(tmp_path / "t.c3d", replace(trial, labels=tuple(names.get(label, label) for label in trial.labels)))
+    capture = load_capture(tmp_path / "t.c3d")
+    assert capture.markers is not None
+    assert capture.markers.marker_map.markers["left_heel"] == ("lefttoe",)
+    [guess] = [guess for guess in capture.guesses if guess.subject == "places"]
+    assert guess.reason.startswith("leftheel, lefttoe lie at each other's places")
+
+
 def test_a_map_said_by_hand_makes_a_body_of_bare_markers() -> None:
     trial, marker_map = made_trial()
     names = {label: f"P{place}" for place, label in enumerate(trial.labels)}

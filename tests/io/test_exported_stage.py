@@ -20,7 +20,7 @@ from studio.core.rotations import to_matrix
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import InHand, Prop, PropShape
 from studio.core.stage.prop_shapes import prop_surface
-from studio.core.stage.saved_camera import VIEW_ANGLE, CameraPlacement, SavedCamera
+from studio.core.stage.saved_camera import CAMERA_ASPECT, VIEW_ANGLE, CameraPlacement, SavedCamera
 from studio.io.export_options import ExportOptions
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import read_gltf
@@ -145,6 +145,27 @@ def usd_places(path):
     return found
 
 
+FBX_CAMERAS = """
+import sys, os, json, gc, numpy as np, ufbx
+from studio.io.fbx.objects import all_of, keep
+gc.disable()
+scene = keep(ufbx.load_file(sys.argv[1]))
+found = {}
+for camera in all_of(scene.cameras):
+    [node] = all_of(camera.instances)
+    place, turn = node.local_transform.translation, node.local_transform.rotation
+    found[node.name] = {
+        "parallel": camera.projection_mode == ufbx.ProjectionMode.ORTHOGRAPHIC,
+        "angle": camera.field_of_view_deg.y,
+        "width": camera.orthographic_size.x,
+        "place": [place.x, place.y, place.z],
+        "rotation": [turn.x, turn.y, turn.z, turn.w],
+    }
+print(json.dumps(found))
+sys.stdout.flush(); os._exit(0)
+"""
+
+
 READERS = {".fbx": fbx_places, ".glb": gltf_places, ".usd": usd_places}
 
 
@@ -210,6 +231,19 @@ def test_cameras_are_written_by_name_and_look_as_they_did(staged, tmp_path, para
     assert axes == pytest.approx(placement.axes, abs=1e-9)
     kind = root["cameras"][nodes["Low"]["camera"]]["type"]
     assert kind == ("orthographic" if parallel else "perspective")
+    fbx = tmp_path / "stage.fbx"
+    write_stage(written, fbx)
+    done = subprocess.run([sys.executable, "-c", FBX_CAMERAS, str(fbx)], check=True, capture_output=True, timeout=300)
+    cameras = json.loads(done.stdout)
+    assert list(cameras) == ["Low", "Low 2"]
+    low = cameras["Low"]
+    assert np.array(low["place"])[[2, 0, 1]] / 100.0 == pytest.approx(placement.eye, abs=1e-5)
+    forward, up, right = to_matrix(np.array(low["rotation"]))[[2, 0, 1]].T
+    assert np.array([right, up, -forward]) == pytest.approx(placement.axes, abs=1e-6)
+    assert low["parallel"] == parallel
+    assert low["angle"] == pytest.approx(np.degrees(VIEW_ANGLE), abs=1e-4)
+    if parallel:
+        assert low["width"] == pytest.approx(200.0 * placement.half_height * CAMERA_ASPECT)
     pytest.importorskip("pxr", reason="usd-core is not installed")
     from pxr import Usd, UsdGeom
 
@@ -235,6 +269,10 @@ def test_the_stage_is_valid_gltf(staged, tmp_path):
 @pytest.mark.parametrize("suffix", [".fbx", ".glb", ".usd"])
 def test_blender_shows_the_stage_as_it_was(staged, tmp_path, suffix):
     project, made = staged
+    placements = {f"Camera {parallel}": CameraPlacement((0.4, -0.3, 1.1), 3.0, 0.7, 0.3, parallel)
+                  for parallel in (False, True)}  # fmt: skip
+    for name, placement in placements.items():
+        project = project.with_entity("cameras", name, SavedCamera(name, placement))
     path = tmp_path / f"play{suffix}"
     exported = exported_stage(project, made, ExportOptions(frame_rate=30.0), path)
     write_stage(exported, path)
@@ -252,6 +290,12 @@ def test_blender_shows_the_stage_as_it_was(staged, tmp_path, suffix):
     names = {name.replace("_", " "): record["places"] for name, record in found["objects"].items()}
     for prop in exported.props:
         assert np.abs(names[prop.name] - prop.places).max() < HUNDREDTH_OF_A_MILLIMETRE
+    cameras = {name.replace("_", " "): camera for name, camera in found["cameras"].items()}
+    for name, placement in placements.items():
+        assert names[name][0] == pytest.approx(placement.eye, abs=HUNDREDTH_OF_A_MILLIMETRE)
+        assert np.array(cameras[name]["axes"]) == pytest.approx(placement.axes, abs=1e-6)
+        assert cameras[name]["parallel"] == placement.parallel
+    assert cameras["Camera False"]["angle"] == pytest.approx(VIEW_ANGLE, abs=1e-4)
 
 
 def test_a_range_of_the_stage_at_another_rate_holds_who_does_not_play(staged, tmp_path):

@@ -6,15 +6,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.grounds.ground import Ground
+from studio.core.mesh.skin import skin_vertices
 from studio.core.quality.metrics import acceleration_ratio, contact_quality
 from studio.core.solver.adapt import adapt, place_of
 from studio.core.solver.performers.performing import Performance, Prepare, Staged, perform
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project
+from studio.io.project.character_file import bundled_characters
 from studio.jobs.performances import prepared
 from studio.library.scenes import SCENES, acrobatics, changing, choosing, fight, papers
 
@@ -209,6 +212,27 @@ def test_whole_arms_and_trunk_stay_out_of_a_table_of_any_height_that_is_seen(hei
             depth = (np.array(table.size) / 2 - np.abs(bone - np.array(table.position))).min(axis=2)
             assert depth.max() < soft + 1e-3
     assert above > 100
+
+
+@pytest.mark.parametrize("others", [(), ("child", "giant")], ids=["the scene's bodies", "others"])
+def test_the_skin_of_arms_and_trunk_stays_out_of_a_table_while_pops_are_smoothed(others: tuple[str, ...]) -> None:
+    """The table was up to 37 mm inside a hand and 13 mm inside a forearm."""
+    scene = papers.table()
+    for key, name in zip(scene.performers, others, strict=False):
+        scene = scene.with_entity("characters", name, bundled_characters()[name])
+        scene = scene.with_entity("performers", key, replace(scene.performers[key], character_id=name))
+    made = perform(scene, scene.performers, prepared, adapt).performances
+    for key, performance in made.items():
+        adapted, table = performance.adapted, scene.props[f"table {key}"]
+        character, layout = scene.characters[scene.performers[key].character_id], adapted.morphology.layout
+        mesh, placement = character.shown_skin, Placement.of(scene.performers[key])
+        legs = [layout.segment(part) for part in BodyPart if part.value.endswith(("thigh", "shank", "foot", "toe"))]
+        above = ~np.isin(mesh.segments[:, 0], legs)
+        for row in range(0, adapted.frame_count, 2):
+            pose = adapted.positions[row], adapted.rotations[row]
+            skin, _ = skin_vertices(mesh, character.build, adapted.body, *map(np.ascontiguousarray, pose))
+            away = np.abs(placement.to_stage(skin[above]) - np.array(table.position)) - np.array(table.size) / 2
+            assert away.max(axis=1).min() > -0.005, (key, row)
 
 
 def test_a_wrist_comes_before_an_elbow_and_balance_costs_no_reach() -> None:

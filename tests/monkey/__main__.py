@@ -22,8 +22,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from studio.core.errors import INTERNAL_ERROR
 from tests.monkey.events import Monkey
-from tests.monkey.report import GAP, Clock, Report, resident
+from tests.monkey.report import GAP, Clock, Report, resident, slowness
 
 if TYPE_CHECKING:
     from studio.panels.message_strip import UserMessage
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
 EVENTS, ROUND = 100_000, 1000
 BEAT, PATIENCE = 20, 0.3
 """Milliseconds between two looks at the event loop; seconds after which an event is known to have a loop of its own."""
-FAULT = "by a fault of the program"
 
 
 class Soak:
@@ -80,7 +80,7 @@ class Soak:
 
     def said(self, message: "UserMessage") -> None:
         """Only what is no sentence for the user: that was logged, with its stack, or comes from a task."""
-        if FAULT in message.sentence:
+        if INTERNAL_ERROR in message.sentence:
             self.fault(message.sentence)
 
     def open(self) -> None:
@@ -126,7 +126,7 @@ class Soak:
 
     def measure(self, what: str) -> None:
         took, stack = self.clock.turn()
-        if took > GAP:
+        if took > GAP and took > GAP * slowness():
             self.report.gaps.append(f"event {self.report.events}: {what} took {took:.2f} s\n{stack}")
             self.tell(self.report.gaps[-1])
 

@@ -5,12 +5,15 @@ import os
 import threading
 import time
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryFile
 
 GAP = 1.0
-"""Seconds that a turn of the event loop may take of this process's own making."""
+"""Seconds that a turn of the event loop may take of this process's own making, on the machine of the limits."""
+WORK, WORK_SECONDS = 2_000_000, 0.03
+"""Numbers whose sum is a piece of work, and the seconds that it takes on the machine of the limits."""
 SETTLED = 10
 """Rounds after which memory is to be flat."""
 GROWTH = 50e6
@@ -42,24 +45,47 @@ class Report:
         return not self.faults and not self.gaps and self.growth < GROWTH
 
 
-def waits() -> dict[str, float]:
-    """Seconds in which the window's thread, and those that draw for it, could have run and were not let by others."""
-    return {task.name: _waited(task) for task in Path("/proc/self/task").iterdir() if _draws(task)}
+@dataclass(frozen=True)
+class Schedule:
+    """Seconds for which a thread has run, and for which it could have run while others had the processor."""
+
+    ran: float
+    waited: float
+    draws: bool
+    """True for a thread of OpenGL in software, for which the window's waits."""
 
 
-def _waited(task: Path) -> float:
-    try:
-        return int((task / "schedstat").read_text().split()[1]) / 1e9
-    except (OSError, IndexError, ValueError):  # it has ended
-        return 0.0
+def schedules() -> dict[int, Schedule]:
+    """Schedule of each thread of this process by its id; the window's has the id of the process."""
+    found = {}
+    for task in Path("/proc/self/task").iterdir():
+        try:
+            ran, waited, _ = (task / "schedstat").read_text().split()
+            draws = (task / "comm").read_text().startswith("llvmpipe")
+        except (OSError, ValueError):  # it has ended
+            continue
+        found[int(task.name)] = Schedule(int(ran) / 1e9, int(waited) / 1e9, draws)
+    return found
 
 
-def _draws(task: Path) -> bool:
-    """True if a thread is the window's, or one of OpenGL in software."""
-    try:
-        return task.name == str(os.getpid()) or (task / "comm").read_text().startswith("llvmpipe")
-    except OSError:
-        return False
+def seconds_of_own(passed: float, before: Mapping[int, Schedule], now: Mapping[int, Schedule], window: int) -> float:
+    """Seconds, of those that have passed, that the window was kept by this process and not by a busy machine.
+
+    It was kept while its thread ran, and then one that draws for it; or while nothing of the process waited for a
+    processor, since whoever waited may have been who the window waited for.
+    """
+    both = [(before[thread], each, thread == window) for thread, each in now.items() if thread in before]
+    worked = sum(each.ran - earlier.ran for earlier, each, is_window in both if is_window)
+    drew = max((each.ran - earlier.ran for earlier, each, _ in both if each.draws), default=0.0)
+    waited = sum(each.waited - earlier.waited for earlier, each, _ in both)
+    return max(worked + drew, passed - waited)
+
+
+def slowness() -> float:
+    """Times as long as on the machine of the limits, at least 1, that a piece of work takes on this one now."""
+    begun = time.thread_time()
+    sum(range(WORK))
+    return max((time.thread_time() - begun) / WORK_SECONDS, 1.0)
 
 
 def resident() -> int:
@@ -71,19 +97,16 @@ class Clock(threading.Thread):
 
     def __init__(self) -> None:
         super().__init__(daemon=True)
-        self.main = threading.get_ident()
-        self.begun, self.worked, self.stack = time.monotonic(), time.thread_time(), ""
-        self.waited: dict[str, float] = {}
+        self.begun, self.stack = time.monotonic(), ""
+        self.schedules = schedules()
         self.stopped = threading.Event()
 
     def turn(self) -> tuple[float, str]:
-        """Seconds since the last turn without those for which others had the processor, and the stack of a long one."""
-        now, waited, worked = time.monotonic(), waits(), time.thread_time()
-        longer = {thread: waited[thread] - before for thread, before in self.waited.items() if thread in waited}
-        window = longer.pop(str(os.getpid()), 0.0)
-        took = now - self.begun - window - max(longer.values(), default=0.0)
-        stack = f"of which {worked - self.worked:.2f} s of the processor\n{self.stack}"
-        self.begun, self.worked, self.waited, self.stack = now, worked, waited, ""
+        """Seconds since the last turn that are this process's own making, and the stack of a long one."""
+        now, later = time.monotonic(), schedules()
+        took = seconds_of_own(now - self.begun, self.schedules, later, os.getpid())
+        stack = f"within {now - self.begun:.2f} s by the clock\n{self.stack}"
+        self.begun, self.schedules, self.stack = now, later, ""
         return took, stack
 
     def run(self) -> None:

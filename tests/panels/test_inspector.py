@@ -80,6 +80,23 @@ def drag(widget, start, *steps):
     QTest.mouseRelease(widget, LEFT, pos=steps[-1])
 
 
+def test_an_emptied_name_comes_back_and_one_that_is_typed_is_not_replaced(document, inspector):
+    document.selection.set(("performers", "performer 0"))
+    name = named(inspector, QLineEdit, "Name")
+    name.selectAll()
+    QTest.keyClick(name, Qt.Key.Key_Delete)
+    QTest.keyClick(name, Qt.Key.Key_Return)
+    assert name.text() == "Body 0"
+    assert document.history == ()
+    name.setFocus()
+    QTest.keyClicks(name, " and so")
+    moved = replace(document.project.performers["performer 0"], heading=1.0)
+    document.replace("performers", "performer 0", moved, "Turn performer")
+    QTest.keyClicks(name, " on")
+    QTest.keyClick(name, Qt.Key.Key_Return)
+    assert document.project.performers["performer 0"].name == "Body 0 and so on"
+
+
 def handle_of(slider):
     return QPoint(round(slider.width() * slider.value() / slider.maximum()), slider.height() // 2)
 

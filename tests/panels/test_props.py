@@ -7,9 +7,11 @@ import pytest
 from PySide6.QtWidgets import QCheckBox, QComboBox, QPushButton
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.area import AreaConstraint
+from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.procedural import PendulumPlace
+from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.solver.performers.stage import asked_of
@@ -169,6 +171,16 @@ def test_a_tilted_prop_is_stored_with_a_schema_of_its_own_and_a_level_one_as_bef
     assert "tilt" not in records[2]["held"]
 
 
+def test_what_an_older_version_would_misread_has_a_higher_schema():
+    steady = Prop("Box", held=Carried("one", (0.4, 0.0, 0.3), steady=True))
+    wrist, curve = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), ActivationCurve(0.0, 0.1, 0.3, 0.4)
+    plain = AreaConstraint("motion", "Table", wrist, Chain(), 0, curve)
+    areas = [entity_record("constraints", "area", replace(plain, margin=margin), {}) for margin in (0.0, 0.1)]
+    assert entity_record("props", "box", steady, {})["schema"] == 6
+    assert [record["schema"] for record in areas] == [3, 5]
+    assert "margin" not in areas[0]
+
+
 def test_a_prop_that_is_let_go_of_stays_as_it_was_in_the_hand(document, live, form):
     held = InHand(SECOND, BodyPoint(BodyPart.RIGHT_HAND), (0.1, 0.2, 0.3, 0.9))
     document.replace("props", "box", replace(document.project.props["box"], held=held), "")
@@ -262,3 +274,28 @@ def test_a_prop_that_collides_keeps_whole_bodies_out_at_any_size_and_lets_them_t
     assert collides.isChecked()
     collides.click()
     assert not document.project.constraints
+
+
+def test_an_area_has_a_margin_while_its_point_stays_outside(document, live, qtbot):
+    area = AreaConstraint(
+        "motion",
+        "Table",
+        BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True),
+        Chain(),
+        0,
+        ActivationCurve(0.0, 0.1, 0.3, 0.4),
+    )
+    key = document.add("constraints", area, "Add")
+    document.selection.set(("constraints", key))
+    inspector = Inspector(document, live)
+    qtbot.addWidget(inspector)
+    inspector.show()
+    form = inspector.current_form()
+    [margin] = [each for each in form.findChildren(NumberField) if each.accessibleName() == "Margin"]
+    margin.setValue(0.05)
+    assert document.project.constraints[key].margin == 0.05
+    form._set_side("inside")
+    assert document.project.constraints[key].margin == 0.0
+    assert not margin.isVisible()
+    document.undo_stack.undo()
+    assert document.project.constraints[key].margin == 0.05

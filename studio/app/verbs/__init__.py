@@ -1,1 +1,1 @@
-"""Functions of the actions, one a verb; each takes the workbench."""
+"""Functions of the actions; each takes the workbench."""

@@ -1,4 +1,4 @@
-"""Behaviours of the active body: the panel, and those that are ready made."""
+"""Behaviours of the active body: the panel, and ready-made ones."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -25,17 +25,17 @@ Ready = Callable[[Behaviour], Behaviour]
 
 
 def show(bench: Workbench) -> None:
-    """The diagram of how the active body behaves."""
+    """Show the diagram of the active body's behaviour."""
     bench.window.show_dock("Behaviour")
 
 
 def keep_distance(bench: Workbench) -> None:
-    """Keep at striking distance of the partner."""
+    """Add keeping at striking distance of the partner."""
     _make(bench, "Keep at striking distance", ready_made.keeping_distance)
 
 
 def ward_off(bench: Workbench) -> None:
-    """Block when attacked, with a motion of the project."""
+    """Add a parry of attacks, with a motion of the project."""
     _with_motion(
         bench, "Block with", WARD_WORDS,
         lambda clip: _make(
@@ -45,12 +45,12 @@ def ward_off(bench: Workbench) -> None:
 
 
 def lean_away(bench: Workbench) -> None:
-    """Lean away from the partner's fist."""
+    """Add leaning away from the partner's fist."""
     _make(bench, "Lean away from the fist", ready_made.leaning_away)
 
 
 def strike(bench: Workbench) -> None:
-    """Strike when a key is pressed, with a motion of the project."""
+    """Add a strike on a key, with a motion of the project."""
     _with_motion(
         bench, "Strike with", STRIKES,
         lambda clip: _make(bench, "Strike on a key", lambda old: ready_made.striking(old, clip, STRIKE_KEY)),
@@ -75,7 +75,7 @@ READY_MADE: dict[str, tuple[str, str, Callable[[Workbench], None]]] = {
 
 
 def _pair(bench: Workbench) -> tuple[str, str]:
-    """The active body and its partner: who that is already, else the visible body that stands nearest."""
+    """Active body and its partner: the present one, else the nearest visible body."""
     project, performer_id = bench.document.project, bench.document.active_performer_id
     if performer_id is None:
         raise StudioError("Select a body first: a behaviour belongs to one.")
@@ -93,7 +93,7 @@ def _pair(bench: Workbench) -> tuple[str, str]:
 
 
 def _make(bench: Workbench, text: str, ready: Ready) -> None:
-    """Add to the active body's behaviour, or begin one with the clip that it plays first; one undo step."""
+    """Add to the active body's behaviour, or make one with its first clip; one undo step."""
     document = bench.document
     performer_id, partner_id = _pair(bench)
     behaviour_id = document.project.behaviour_of(performer_id)
@@ -119,7 +119,7 @@ def _make(bench: Workbench, text: str, ready: Ready) -> None:
 
 
 def _with_motion(bench: Workbench, title: str, names: tuple[str, ...], make: Callable[[Clip], None]) -> None:
-    """Use the one motion of the project that is called so, or let the user choose."""
+    """Use the only motion of the project with one of these names, or let the user choose."""
     project = bench.document.project
     _pair(bench)
     usable = {
@@ -139,7 +139,9 @@ def _with_motion(bench: Workbench, title: str, names: tuple[str, ...], make: Cal
 
 
 def _when_hit(bench: Workbench, clip: Clip) -> ActivationCurve:
-    """Seconds, in the motion of a clip that begins as the partner strikes, at which the blow hits; else all of it."""
+    """Seconds, in the motion of a clip that begins with the partner's strike, at which the blow hits;
+    else all of it.
+    """
     project = bench.document.project
     _, partner_id = _pair(bench)
     behaviour = project.behaviours.get(project.behaviour_of(partner_id) or "")
@@ -157,7 +159,7 @@ def _when_hit(bench: Workbench, clip: Clip) -> ActivationCurve:
 
 
 def _whole(project: Project, motion_id: str) -> Clip:
-    """New clip of a motion, trimmed like one that is already in a row, else of its full length."""
+    """New clip of a motion, trimmed like one in a row, else whole."""
     for clip in project.clips.values():
         if clip.motion_id == motion_id:
             return replace(clip, start=0.0, repeats=1, id=new_id())

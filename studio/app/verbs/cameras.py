@@ -9,7 +9,7 @@ from studio.panels.message_strip import Lifetime
 
 
 def recall(slot: int) -> Callable[[Workbench], None]:
-    """Look through the camera of a slot. Raises StudioError where there is none."""
+    """Function that looks through the camera of a slot. It raises StudioError if there is none."""
 
     def run(bench: Workbench) -> None:
         camera_id = camera_in_slot(bench.document.project, slot)
@@ -21,7 +21,7 @@ def recall(slot: int) -> Callable[[Workbench], None]:
 
 
 def store(slot: int) -> Callable[[Workbench], None]:
-    """Store the view in a slot."""
+    """Function that stores the view in a slot."""
 
     def run(bench: Workbench) -> None:
         camera_id = store_camera(bench.document, bench.viewport.placement, slot)
@@ -31,13 +31,13 @@ def store(slot: int) -> Callable[[Workbench], None]:
 
 
 def add(bench: Workbench) -> None:
-    """Save the view as one more camera, and show its form."""
+    """Save the view as a new camera, and show its form."""
     camera_id = store_camera(bench.document, bench.viewport.placement)
     bench.document.selection.set(("cameras", camera_id))
 
 
 def choose(bench: Workbench) -> None:
-    """Look through a saved camera that is chosen from a list, and show its form."""
+    """Let the user choose a saved camera, look through it, and show its form."""
     cameras = bench.document.project.cameras
     if not cameras:
         raise StudioError("No camera is saved yet. Save the view by View > Add camera.")
@@ -56,5 +56,5 @@ def choose(bench: Workbench) -> None:
 
 
 def toggle_turntable(bench: Workbench) -> None:
-    """Let the camera go round what it looks at, or stop it."""
+    """Start or stop the turntable."""
     bench.viewport.set_turntable(not bench.viewport.turntable)

@@ -1,4 +1,4 @@
-"""Edits of the selected clips, and new ones from the captures of the project."""
+"""Edits of the selected clips, and new clips from the captures of the project."""
 
 from collections.abc import Callable
 from functools import partial
@@ -19,12 +19,12 @@ def chosen_clip(bench: Workbench) -> str | None:
 
 
 def add(bench: Workbench) -> None:
-    """Choose a capture: it plays after what the selected bodies play, or all that are shown."""
+    """Let the user choose a capture, and append it to the rows of the selected bodies, or of all visible ones."""
     _choose(bench, "Add a clip of", lambda keys, motion_id: clip_edits.add_clip(bench.document, keys, motion_id))
 
 
 def add_layer(bench: Workbench) -> None:
-    """Choose a capture: it plays over the upper body of those from the playhead on."""
+    """Let the user choose a capture, and add it as a layer over the upper body from the playhead on."""
     now = bench.document.playhead.time
     _choose(bench, "Add a layer of", lambda keys, motion_id: clip_edits.add_layer(bench.document, keys, motion_id, now))
 
@@ -52,13 +52,13 @@ def _add(bench: Workbench, put: Callable[[list[str], str], str], motion_id: str)
 
 
 def split(bench: Workbench) -> None:
-    """The clip at the playhead becomes two."""
+    """Split the clip at the playhead."""
     clip_id = _clip(bench)
     _select(bench, clip_edits.split_clip(bench.document, clip_id, bench.document.playhead.time))
 
 
 def mirror(bench: Workbench) -> None:
-    """Mirror the selected clips, or show them as they were."""
+    """Toggle the mirroring of the selected clips."""
     document = bench.document
     keys = document.selection.of("clips") or (_clip(bench),)
     if len(keys) == 1:
@@ -70,12 +70,12 @@ def mirror(bench: Workbench) -> None:
 
 
 def duplicate(bench: Workbench) -> None:
-    """A copy that plays after it."""
+    """Add a copy of the clip after it."""
     _select(bench, clip_edits.duplicate_clip(bench.document, _clip(bench)))
 
 
 def make_own(bench: Workbench) -> None:
-    """The active body's clip is edited alone from now on."""
+    """Make the active body's clip its own, to be edited alone."""
     performer_id, clip_id = bench.document.active_performer_id, _clip(bench)
     if performer_id is not None:
         _select(bench, clip_edits.make_own(bench.document, performer_id, clip_id))

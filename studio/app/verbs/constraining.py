@@ -9,7 +9,7 @@ from studio.app.file_dialogs import ask_file
 from studio.app.workbench import Workbench
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.errors import StudioError
-from studio.document.priorities import shift_priority
+from studio.document.priorities import shift_priorities
 from studio.io.meshes.mesh_file import SUFFIXES, MeshFile, read_mesh
 from studio.panels.message_strip import Lifetime
 
@@ -17,7 +17,7 @@ NO_JOINT = "Click a joint in the 3D view first, or press Shift+J to choose one: 
 
 
 def adder(kind: str) -> Callable[[Workbench], None]:
-    """A verb that adds a constraint of ``kind`` at the joint picked in the viewport, or to the active body."""
+    """Function that adds a constraint of ``kind`` at the joint picked in the viewport, or to the active body."""
 
     def add(bench: Workbench) -> None:
         if bench.viewport.add_constraint_at_pick(kind) is None:
@@ -27,7 +27,7 @@ def adder(kind: str) -> Callable[[Workbench], None]:
 
 
 def choose_joint(bench: Workbench) -> None:
-    """Pick a joint of the active body from a list that can be searched."""
+    """Let the user pick a joint of the active body from a searchable list."""
     from studio.viewport.body_points import body_joints  # late: a window opens before its views are loaded
     from studio.viewport.picking import PickedJoint
 
@@ -44,13 +44,13 @@ def choose_joint(bench: Workbench) -> None:
 
 
 def load_area_mesh(bench: Workbench) -> None:
-    """Ask for the file of a mesh, which becomes the shape of the selected area."""
+    """Ask for the file of a mesh as the shape of the selected area."""
     kinds = f"Meshes ({' '.join(f'*{suffix}' for suffix in SUFFIXES)})"
     ask_file(bench, "Load mesh for area", kinds, lambda path: put_area_mesh(bench, path))
 
 
 def put_area_mesh(bench: Workbench, path: Path) -> None:
-    """Read a mesh in the background, then give it to the area that is selected now; one undo step."""
+    """Read a mesh in the background, then set it on the selected area; one undo step."""
     area_id = selected_area(bench)
     if area_id is None:
         raise StudioError("Select an area constraint first: the mesh becomes its shape.")
@@ -73,18 +73,22 @@ def selected_area(bench: Workbench) -> str | None:
 
 
 def shift(step: int) -> Callable[[Workbench], None]:
-    """A verb that moves the selected constraint a place up (-1) or down (1) in its motion's order."""
+    """Function that moves the selected constraint up (-1) or down (1) in its motion's order."""
 
     def run(bench: Workbench) -> None:
-        key = selected_constraint(bench)
-        if key is None:
+        constraints = bench.document.project.constraints
+        chosen = [key for key in bench.document.selection.of("constraints") if key in constraints]
+        if not chosen:
             raise StudioError("Select a constraint first: its priority changes then.")
-        shift_priority(bench.document, key, step)
+        if not shift_priorities(bench.document, chosen, step):
+            subject = constraints[chosen[0]].name if len(chosen) == 1 else "What is selected"
+            place = "first" if step < 0 else "last"
+            bench.say(f"{subject} is {place} in the order of priorities already.", until=Lifetime.SELECTED)
 
     return run
 
 
 def selected_constraint(bench: Workbench) -> str | None:
-    """The constraint that was selected last."""
+    """Constraint that was selected last."""
     chosen = bench.document.selection.of("constraints")
     return chosen[-1] if chosen and chosen[-1] in bench.document.project.constraints else None

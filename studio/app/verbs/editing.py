@@ -1,4 +1,4 @@
-"""Edits: undo, constraints, what is shown."""
+"""Edits: undo, deletion, copies, visibility."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -34,12 +34,12 @@ def undo(bench: Workbench) -> None:
 
 
 def redo(bench: Workbench) -> None:
-    """Redo what was undone."""
+    """Redo the last undone step."""
     bench.document.undo_stack.redo()
 
 
 def duplicate(bench: Workbench) -> None:
-    """A copy of each selected constraint, last in priority; of a clip, one that plays after it; of states, beside."""
+    """Duplicate each selected constraint, last in priority; a clip, after it; states, beside."""
     document = bench.document
     if document.selection.of("states"):
         bodies = [item for item in document.selection.items if item[0] == "performers"]
@@ -64,9 +64,9 @@ def duplicate(bench: Workbench) -> None:
 
 
 def delete(bench: Workbench) -> None:
-    """Remove the selected keys, or else what is selected, and what cannot be without it.
+    """Remove the selected keys, or else the selected entities and their dependents.
 
-    A constraint or a clip is selected together with the body it is seen on; the body stays then.
+    A constraint or a clip is selected together with its body, which is kept then.
     """
     document = bench.document
     if document.keys.items:
@@ -84,7 +84,7 @@ def delete(bench: Workbench) -> None:
 
 
 def copy(bench: Workbench) -> None:
-    """Put the selected keys, constraints, contacts and corrections on the system's clipboard, as JSON."""
+    """Copy the selected keys, constraints, contacts and corrections to the system's clipboard, as JSON."""
     text = copied(bench.document)
     if not text:
         raise StudioError("Select constraints, contacts, corrections or keys to copy first.")
@@ -92,17 +92,17 @@ def copy(bench: Workbench) -> None:
 
 
 def paste_copied(bench: Workbench) -> None:
-    """Paste what was copied, here or in another window."""
+    """Paste from the clipboard, also from another window."""
     paste(bench.document, QGuiApplication.clipboard().text())
 
 
 def paste_mirrored(bench: Workbench) -> None:
-    """Paste what was copied with left for right."""
+    """Paste with left and right exchanged."""
     paste(bench.document, QGuiApplication.clipboard().text(), mirrored=True)
 
 
 def set_key(bench: Workbench) -> None:
-    """Set a key of what is selected at the playhead. Raises StudioError where nothing of it can be keyed."""
+    """Set a key of the selection at the playhead. Raises StudioError if nothing in it can be keyed."""
     document = bench.document
     corrections = [key for key in document.selection.of("corrections") if key in document.project.corrections]
     for key in corrections:
@@ -114,7 +114,7 @@ def set_key(bench: Workbench) -> None:
 
 
 def hide(bench: Workbench) -> None:
-    """Hide the selected bodies; if they are hidden, show them."""
+    """Hide the selected bodies, or show them if they are hidden."""
     document = bench.document
     keys = document.selection.of("performers") or filter(None, (document.active_performer_id,))
     performers = {key: document.project.performers[key] for key in keys}
@@ -134,7 +134,7 @@ def show_all(bench: Workbench) -> None:
 
 
 def line_up(bench: Workbench) -> None:
-    """Put the selected bodies, or all that are shown, in a row across the direction in which their motion travels."""
+    """Put the selected bodies, or all visible ones, in a row across the direction of their motion's travel."""
     document = bench.document
     project, chosen = document.project, document.selection.of("performers")
     keys = chosen if len(chosen) > 1 else [key for key, each in project.performers.items() if each.visible]
@@ -158,7 +158,7 @@ def preferences(bench: Workbench) -> None:
 
 
 def escape(bench: Workbench) -> None:
-    """Leave a gesture, close what was said, else select nothing."""
+    """Cancel a gesture, or close the message, or else clear the selection."""
     view = bench.viewport if bench.has_viewport else None
     if view is not None and (view.cancel_gesture() or view.joint_picked is not None):
         view.pick(None)
@@ -174,7 +174,7 @@ def select_ground(bench: Workbench) -> None:
 
 
 def select_capture(bench: Workbench) -> None:
-    """Show the import report of the capture that plays."""
+    """Show the import report of the playing capture."""
     motion = bench.document.project.motions.get(bench.document.active_motion_id or "")
     if motion is not None:
         bench.document.selection.set(("captures", motion.capture_id))

@@ -1,4 +1,4 @@
-"""Files: projects opened and saved, captures read, adapted motions written. All long work is done beside the window."""
+"""Files: projects opened and saved, captures read, adapted motions written. Long work runs in the background."""
 
 import re
 from collections.abc import Callable
@@ -21,12 +21,12 @@ NUMBERED = re.compile(r"^(.*?)[_ .-]?(\d+)$")
 
 
 def new(bench: Workbench) -> None:
-    """A project with the bundled characters and no capture."""
+    """Open a new project with the bundled characters and no capture."""
     bench.window.when_saved(lambda: bench.document.new(sample.empty_project()))
 
 
 def open_sample(bench: Workbench) -> None:
-    """The bundled motion on five bodies."""
+    """Open the bundled motion on five bodies."""
     bench.window.when_saved(lambda: sample.open_sample(bench))
 
 
@@ -36,12 +36,12 @@ def scene_opener(scene: BundledScene) -> Callable[[Workbench], None]:
 
 
 def open_project(bench: Workbench) -> None:
-    """Ask which."""
+    """Ask for a project file and open it."""
     ask_file(bench, "Open project", PROJECTS, lambda path: open_path(bench, path))
 
 
 def open_path(bench: Workbench, path: Path) -> None:
-    """A project takes the place of this one; captures, characters, footage and sounds come into this one."""
+    """Open a project in place of this one; import captures, characters, footage and sounds into this one."""
     suffix = path.suffix.lower()
     if suffix == ".studio":
         bench.window.when_saved(lambda: _open(bench, path))
@@ -54,7 +54,7 @@ def open_path(bench: Workbench, path: Path) -> None:
 
 
 def _import(bench: Workbench, path: Path) -> None:
-    """Read a file once, beside the window, and show the capture or the character that it holds."""
+    """Read a file once, in the background, and import the capture or the character in it."""
     known = bench.settings.corrections
 
     def read(progress: Progress) -> capture_import.ReadMotion | ReadCharacter:
@@ -70,7 +70,7 @@ def _import(bench: Workbench, path: Path) -> None:
 
 
 def save(bench: Workbench) -> None:
-    """To its own file; a project without one asks for it."""
+    """Save to the project's own file; without one ask for it."""
     if bench.document.path is None:
         save_as(bench)
     else:
@@ -78,13 +78,13 @@ def save(bench: Workbench) -> None:
 
 
 def save_as(bench: Workbench) -> None:
-    """Ask where."""
+    """Ask for a file and save to it."""
     name = bench.document.path.name if bench.document.path else "untitled.studio"
     ask_new_file(bench, "Save project", PROJECTS, name, lambda path: save_to(bench, path))
 
 
 def save_increment(bench: Workbench) -> None:
-    """``walk.studio`` becomes ``walk_002.studio``, which becomes ``walk_003.studio``."""
+    """Save under the next number: ``walk.studio`` becomes ``walk_002.studio``, then ``walk_003.studio``."""
     if bench.document.path is None:
         save_as(bench)
     else:
@@ -92,7 +92,7 @@ def save_increment(bench: Workbench) -> None:
 
 
 def next_increment(path: Path) -> Path:
-    """The next numbered name that no file has."""
+    """Next numbered name without a file."""
     found = NUMBERED.match(path.stem)
     name, number = (found[1], int(found[2])) if found else (path.stem, 1)
     while True:
@@ -103,7 +103,7 @@ def next_increment(path: Path) -> Path:
 
 
 def save_to(bench: Workbench, path: Path, overwrite: bool = False) -> None:
-    """Write the project; what cannot be written is said in a sentence, with what can be done instead."""
+    """Write the project; errors are reported with what can be done instead."""
 
     def saved() -> None:
         bench.settings.remember(path)
@@ -118,25 +118,25 @@ def save_to(bench: Workbench, path: Path, overwrite: bool = False) -> None:
 
 
 def import_motion(bench: Workbench) -> None:
-    """Ask which."""
+    """Ask for a capture and import it."""
     ask_file(bench, "Import motion", motions("capture_reader"), lambda path: capture_import.import_motion(bench, path))
 
 
 def import_character(bench: Workbench) -> None:
-    """Ask which."""
+    """Ask for a character and import it."""
     kind = characters("character_reader")
     ask_file(bench, "Import character", kind, lambda path: casting.import_character(bench, path))
 
 
 def export(bench: Workbench) -> None:
-    """Ask what goes out, and as what."""
+    """Show the export dialog."""
     from studio.app.export_dialog import open_export_dialog  # late: it loads the solver
 
     open_export_dialog(bench)
 
 
 def adapt_folder(bench: Workbench) -> None:
-    """Every capture of a folder, in a dialog that stays open beside the window."""
+    """Show the dialog that adapts every capture of a folder; not modal."""
     from studio.app.batch_dialog import BatchDialog
 
     BatchDialog(bench).show()

@@ -12,12 +12,12 @@ from studio.panels.message_strip import Lifetime
 
 
 def ask_sound(bench: Workbench) -> None:
-    """Ask for a sound, or a film whose sound is meant."""
+    """Ask for a sound, or a film with one."""
     ask_file(bench, "Add sound", MEDIA_FILTERS["sounds"], lambda path: add_sound(bench, path))
 
 
 def add_sound(bench: Workbench, path: Path) -> None:
-    """Read a sound in the background, then put it on the timeline from its begin on; one undo step."""
+    """Read a sound in the background, then add it to the timeline; one undo step."""
 
     def done(sound: SoundTrack) -> None:
         sound_id = bench.document.add("sounds", sound, f"Add {sound.name}")
@@ -30,7 +30,7 @@ def add_sound(bench: Workbench, path: Path) -> None:
 
 
 def toggle_muted(bench: Workbench) -> None:
-    """Let sounds be heard or not."""
+    """Mute or unmute sounds."""
     playback = bench.window.sound_playback
     playback.set_muted(not playback.muted)
 
@@ -41,7 +41,7 @@ def ask_footage(bench: Workbench) -> None:
 
 
 def add_footage(bench: Workbench, path: Path) -> None:
-    """Count the frames beside the window, then put footage on the timeline and show it; one undo step."""
+    """Count the frames in the background, then add the footage to the timeline and show it; one undo step."""
 
     def done(footage: Footage) -> None:
         footage_id = bench.document.add("footage", footage, f"Add {footage.name}")

@@ -12,57 +12,57 @@ def toggle(bench: Workbench) -> None:
 
 
 def next_frame(bench: Workbench) -> None:
-    """One frame on."""
+    """Step one frame on."""
     bench.document.playhead.step(1)
 
 
 def previous_frame(bench: Workbench) -> None:
-    """One frame back."""
+    """Step one frame back."""
     bench.document.playhead.step(-1)
 
 
 def first_frame(bench: Workbench) -> None:
-    """To the start of the range."""
+    """Go to the start of the range."""
     bench.document.playhead.set_frame(bench.document.playhead.first)
 
 
 def last_frame(bench: Workbench) -> None:
-    """To the end of the range."""
+    """Go to the end of the range."""
     bench.document.playhead.set_frame(bench.document.playhead.last)
 
 
 def next_event(bench: Workbench) -> None:
-    """To the next contact or constraint key."""
+    """Go to the next contact or constraint key."""
     bench.timeline.go_to_key(1)
 
 
 def previous_event(bench: Workbench) -> None:
-    """To the contact or constraint key before."""
+    """Go to the previous contact or constraint key."""
     bench.timeline.go_to_key(-1)
 
 
 def next_problem(bench: Workbench) -> None:
-    """To the next problem, the worst first."""
+    """Go to the next problem, the worst first."""
     bench.window.problem_tour.go(1)
 
 
 def previous_problem(bench: Workbench) -> None:
-    """To the problem before."""
+    """Go to the previous problem."""
     bench.window.problem_tour.go(-1)
 
 
 def add_label(bench: Workbench) -> None:
-    """Name the moment at the playhead."""
+    """Add a label at the playhead."""
     bench.timeline.add_label()
 
 
 def next_label(bench: Workbench) -> None:
-    """To the next label."""
+    """Go to the next label."""
     bench.timeline.go_to_label(1)
 
 
 def previous_label(bench: Workbench) -> None:
-    """To the label before."""
+    """Go to the previous label."""
     bench.timeline.go_to_label(-1)
 
 
@@ -79,7 +79,7 @@ def range_to_here(bench: Workbench) -> None:
 
 
 def whole_range(bench: Workbench) -> None:
-    """The range is all of the stage."""
+    """Set the range to all of the stage."""
     span = stage_span(bench.document.project)
     if span is not None:
         bench.document.playhead.set_range(span.first, span.last)
@@ -96,13 +96,13 @@ def shuttle_on(bench: Workbench) -> None:
 
 
 def stop(bench: Workbench) -> None:
-    """Pause, and play at real time next."""
+    """Pause, and reset the speed to real time."""
     bench.document.playhead.pause()
     bench.document.playhead.speed = 1.0
 
 
 def toggle_loop(bench: Workbench) -> None:
-    """Start over at the end of the range, or stop there."""
+    """Loop at the end of the range, or stop there."""
     bench.document.playhead.loop = not bench.document.playhead.loop
 
 

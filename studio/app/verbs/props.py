@@ -1,4 +1,4 @@
-"""Props: new ones, of a shape or a mesh, and hands that hold them."""
+"""Props: new ones, from a shape or a mesh, and their holds."""
 
 import math
 from collections.abc import Mapping
@@ -21,6 +21,7 @@ from studio.core.stage.holding import HAND_REACH_SECONDS, THIN, grips, quarters,
 from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
+from studio.document.length_units import length_text, shown_unit
 from studio.engine.grasps import Grasp, captured_grasp, chest_heading, grasp_at, grasp_near
 from studio.engine.performance import Posed, motion_time, posed_performers
 from studio.engine.prop_places import (
@@ -57,27 +58,28 @@ NEW_PROP_SIZES = {
 
 
 def add_box(bench: Workbench) -> None:
-    """A box on the ground ahead of the active body, or in the middle of the stage."""
+    """Add a box on the ground ahead of the active body, or in the middle of the stage."""
     add_shape(bench, PropShape.BOX)
 
 
 def choose(bench: Workbench) -> None:
-    """A prop of the shape that the user chooses."""
+    """Let the user choose a shape, and add a prop of it."""
     shapes = [((shape.value.capitalize(), _words(shape)), partial(add_shape, bench, shape)) for shape in NEW_PROP_SIZES]
     bench.window.choose("Add a prop", [*shapes, (("Mesh file…", "OBJ, STL or PLY"), partial(ask_mesh, bench))])
 
 
 def _words(shape: PropShape) -> str:
-    return " × ".join(f"{side:g}" for side in NEW_PROP_SIZES[shape]) + " m"
+    metre = shown_unit("m")
+    return " × ".join(f"{side * metre.factor:.3g}" for side in NEW_PROP_SIZES[shape]) + f" {metre.symbol}"
 
 
 def add_shape(bench: Workbench, shape: PropShape) -> None:
-    """A prop of a shape, in a usual size."""
+    """Add a prop of a shape, in a default size."""
     _add(bench, Prop(shape.value.capitalize(), NEW_PROP_SIZES[shape], shape=shape))
 
 
 def _add(bench: Workbench, prop: Prop) -> None:
-    """Put a new prop where the motion of the active body holds a thing, else on the ground ahead of it."""
+    """Add a new prop where the motion of the active body holds a thing, else on the ground ahead of it."""
     document = bench.document
     performer_id = document.active_performer_id or ""
     grasp = (
@@ -99,7 +101,7 @@ def _add(bench: Workbench, prop: Prop) -> None:
 
 
 def _ahead(document: Document, prop: Prop, pose: Posed | None) -> Prop:
-    """The prop on the ground ahead of a body, or in the middle of the stage; to the right of others that lie there."""
+    """Prop on the ground ahead of a body, or in the middle of the stage; to the right of others there."""
     x, y, heading = 0.0, 0.0, 0.0
     if pose is not None:
         ahead = pose.placement.rotation @ pose.motion.rotations[pose.row, 0, :, 0]
@@ -116,20 +118,20 @@ def _ahead(document: Document, prop: Prop, pose: Posed | None) -> Prop:
 
 
 def _is_taken(document: Document, prop: Prop) -> bool:
-    """True if another prop that is not moved lies where a new one would."""
+    """True if another prop that does not move is at the position of a new one."""
     others = [each.position for each in document.project.props.values() if isinstance(each.position, tuple)]
     near = min(prop.size[:2]) / 2
     return any(float(np.linalg.norm(np.array(each) - np.array(prop.position))) < near for each in others)
 
 
 def _grasped(prop: Prop, grasp: Grasp) -> Prop:
-    """The prop between a body's hands as its motion has them."""
+    """Prop between a body's hands in its motion."""
     x, y, z = captured_grasp(grasp.holder).tolist()
     return replace(prop, position=(x, y, z + grasp.lift(prop)), heading=chest_heading(grasp.holder))
 
 
 def _as_broad(prop: Prop, holder: Posed) -> Prop:
-    """A box as broad as what the hands hold."""
+    """Box as broad as the gap between the hands."""
     if prop.shape is not PropShape.BOX:
         return prop
     layout = holder.motion.morphology.layout
@@ -139,13 +141,13 @@ def _as_broad(prop: Prop, holder: Posed) -> Prop:
 
 
 def ask_mesh(bench: Workbench) -> None:
-    """Ask for the file of a mesh, which becomes a prop."""
+    """Ask for the file of a mesh for a new prop."""
     kinds = f"Meshes ({' '.join(f'*{suffix}' for suffix in SUFFIXES)})"
     ask_file(bench, "Load mesh for a prop", kinds, lambda path: add_mesh(bench, path))
 
 
 def add_mesh(bench: Workbench, path: Path) -> None:
-    """Read a mesh in the background, then put it on the stage in its own size; one undo step."""
+    """Read a mesh in the background, then add it to the stage in its own size; one undo step."""
 
     def done(file: MeshFile) -> None:
         _add(bench, Prop(readable(path.stem), extent(file.mesh), shape=PropShape.MESH, mesh=file.mesh))
@@ -155,13 +157,13 @@ def add_mesh(bench: Workbench, path: Path) -> None:
 
 
 def extent(mesh: TriangleMesh) -> tuple[float, float, float]:
-    """Metres of a mesh in each direction; a millimetre where it is flat."""
+    """Extent of a mesh in each direction, metres; a millimetre where it is flat."""
     x, y, z = np.maximum(mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0), 0.001).tolist()
     return x, y, z
 
 
 def selected_prop(bench: Workbench) -> str | None:
-    """The selected prop."""
+    """Selected prop."""
     props = bench.document.project.props
     return next((key for key in bench.document.selection.of("props") if key in props), None)
 
@@ -173,14 +175,14 @@ def is_held(bench: Workbench) -> bool:
 
 
 def hold(bench: Workbench) -> None:
-    """The active body carries the selected prop, a hand on either side of it, in all that it plays."""
+    """Let the active body carry the selected prop between both hands throughout."""
     _hold(bench, None)
 
 
 def pick_up(bench: Workbench) -> None:
-    """The active body picks the selected prop up at the playhead, with both hands unless it has it in one.
+    """Let the active body pick up the selected prop at the playhead, with both hands unless it has it in one.
 
-    Who holds it then lets go of it: it is handed over.
+    The present holder releases it: it is handed over.
     """
     document, prop_id, performer_id = _holding(bench)
     prop, now = document.project.props[prop_id], document.playhead.time
@@ -207,7 +209,7 @@ def put_down(bench: Workbench) -> None:
 
 
 def _leave(document: Document, prop_id: str, performer_id: str, now: float, text: str) -> None:
-    """Hands of who lets go of a prop leave it."""
+    """Fade out the hand constraints of a performer that releases a prop."""
     for clip in document.project.performers[performer_id].clips:
         time = motion_time(clip, document.project.frame_rate_of(clip), now)
         for key, each in document.project.constraints_of(clip.motion_id).items():
@@ -219,7 +221,7 @@ def _leave(document: Document, prop_id: str, performer_id: str, now: float, text
 
 
 def _let_go(document: Document, prop_id: str, performer_id: str, begin: float, text: str) -> None:
-    """Hands of who no longer takes a prop at second ``begin`` of the stage stay free."""
+    """Remove the hand constraints of a performer that no longer takes a prop at second ``begin`` of the stage."""
     for clip in document.project.performers[performer_id].clips:
         time = motion_time(clip, document.project.frame_rate_of(clip), begin)
         for key, each in document.project.constraints_of(clip.motion_id).items():
@@ -234,7 +236,7 @@ def _grips(constraint: Constraint, prop_id: str, performer_id: str) -> bool:
 
 
 def _holding(bench: Workbench) -> tuple[Document, str, str]:
-    """The selected prop, and the active performer, who plays something."""
+    """Selected prop, and the active performer, which has a clip."""
     document, prop_id = bench.document, selected_prop(bench)
     performer_id = document.active_performer_id
     if prop_id is None or performer_id is None or document.active_clip is None:
@@ -243,7 +245,7 @@ def _holding(bench: Workbench) -> tuple[Document, str, str]:
 
 
 def _hold(bench: Workbench, begin: float | None) -> None:
-    """Both hands hold the prop from ``begin`` on."""
+    """Let both hands hold the prop from ``begin`` on."""
     document, prop_id, performer_id = _holding(bench)
     prop, performer, moved = document.project.props[prop_id], document.project.performers[performer_id], ""
     posed = posed_performers(document.project, bench.live.result, document.playhead.time)
@@ -291,8 +293,8 @@ def _hold(bench: Workbench, begin: float | None) -> None:
 def _in_reach(
     bench: Workbench, prop: Prop, holder: Posed, begin: float, grasp: Grasp | None, posed: Mapping[str, Posed]
 ) -> tuple[Prop, str]:
-    """The prop where the motion holds a thing, or, where it lies beyond the arms' reach, ahead of the body; what the
-    user is told of that, empty where nothing was moved and hands reach it.
+    """Prop where the motion holds a thing, or, if it is beyond the arms' reach, ahead of the body; and a sentence about
+    that, empty if nothing was moved and hands reach it.
     """
     document, lies = bench.document, isinstance(prop.position, tuple) and not prop.holds
     if lies and grasp is not None:
@@ -301,22 +303,22 @@ def _in_reach(
     beyond = float(np.linalg.norm(pose.place[:2] - holder.points[0, :2])) - max(prop.size[:2]) / 2
     if beyond <= PROP_REACH * holder.motion.body.leg_length:
         return prop, ""
+    far = length_text(beyond, "m", 1)
     if prop.holds:
         whom = holder.performer.name
-        return prop, f"{prop.name} is {beyond:.1f} m away: the hands of {whom} do not reach it. Bring {whom} closer."
+        return prop, f"{prop.name} is {far} away: the hands of {whom} do not reach it. Bring {whom} closer."
     nearer = _ahead(document, prop, holder)
     if isinstance(prop.position, KeyedPlace) and isinstance(nearer.position, tuple):
         nearer = replace(prop, position=prop.position.with_key(begin, nearer.position))
     elif not lies:
-        return prop, f"{prop.name} is {beyond:.1f} m away: the hands do not reach it. Move it closer."
-    words = f"{prop.name} was {beyond:.1f} m away, beyond reach: it was moved ahead of {holder.performer.name}."
+        return prop, f"{prop.name} is {far} away: the hands do not reach it. Move it closer."
+    words = f"{prop.name} was {far} away, beyond reach: it was moved ahead of {holder.performer.name}."
     return nearer, words
 
 
 def _stretches(project: Project, performer: Performer, begin: float | None) -> dict[str, tuple[float, float]]:
-    """Seconds, from and to, of each motion that a performer plays after ``begin``.
-
-    Without a motion of which it has played the same before: there its hands would be asked for, too.
+    """Range in seconds of each motion that a performer plays after ``begin``, without motions of which it has played
+    the same range before, where the constraints would apply too.
     """
     stretches: dict[str, tuple[float, float]] = {}
     for clip in performer.clips:

@@ -15,62 +15,62 @@ from studio.viewport.eyes import Stereo
 
 
 def frame_selection(bench: Workbench) -> None:
-    """The selected thing fills the view."""
+    """Frame the selection."""
     bench.viewport.frame_selection()
 
 
 def frame_all(bench: Workbench) -> None:
-    """All bodies fill the view."""
+    """Frame all bodies."""
     bench.viewport.frame_all()
 
 
 def front(bench: Workbench) -> None:
-    """From the front."""
+    """Show the front view."""
     bench.viewport.set_view("front")
 
 
 def side(bench: Workbench) -> None:
-    """From the side."""
+    """Show the side view."""
     bench.viewport.set_view("side")
 
 
 def top(bench: Workbench) -> None:
-    """From above."""
+    """Show the top view."""
     bench.viewport.set_view("top")
 
 
 def perspective(bench: Workbench) -> None:
-    """Three-quarter, as at first."""
+    """Show the initial three-quarter view."""
     bench.viewport.set_view("perspective")
 
 
 def toggle_ghost(bench: Workbench) -> None:
-    """The capture on its own actor's body, beside what was made of it."""
+    """Show or hide the capture on its own actor's body beside the adapted one."""
     bench.viewport.set_ghost_shown(not bench.viewport.ghost_shown)
 
 
 def toggle_onion_skins(bench: Workbench) -> None:
-    """The selected bodies at frames before and after the playhead, or not."""
+    """Show or hide the selected bodies at frames before and after the playhead."""
     bench.viewport.set_onion_shown(not bench.viewport.onion_shown)
 
 
 def keep_ghost(bench: Workbench) -> None:
-    """The selected bodies as they are at the playhead stay in sight."""
+    """Keep a ghost of the selected bodies at the playhead."""
     bench.viewport.keep_ghosts()
 
 
 def clear_ghosts(bench: Workbench) -> None:
-    """No kept moment is seen any more."""
+    """Remove all kept ghosts."""
     bench.viewport.clear_ghosts()
 
 
 def toggle_following(bench: Workbench) -> None:
-    """The camera goes with the selected character."""
+    """Let the camera follow the selected character, or stop that."""
     bench.viewport.set_following(not bench.viewport.following)
 
 
 def toggle_stereo(stereo: Stereo) -> Callable[[Workbench], None]:
-    """Two eyes' pictures in that way, or one again."""
+    """Toggle a stereo mode."""
 
     def toggle(bench: Workbench) -> None:
         now = bench.viewport.sight
@@ -80,88 +80,88 @@ def toggle_stereo(stereo: Stereo) -> Callable[[Workbench], None]:
 
 
 def toggle_markers(bench: Workbench) -> None:
-    """Markers, plates and forces of an optical capture, as they were recorded."""
+    """Show or hide the recorded markers, plates and forces of an optical capture."""
     bench.viewport.set_markers_shown(not bench.viewport.markers_shown)
 
 
 def toggle_marker_names(bench: Workbench) -> None:
-    """Every marker with its name."""
+    """Show or hide the name of every marker."""
     bench.viewport.recording.name(not bench.viewport.recording.named)
 
 
 def toggle_dope_sheet(bench: Workbench) -> None:
-    """Show the timeline as a dope sheet, or as it was."""
+    """Switch the timeline to the dope sheet, or back."""
     bench.timeline.set_dope(not bench.timeline.dope)
 
 
 def toggle_curve_editor(bench: Workbench) -> None:
-    """Make the timeline's plot the curve editor, or as it was."""
+    """Switch the timeline's plot to the curve editor, or back."""
     bench.timeline.edit_curves(not bench.timeline.editing_curves)
 
 
 def fold_rows(bench: Workbench) -> None:
-    """Constraints and plot on the timeline a line high each, or as high as they were."""
+    """Fold constraints and plot of the timeline to a line each, or unfold them."""
     bench.timeline.fold_rows()
 
 
 def select_tool(bench: Workbench) -> None:
-    """Click to select."""
+    """Activate the selection tool."""
     _take_tool(bench, "select")
 
 
 def move_tool(bench: Workbench) -> None:
-    """Drag targets and props by the gizmo."""
+    """Activate the gizmo that moves targets and props."""
     _take_tool(bench, "move")
 
 
 def rotate_tool(bench: Workbench) -> None:
-    """Rotate targets, areas, props and bodies by the gizmo."""
+    """Activate the gizmo that rotates targets, areas, props and bodies."""
     _take_tool(bench, "rotate")
 
 
 def scale_tool(bench: Workbench) -> None:
-    """Resize areas and props by the gizmo."""
+    """Activate the gizmo that resizes areas and props."""
     _take_tool(bench, "scale")
 
 
 def toggle_correcting(bench: Workbench) -> None:
-    """Pose joints by the gizmo, as corrections, or move and turn what is selected."""
+    """Let the gizmo pose joints as corrections, or move and rotate the selection."""
     bench.viewport.set_correcting(not bench.viewport.correcting)
 
 
 def next_gizmo_axes(bench: Workbench) -> None:
-    """Move and rotate along the axes of the next space."""
+    """Switch the gizmo to the axes of the next space."""
     bench.viewport.next_gizmo_space()
 
 
 def palette(bench: Workbench) -> None:
-    """Find an action by its name."""
+    """Show the command palette."""
     bench.window.palette_panel.open()
 
 
 def search_library(bench: Workbench) -> None:
-    """Write words that names in the library must hold."""
+    """Put the focus into the search field of the library."""
     bench.window.search_library()
 
 
 def console(bench: Workbench) -> None:
-    """The Python console on the open project."""
+    """Show the Python console of the open project."""
     bench.window.show_console()
 
 
 def shortcuts(bench: Workbench) -> None:
-    """All shortcuts on one sheet."""
+    """Show the sheet of all shortcuts."""
     bench.window.show_shortcuts()
 
 
 def guide(bench: Workbench) -> None:
-    """Open the guide in the system's own reader. Raises StudioError where there is none."""
+    """Open the guide in the system's reader. Raises StudioError if there is none."""
     if not QDesktopServices.openUrl(QUrl.fromLocalFile(str(guide_file()))):
         raise StudioError(f"No program opens {guide_file()}. It is a Markdown file: open it with any text editor.")
 
 
 def formats(bench: Workbench) -> None:
-    """The kinds of files that are known, what can be done with each, and those that could not be added."""
+    """List the known formats, their jobs, and those that could not be loaded."""
     known = known_formats()
     rows = [(f"{each.name}  {' '.join(each.suffixes)}", _uses(each)) for each in known.formats]
     rows += [(sentence, "failed") for sentence in known.failures]
@@ -169,7 +169,7 @@ def formats(bench: Workbench) -> None:
 
 
 def plug_ins(bench: Workbench) -> None:
-    """Show what installed packages add, with the error of what cannot be loaded."""
+    """List the additions of installed packages, with the error of those that cannot be loaded."""
     groups = {
         plug_in_groups.VERBS_GROUP: plug_in_groups.verb_of,
         plug_in_groups.PANELS_GROUP: plug_in_groups.panel_of,
@@ -195,22 +195,22 @@ def _uses(known: Format) -> str:
 
 
 def tour(bench: Workbench) -> None:
-    """A first edit in five steps."""
+    """Start the guided tour: a first edit in five steps."""
     bench.window.tour.begin()
 
 
 def problems(bench: Workbench) -> None:
-    """The table of constraints by body."""
+    """Show the table of constraints by body."""
     bench.window.show_dock("Problems")
 
 
 def arrange(bench: Workbench) -> None:
-    """Give the panels title bars by which they can be moved, or take them away."""
+    """Show or hide the title bars by which panels are moved."""
     bench.window.arrange(not bench.window.arranging)
 
 
 def reset_layout(bench: Workbench) -> None:
-    """All panels where they were in the beginning."""
+    """Move all panels to their default places."""
     bench.window.reset_layout()
 
 

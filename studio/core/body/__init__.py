@@ -1,1 +1,1 @@
-"""Bodies: joints, measures, characters, and how a strange skeleton is found to be one."""
+"""Bodies: joints, measures, characters, and the recognition of a human body in any skeleton."""

@@ -1,4 +1,4 @@
-"""Finding the human body in a skeleton: names propose joints, then topology, bones and symmetry decide."""
+"""Recognition of a human body in a skeleton: names propose joints, then topology, bone lengths and symmetry decide."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ class _Limb:
 
 @dataclass(frozen=True)
 class Match:
-    """The body found, or why there is none."""
+    """Body that was found, or the reason why none was."""
 
     body_map: BodyMap | None
     missing: tuple[str, ...]
@@ -43,7 +43,7 @@ class Match:
 
 
 class BodySearch:
-    """A skeleton with some of its world positions (F, J, 3) in any unit."""
+    """Search for a body in a skeleton, with some of its world positions (F, J, 3) in any unit."""
 
     def __init__(self, skeleton: Skeleton, positions: FloatArray, most_variation: float = MOST_VARIATION) -> None:
         self.skeleton = skeleton
@@ -51,7 +51,7 @@ class BodySearch:
         self.most_variation = most_variation
 
     def match(self, candidates: Candidates) -> Match:
-        """The body whose joints are taken from ``candidates``, the likeliest first in each list."""
+        """Best body whose joints are among ``candidates``; each list begins with the likeliest joint."""
         arms = self._pair(candidates, "left arm", "right arm")
         legs = self._pair(candidates, "left leg", "right leg")
         missing = [limb for limb in LIMB_PARTS if not (arms if "arm" in limb else legs)]
@@ -62,7 +62,7 @@ class BodySearch:
         return self._whole(candidates, parts)
 
     def around(self, limbs: Mapping[BodyPart, int], candidates: Candidates) -> Match:
-        """The body with these limbs, which somebody knows; however long their bones are, they need only hang together.
+        """Body with the given ``limbs``, whose bones may have any length but must be connected.
 
         Trunk, head and toes are taken from ``candidates``.
         """
@@ -74,7 +74,7 @@ class BodySearch:
         return Match(None, tuple(broken), 0) if broken else self._whole(candidates, dict(limbs))
 
     def _whole(self, candidates: Candidates, parts: dict[BodyPart, int]) -> Match:
-        """Limbs, ``parts``, with the rest of their body."""
+        """Body made of the limbs in ``parts`` and of the other joints that fit them."""
         spine = self._trunk(candidates, parts)
         if len(spine) < 2:
             return Match(None, ("spine",), 0)
@@ -82,7 +82,7 @@ class BodySearch:
         return Match(BodyMap(parts, spine), (), len(parts))
 
     def _pair(self, candidates: Candidates, left: str, right: str) -> tuple[int, ...]:
-        """The joints of both limbs that resemble each other most; empty when none do."""
+        """Left and right limb with the most similar bones; empty if there is no such pair."""
         best: tuple[float, tuple[int, ...]] = (np.inf, ())
         for one, other in product(self._limbs(candidates, left), self._limbs(candidates, right)):
             asymmetry = float(np.abs(np.log(one.lengths / other.lengths)).max())
@@ -104,7 +104,7 @@ class BodySearch:
                 yield _Limb(joints, lengths, 5.0 * variation + 0.05 * detours)
 
     def _bone(self, start: int, end: int) -> tuple[float, float]:
-        """Mean length, and its standard deviation as a share of it."""
+        """Mean length of a bone, and its relative standard deviation."""
         lengths = np.linalg.norm(self.positions[:, end] - self.positions[:, start], axis=1)
         mean = float(lengths.mean())
         return mean, float(lengths.std() / mean) if mean > 0.0 else np.inf
@@ -149,7 +149,7 @@ class BodySearch:
                     break
 
     def _is_toe(self, foot: int, toe: int) -> bool:
-        """A toe is a bone away from the ankle; a joint in the heel that carries the whole foot is none."""
+        """True if a joint is a bone away from the ankle and is not a heel joint that carries the whole foot."""
         length, variation = self._bone(foot, toe)
         ends = [self._bone(toe, end)[0] for end in self.skeleton.descendants(toe)]
         return variation < self.most_variation and length > 0.5 * max(ends, default=0.0)

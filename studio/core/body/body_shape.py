@@ -1,4 +1,4 @@
-"""Finding the human body in a skeleton without names: by the shape of a standing figure alone."""
+"""Recognition of a human body in a skeleton without names, by the shape of a standing figure."""
 
 from itertools import combinations, pairwise
 
@@ -26,10 +26,11 @@ _Pair = tuple[list[int], list[int]]
 
 
 def body_by_shape(skeleton: Skeleton, points: FloatArray, sides: IntArray | None = None) -> BodyMap | None:
-    """The body whose joints stand at ``points`` (J, 3), Z up: legs reach lowest, arms widest, the head highest.
+    """Body of a standing figure whose joints are at ``points`` (J, 3), Z up; None if the shape is not human.
 
-    Left is what names say: ``sides`` (J,) 1 for left, -1 for right, 0 for neither; else where hips and shoulders lie
-    for one who looks the way the toes point, or along +X where there are none. None when this is no human shape.
+    Legs reach lowest, arms widest, the head highest. ``sides`` (J,) are the sides that names give: 1 left, -1 right, 0
+    unknown. Where names give none, the toes show the front (+X without toes), and hips and shoulders are left or right
+    of it.
     """
     pairs = _mirrored_chains(skeleton, points)
     if len(pairs) < 2:
@@ -56,10 +57,9 @@ def body_by_shape(skeleton: Skeleton, points: FloatArray, sides: IntArray | None
 
 
 def moving_body_by_shape(skeleton: Skeleton, rest: FloatArray, points: FloatArray, sides: IntArray) -> BodyMap | None:
-    """The body by its shape at rest (J, 3), Z up, and by its motion ``points`` (F, J, 3) in any axes.
-
-    The motion tells joints that only divide a bone, and, where names say no side, the left knee. None where it is no
-    human's, or a limb ends before its hand or foot.
+    """Body by the shape of its rest pose (J, 3), Z up, and by its motion ``points`` (F, J, 3) in any axes; None if it
+    is not human or a limb ends before its hand or foot. The motion shows the joints that only divide a bone and,
+    where names give no side, the left knee.
     """
     kept = np.flatnonzero(~_dividing(skeleton, points))
     place = {int(joint): new for new, joint in enumerate(kept)}
@@ -82,7 +82,7 @@ def moving_body_by_shape(skeleton: Skeleton, rest: FloatArray, points: FloatArra
 
 
 def _dividing(skeleton: Skeleton, points: FloatArray) -> NDArray[np.bool_]:
-    """(J,) true for joints inside the bones of limbs: these stay straight there while others of the limb bend."""
+    """(J,) true for joints that divide the bone of a limb: they stay straight while other joints of the limb bend."""
     dividing = np.zeros(skeleton.joint_count, dtype=bool)
     for leaf in range(skeleton.joint_count):
         chain = [leaf]
@@ -101,7 +101,7 @@ def _dividing(skeleton: Skeleton, points: FloatArray) -> NDArray[np.bool_]:
 
 
 def _mirrored_chains(skeleton: Skeleton, points: FloatArray) -> list[_Pair]:
-    """Pairs of chains of three joints at least, alike bone by bone, from their common ancestor outwards."""
+    """Pairs of chains of at least three joints, with similar bones, from their common ancestor outwards."""
     leaves = [joint for joint in range(skeleton.joint_count) if not skeleton.children[joint]]
     pairs = []
     for one, other in combinations(leaves[:_MOST_LEAVES], 2):
@@ -120,7 +120,7 @@ def _above(points: FloatArray, arms: _Pair, legs: _Pair) -> bool:
 
 
 def _upright(points: FloatArray, arms: _Pair, legs: _Pair) -> bool:
-    """True if the shoulders lie above the hips rather than in front of them, as an animal's do."""
+    """True if the shoulders are above the hips. Those of an animal are in front of them."""
     trunk = sum(points[chain[0]] for chain in arms) - sum(points[chain[0]] for chain in legs)
     return bool(trunk[2] > np.linalg.norm(trunk[:2]))
 
@@ -132,7 +132,7 @@ def _forward(points: FloatArray, legs: _Pair) -> FloatArray:
 
 
 def knees_bend_backwards(body_map: BodyMap, points: FloatArray) -> bool:
-    """True if the knees of ``points`` (F, J, 3), in any axes, bend as they would were left and right exchanged."""
+    """True if the knees of ``points`` (F, J, 3), in any axes, bend as if left and right were exchanged."""
     left = points[:, body_map[BodyPart.LEFT_THIGH]] - points[:, body_map[BodyPart.RIGHT_THIGH]]
     bends = 0.0
     for side in ("LEFT", "RIGHT"):
@@ -143,7 +143,7 @@ def knees_bend_backwards(body_map: BodyMap, points: FloatArray) -> bool:
 
 
 def _sorted_by_side(points: FloatArray, pair: _Pair, forward: FloatArray, sides: IntArray) -> _Pair:
-    """Left first."""
+    """The pair of limbs, the left one first."""
     left = np.array([-forward[1], forward[0], 0.0])
     one, other = pair
     named = int(sides[one].sum() - sides[other].sum())
@@ -152,7 +152,7 @@ def _sorted_by_side(points: FloatArray, pair: _Pair, forward: FloatArray, sides:
 
 
 def _longest(points: FloatArray, chain: list[int]) -> int:
-    """Place in a chain at which its two longest bones in a row begin."""
+    """Index in a chain at which its two longest consecutive bones begin."""
     bones = [float(np.linalg.norm(points[b] - points[a])) for a, b in pairwise(chain)]
     return int(np.argmax([a + b for a, b in pairwise(bones)]))
 

@@ -17,9 +17,10 @@ _BACKWARDS = -0.3
 
 
 def exchanged_limbs(body_map: BodyMap, points: FloatArray) -> tuple[str, ...]:
-    """Of ``legs`` and ``arms`` those with left and right exchanged; ``points`` (F, J, 3) in any axes.
+    """Those of ``legs`` and ``arms`` whose left and right are exchanged; ``points`` (F, J, 3) in any axes.
 
-    Legs are where knees bend backwards and feet point backwards too; arms where shoulders lie across the hips.
+    Legs are exchanged if knees bend backwards and feet point backwards; arms if the line of the shoulders opposes that
+    of the hips.
     """
 
     def pair(part: str) -> FloatArray:

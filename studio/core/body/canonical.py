@@ -18,7 +18,7 @@ from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE, SEGMENTS_BESID
 
 
 class BodyPart(StrEnum):
-    """A segment of the body, named apart from how many vertebrae a character has."""
+    """Body segment, named independently of the number of vertebrae."""
 
     PELVIS = "pelvis"
     ABDOMEN = "abdomen"
@@ -44,7 +44,7 @@ class BodyPart(StrEnum):
 
     @property
     def label(self) -> str:
-        """The part in words: ``Left upper arm``."""
+        """Name for the user: ``Left upper arm``."""
         return self.value.replace("_", " ").capitalize()
 
 
@@ -82,7 +82,7 @@ class BodyLayout:
         return self.spine_count + 2
 
     def collar(self, side: int) -> int:
-        """Index of the point where the clavicle begins; shoulder, elbow, wrist, hand end follow it."""
+        """Index of the inner end of the clavicle; shoulder, elbow, wrist and hand end follow it."""
         return self.spine_count + 3 + 5 * side
 
     def hip(self, side: int) -> int:
@@ -119,7 +119,7 @@ class BodyLayout:
         return self.thigh(side) + 3
 
     def segment(self, part: BodyPart) -> int:
-        """Index of the segment that plays ``part``."""
+        """Index of the segment of a ``part``."""
         match part:
             case BodyPart.PELVIS:
                 return 0
@@ -130,7 +130,7 @@ class BodyLayout:
         return self.spine_count + _AFTER_SPINE.index(part)
 
     def part(self, segment: int) -> BodyPart:
-        """The part that ``segment`` plays; inner vertebrae are all the abdomen."""
+        """Part to which a ``segment`` belongs; all inner vertebrae belong to the abdomen."""
         if segment >= self.spine_count:
             return _AFTER_SPINE[segment - self.spine_count]
         if segment == 0:
@@ -138,18 +138,18 @@ class BodyLayout:
         return BodyPart.THORAX if segment == self.spine_count - 1 else BodyPart.ABDOMEN
 
     def proximal_points(self) -> tuple[int, ...]:
-        """For each segment the point about which it turns (its origin)."""
+        """Index of each segment's proximal point, about which it rotates."""
         spine = self.spine_count
         arms = tuple(self.collar(side) + bone for side in (0, 1) for bone in range(4))
         legs = tuple(self.hip(side) + bone for side in (0, 1) for bone in range(4))
         return (*range(spine), self.neck_base, self.head_joint, *arms, *legs)
 
     def distal_points(self) -> tuple[int, ...]:
-        """For each segment the point at its far end."""
+        """Index of each segment's distal point."""
         return tuple(point + 1 for point in self.proximal_points())
 
     def parent_segments(self) -> tuple[int, ...]:
-        """For each segment the one that carries it; the pelvis has -1."""
+        """Index of each segment's parent; -1 for the pelvis."""
         spine, thorax = self.spine_count, self.spine_count - 1
         parents = [*range(-1, thorax), thorax, spine]
         for first, carrier in ((2, thorax), (6, thorax), (10, 0), (14, 0)):

@@ -11,7 +11,7 @@ from studio.core.body.skeleton import Skeleton
 
 
 class Digit(StrEnum):
-    """A finger of a hand."""
+    """Finger of a hand."""
 
     THUMB = "thumb"
     INDEX = "index"
@@ -21,7 +21,7 @@ class Digit(StrEnum):
 
 
 class FingerJoint(NamedTuple):
-    """A joint of a finger, named apart from any skeleton."""
+    """Finger joint, named independently of any skeleton."""
 
     side: int
     """0 is left, 1 is right."""
@@ -45,7 +45,7 @@ _IN_PALM = re.compile(r"^(?!.*phalangeal).*(carpal|in_?hand)")
 
 
 def find_fingers(skeleton: Skeleton, body: BodyMap) -> dict[FingerJoint, int]:
-    """The joint of ``skeleton`` for each joint of a finger; bones within the palm and tips are left out."""
+    """Joint of ``skeleton`` for each finger joint; metacarpal bones and finger tips are left out."""
     found: dict[FingerJoint, int] = {}
     for side, part in enumerate((BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)):
         for digit, chain in _chains(skeleton, body[part]).items():
@@ -79,6 +79,8 @@ def _chains(skeleton: Skeleton, hand: int) -> Mapping[Digit, list[int]]:
 
 
 def _without_palm(skeleton: Skeleton, chain: list[int]) -> list[int]:
-    """The chain without a bone in the palm: more joints than a finger has, of which only the first bears no number."""
+    """The chain without its metacarpal bone: it has one if there are more joints than a finger has, and only the first
+    bears no number.
+    """
     unnumbered = [not re.search(r"\d", skeleton.names[joint]) for joint in chain]
     return chain[1:] if len(chain) > JOINTS_PER_FINGER and unnumbered[0] and not any(unnumbered[1:]) else chain

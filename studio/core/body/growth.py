@@ -18,7 +18,7 @@ _FACTORS = tuple(field.name for field in fields(Proportions))
 
 @dataclass(frozen=True)
 class KeyedProportions(Line):
-    """Proportions at ``times`` in seconds of the stage, smooth between them and still before and after."""
+    """Proportions keyed at ``times`` in seconds of the stage, smooth between the keys and constant outside."""
 
     size: ClassVar[int] = len(_FACTORS)
     times: tuple[float, ...]
@@ -35,7 +35,7 @@ class KeyedProportions(Line):
 
     @property
     def points(self) -> FloatArray:
-        """(K, 11) the factors of each key."""
+        """(K, 11) factors of each key."""
         return np.array([astuple(value) for value in self.values])
 
     def _checked(self, value: Any) -> Proportions:
@@ -46,13 +46,15 @@ class KeyedProportions(Line):
 def grown(
     build: Morphology, keyed: KeyedProportions, begin: float, frame_rate: float, count: int
 ) -> AnimatedMorphology:
-    """``build`` in ``count`` frames from ``begin`` seconds on; what is asked for again is the same object."""
+    """``build`` animated over ``count`` frames from ``begin`` seconds on; cached, so that equal arguments give the same
+    object.
+    """
     factors = keyed.at(begin + np.arange(count) / frame_rate)
     return AnimatedMorphology(build.packed * np.exp(np.log(factors) @ _exponents(build)))
 
 
 @lru_cache(maxsize=64)
 def _exponents(build: Morphology) -> FloatArray:
-    """(11, 57 + 3 K) the power to which each factor stands in each measure: all are products of factors."""
+    """(11, 57 + 3 K) exponent of each factor in each measure; every measure is a product of powers of factors."""
     doubled = np.array([Proportions(**{name: 2.0}).applied_to(build).packed for name in _FACTORS])
     return np.log2(np.where(build.packed == 0.0, 1.0, doubled / np.where(build.packed == 0.0, 1.0, build.packed)))

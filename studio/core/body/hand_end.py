@@ -1,4 +1,4 @@
-"""End point of a hand: some files have ends without length, or as far away as the tip of a sword."""
+"""End point of a hand. Some files have hand ends of zero length, or far away at the tip of a sword."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +14,12 @@ LONGEST_HAND, USUAL_HAND = 1.0, 0.4
 
 
 def hand_reach(skeleton: Skeleton, wrist: int, positions: FloatArray) -> FloatArray:
-    """(F, 3) metres from a wrist to the middle of what it carries, of joints at ``positions`` (F, J, 3)."""
+    """(F, 3) metres from a wrist to the mean of its child joints, for joints at ``positions`` (F, J, 3)."""
     ends = skeleton.children[wrist] or (wrist,)
     return np.asarray(positions[:, list(ends)].mean(axis=1) - positions[:, wrist])
 
 
 def could_be_hand(reach: FloatArray, forearm: FloatArray) -> NDArray[np.bool_]:
-    """(F,) whether what reaches so far (F, 3) from a wrist may be a hand on a forearm (F, 3)."""
+    """(F,) true if a hand of the offset ``reach`` (F, 3) has a plausible length for a forearm (F, 3)."""
     lengths = np.linalg.norm(reach, axis=1)
     return np.asarray((lengths >= SHORTEST_HAND) & (lengths <= LONGEST_HAND * np.linalg.norm(forearm, axis=1)))

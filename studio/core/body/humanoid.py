@@ -1,4 +1,4 @@
-"""BodyMap: which joints of a skeleton move which parts of a human body."""
+"""BodyMap: the joints of a skeleton that move the parts of a human body."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -21,9 +21,10 @@ LIMB_PARTS: dict[str, tuple[BodyPart, BodyPart, BodyPart]] = {
 
 @dataclass(frozen=True)
 class BodyMap:
-    """For each part the joint at its near end, whose rotation moves it; and the joints of the spine.
+    """Joint at the proximal end of each body part, and the joints of the spine.
 
-    Neck, head, clavicles and toes may be absent. Raises StudioError when another is, or the spine is short.
+    Neck, head, clavicles and toes may be absent. Raises StudioError if another part is absent or the spine is too
+    short.
     """
 
     parts: Mapping[BodyPart, int]
@@ -47,7 +48,7 @@ class BodyMap:
         return self.parts.get(part)
 
     def with_sides_exchanged(self, names: Collection[str] | None = None) -> "BodyMap":
-        """The same joints with left and right the other way round, of all parts or of ``names`` (``THIGH``)."""
+        """Map with left and right exchanged, for all parts or for ``names`` (``THIGH``)."""
         other = {"LEFT": "RIGHT", "RIGHT": "LEFT"}
         sides = ((part, joint, *part.name.partition("_")) for part, joint in self.parts.items())
         return BodyMap(
@@ -70,7 +71,7 @@ class BodyMap:
 
     @classmethod
     def from_json(cls, skeleton: Skeleton, names: Mapping[str, str]) -> "BodyMap":
-        """The opposite of ``to_json``; raises StudioError for unknown parts or joints."""
+        """Inverse of ``to_json``; raises StudioError for unknown parts or joints."""
         parts = {part_called(key): skeleton.index(name) for key, name in names.items() if not is_spine(key)}
         spine = sorted((int(key[6:]), skeleton.index(name)) for key, name in names.items() if is_spine(key))
         pelvis = (parts[BodyPart.PELVIS],) if BodyPart.PELVIS in parts else ()
@@ -83,7 +84,7 @@ def is_spine(key: str) -> bool:
 
 
 def part_called(key: str) -> BodyPart:
-    """The part with the name ``key``; raises StudioError with the names there are."""
+    """Part named ``key``; raises StudioError with the names that exist."""
     try:
         return BodyPart(key)
     except ValueError:

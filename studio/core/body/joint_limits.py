@@ -46,7 +46,9 @@ SEGMENT_FORWARD = np.array([1.0, 0.0, 0.0])
 
 @dataclass(frozen=True)
 class BallLimit:
-    """A joint that swings and twists: its axes at the middle, ``radii`` about x, -x, y and -y, the range of twist."""
+    """Limits of a ball joint: the axes of the middle of its range, swing ``radii`` about x, -x, y and -y, and the twist
+    range.
+    """
 
     bone: tuple[float, float, float]
     hinge: tuple[float, float, float]
@@ -73,7 +75,7 @@ HINGE_MIRROR, UPRIGHT_MIRROR = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, 
 
 
 def limits_of(body: Morphology) -> NDArray[np.void]:
-    """Writable (4,) records of ``kernels.limits.limb_joint_limits``, one a limb."""
+    """Writable (4,) records of ``kernels.limits.limb_joint_limits``, one for each limb."""
     return np.frombuffer(bytearray(_limits_of(body)), dtype=LIMB_LIMITS)  # whole: NumPy copies records field by field
 
 
@@ -93,7 +95,7 @@ def _limits_of(body: Morphology) -> bytes:
 
 
 def _write(row: np.void, joint: int, ball: BallLimit, side: int, carrier: FloatArray, own: FloatArray) -> None:
-    """A ball joint of the left, or its mirror image in the axes of its carrier and its own."""
+    """Write a ball joint of the left side, or its mirror image, in the axes of its parent and its own."""
     axes, radii = ball.axes, np.radians(ball.radii)
     if side == 1:
         axes = carrier[:, None] * axes * own
@@ -105,6 +107,6 @@ def _write(row: np.void, joint: int, ball: BallLimit, side: int, carrier: FloatA
 
 
 def _range(degrees: tuple[float, float], side: int) -> FloatArray:
-    """Middle and half of a range in radians, to the other hand on the right."""
+    """Middle and half width of a range in radians, mirrored for the right side."""
     least, most = np.radians(degrees)
     return np.array([0.5 * (least + most) * (-1.0) ** side, 0.5 * (most - least)])

@@ -1,4 +1,4 @@
-"""Forward kinematics: where the joints of posed skeletons stand in the world."""
+"""Forward kinematics: world positions and rotations of the joints of posed skeletons."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,9 @@ def joint_world(skeleton: Skeleton, poses: PoseSequence) -> tuple[FloatArray, Fl
 
 
 def joint_world_in(skeleton: Skeleton, poses: PoseSequence, run: slice) -> tuple[FloatArray, FloatArray]:
-    """``joint_world`` of a run of frames (N, J, 3), (N, J, 3, 3): a long capture's rotations fill much memory."""
+    """``joint_world`` of a range of frames (N, J, 3), (N, J, 3, 3); the rotations of a long capture
+    need much memory.
+    """
     shape = poses.local_translations[run].shape
     positions, rotations = np.empty(shape), np.empty((*shape, 3))
     _carry(skeleton, poses, run, positions, rotations)

@@ -1,4 +1,4 @@
-"""Morphology: the measures of one body, all that a character adds to a morphology-independent motion."""
+"""Morphology: the measures of one body, which a character adds to a morphology-independent motion."""
 
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache
@@ -36,9 +36,9 @@ _DIRECTIONS = ("neck_rest", "clavicle_rest")
 
 @dataclass(frozen=True)
 class Morphology:
-    """Measures of a body in metres; vectors stand in the axes of their own segment (``canonical``).
+    """Measures of a body in metres; vectors are in the axes of their own segment (``canonical``).
 
-    Raises ValueError with the field's name when a shape is wrong, a number is not finite or a bone has no length.
+    Raises ValueError with the field's name if a shape is wrong, a number is not finite or a bone has no length.
     """
 
     spine: FloatArray
@@ -117,19 +117,19 @@ class Morphology:
 
     @cached_property
     def packed(self) -> FloatArray:
-        """All measures in one row for the kernels; ``kernels.layout`` says where each stands."""
+        """All measures in one row for the kernels, in the columns of ``kernels.layout``."""
         row = np.concatenate([np.ravel(getattr(self, name)) for name in (*_SHAPES, "spine")])
         row.setflags(write=False)
         return row
 
     @property
     def still(self) -> Self:
-        """Itself, as an animated one has its first frame's."""
+        """The morphology itself, so that it can stand for an animated one."""
         return self
 
     @cached_property
     def rows(self) -> FloatArray:
-        """(1, 57 + 3 K) ``packed`` as a clip of measures that never change."""
+        """(1, 57 + 3 K) ``packed`` as an animation of one constant row."""
         return self.packed[None]
 
     def to_json(self) -> dict[str, Any]:
@@ -157,9 +157,9 @@ class Morphology:
 
 @dataclass(frozen=True, eq=False)
 class AnimatedMorphology:
-    """A body whose measures change from frame to frame: ``rows`` (F, 57 + 3 K), each the ``packed`` of a morphology.
+    """Body whose measures change from frame to frame: ``rows`` (F, 57 + 3 K), each the ``packed`` of a morphology.
 
-    Made with ``from_bodies``. Raises ValueError when a bone of any frame has no length or a number is not finite.
+    Made by ``from_bodies``. Raises ValueError if a bone has no length in some frame or a number is not finite.
     """
 
     rows: FloatArray
@@ -179,7 +179,9 @@ class AnimatedMorphology:
 
     @classmethod
     def from_bodies(cls, first: Morphology, second: Morphology, shares: FloatArray) -> Self:
-        """Between two bodies of one layout: ``first`` where the share (F,) is 0, ``second`` where it is 1."""
+        """Interpolation of two bodies of one layout: ``first`` where the fraction (F,) is 0,
+        ``second`` where it is 1.
+        """
         if first.layout != second.layout:
             raise ValueError("A body can only grow into one with as many spine segments.")
         return cls(first.packed + np.asarray(shares)[:, None] * (second.packed - first.packed))
@@ -190,11 +192,11 @@ class AnimatedMorphology:
 
     @cached_property
     def still(self) -> Morphology:
-        """The body as it is in the first frame."""
+        """Body of the first frame."""
         return self.at(0)
 
     def at(self, frame: int) -> Morphology:
-        """The body as it is in one frame."""
+        """Body of one frame."""
         row, measures, start = self.rows[frame], {}, 0
         for name, shape in (*_SHAPES.items(), ("spine", (self.layout.spine_count, 3))):
             size = int(np.prod(shape))
@@ -203,7 +205,7 @@ class AnimatedMorphology:
 
     @property
     def spine(self) -> FloatArray:
-        """(K, 3) the spine of the first frame: its proportions say where vertebrae take the motion's turns."""
+        """(K, 3) spine of the first frame; its proportions distribute the motion's rotations over the vertebrae."""
         return self.rows[0, at.M_SPINE :].reshape(-1, 3)
 
     @property
@@ -217,8 +219,8 @@ AnyMorphology = Morphology | AnimatedMorphology
 
 @lru_cache(maxsize=64)
 def sole_rows(body: AnyMorphology, side: int) -> FloatArray:
-    """(F or 1, 6) of one foot: ankle to toe joint in foot axes (3), ankle above the sole, heel behind the ankle,
-    length of the toe along the ground.
+    """(F or 1, 6) metres of one foot: ankle to toe joint in foot axes (3), height of the ankle over the sole, distance
+    of the heel behind the ankle, length of the toe along the ground.
     """
     rows, foot, toe = body.rows, at.M_FOOT + 3 * side, at.M_TOE + 3 * side
     heights = rows[:, [at.M_ANKLE_HEIGHT + side, at.M_HEEL_LENGTH + side]]
@@ -237,13 +239,15 @@ def leg_rows(body: AnyMorphology, side: int) -> FloatArray:
 
 
 def at_frames(rows: FloatArray, frames: Any) -> FloatArray:
-    """The ``rows`` (F or 1, N) of some frames, (len(frames) or 1, N): one row holds for all."""
+    """Rows of the given ``frames``, (len(frames) or 1, N), of ``rows`` (F or 1, N); a single row holds
+    for all frames.
+    """
     return rows if len(rows) == 1 else rows[frames]
 
 
 @dataclass(frozen=True)
 class Proportions:
-    """Factors on a build's measures, all 1 for the build itself; what the sliders of the inspector move."""
+    """Factors on a build's measures, set by the sliders of the inspector; all are 1 for the build itself."""
 
     stature: float = 1.0
     trunk: float = 1.0

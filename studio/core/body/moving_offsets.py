@@ -1,7 +1,6 @@
-"""Joints that move in their parents: files with position channels on every joint draw bones where no rotation has them.
-
-What moves to the side is a rotation of the parent, so that bones point where the file's joints are; what moves along
-the bone is its length. No joint leaves its place in any frame.
+"""Joints that move in their parents: in files with position channels on every joint, bones may be drawn where no
+rotation puts them. Sideways motion becomes a rotation of the parent, and motion along the bone becomes its length,
+so that no joint changes its position in any frame.
 """
 
 from dataclasses import replace
@@ -25,7 +24,7 @@ _BONES = ("CLAVICLE", "UPPER_ARM", "FOREARM", "HAND"), ("THIGH", "SHANK", "FOOT"
 
 
 def with_seen_offsets(skeleton: Skeleton, poses: PoseSequence) -> Skeleton:
-    """The skeleton whose bones are as long as ``poses`` draw them where they lie still, or have no length at all."""
+    """Skeleton with the bone lengths of ``poses`` for bones whose offsets are constant there or zero in the file."""
     seen = np.median(poses.local_translations, axis=0)
     stray = np.abs(poses.local_translations - seen).max(axis=(0, 2))
     lengths, own = np.linalg.norm(seen, axis=1), np.linalg.norm(skeleton.offsets, axis=1)
@@ -36,7 +35,7 @@ def with_seen_offsets(skeleton: Skeleton, poses: PoseSequence) -> Skeleton:
 
 
 def with_bones_followed(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap) -> tuple[PoseSequence, float]:
-    """The same joint positions by rotations of limbs and neck, and the greatest swing that these take over."""
+    """Poses with the same joint positions by rotations of limbs and neck, and the greatest of these rotations."""
     local, moves = poses.local_rotations, poses.local_translations
     greatest = 0.0
     for joint, end in _bones(skeleton, body_map):
@@ -59,7 +58,7 @@ def with_bones_followed(skeleton: Skeleton, poses: PoseSequence, body_map: BodyM
 
 
 def _bones(skeleton: Skeleton, body_map: BodyMap) -> list[tuple[int, int]]:
-    """Joints of limbs and neck with the one in which their bone ends, parents first."""
+    """Joints of limbs and neck, each with the joint at the end of its bone, parents first."""
     parts = [(BodyPart.NECK, BodyPart.HEAD)]
     for side in ("LEFT", "RIGHT"):
         for names in _BONES:

@@ -1,8 +1,9 @@
-"""The neutral pose of a skeleton: found from all frames of a take where its zero pose is not human.
+"""The neutral pose of a skeleton, found from all frames of a take if its zero pose is not human.
 
-The mean pose, upright frames weighing most, is stood up: trunk and legs vertical, hips and shoulders square, wrists
-straight. The head is the exception, because a fighter looks over a shoulder through a whole take: it takes the axes of
-its joint that are nearest to the mean, since programs whose zero pose is not human lay the axes along the bones.
+The mean pose, in which upright frames weigh most, is straightened: trunk and legs vertical, hips and shoulders square,
+wrists straight. The head is the exception, because a fighter looks over a shoulder through a whole take: it takes the
+axes of its joint that are nearest to the mean, since programs whose zero pose is not human align the axes with the
+bones.
 """
 
 from dataclasses import dataclass
@@ -47,7 +48,7 @@ _SHORTEST_ACROSS = 0.01
 
 @dataclass(frozen=True)
 class NeutralPose:
-    """Local ``rotations`` (J, 4) of a body upright along Z that faces +X, and the doubt of its head."""
+    """Local ``rotations`` (J, 4) of a body upright along Z that faces +X, and the uncertainty of its head."""
 
     rotations: FloatArray
     head_doubt: float
@@ -55,7 +56,7 @@ class NeutralPose:
 
 
 def find_neutral_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap, weights: FloatArray) -> NeutralPose:
-    """The neutral pose of ``skeleton`` from all frames of ``poses``, each as upright as its weight (F,) says."""
+    """Neutral pose of ``skeleton`` from all frames of ``poses``; ``weights`` (F,) say how upright each frame is."""
     seen = slice(None, None, max(1, poses.frame_count // _FRAMES))
     sample = PoseSequence(poses.local_rotations[seen], poses.local_translations[seen])
     positions, turns = joint_world(skeleton, sample)
@@ -73,13 +74,13 @@ def find_neutral_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap
 
 
 class _Pose:
-    """Local ``rotations`` (J, 4) that are turned, joint by joint, towards a human that stands."""
+    """Local ``rotations`` (J, 4) that are rotated, joint by joint, towards a standing human."""
 
     def __init__(self, skeleton: Skeleton, body_map: BodyMap, rotations: FloatArray) -> None:
         self.skeleton, self.body_map, self.rotations = skeleton, body_map, rotations
 
     def place_root(self, turns: FloatArray, positions: FloatArray, shares: FloatArray) -> None:
-        """Turn the root as it is on average (F, J, 3, 3) in a body that faces +X in every frame."""
+        """Rotate the root to its mean orientation (F, J, 3, 3) relative to a body that faces +X in every frame."""
         left = normalized(self._pair(positions, "THIGH") * [1.0, 1.0, 0.0])
         left = np.where(np.linalg.norm(left, axis=1, keepdims=True) > 0.5, left, [0.0, 1.0, 0.0])  # hips in one place
         headings = np.stack([np.cross(left, _UP), left, np.broadcast_to(_UP, left.shape)], axis=1)
@@ -102,9 +103,9 @@ class _Pose:
             self._turn(joint, shortest_arc(normalized(points[end] - points[joint]), -_UP))
 
     def untwist_forearms(self) -> None:
-        """Turn both forearms about their bones to the nearest quarter turn from the upper arms, one the other's mirror.
+        """Twist both forearms to the nearest quarter turn from the upper arms, mirror-symmetrically.
 
-        Only of bones along an axis of their joint: elsewhere axes say nothing about twists.
+        Only bones along an axis of their joint are twisted; the axes of other joints show no twist.
         """
         elbows = [self._joint(side, "FOREARM") for side in ("LEFT", "RIGHT")]
         wrists = [self._joint(side, "HAND") for side in ("LEFT", "RIGHT")]
@@ -121,8 +122,8 @@ class _Pose:
                 self._turn(elbow, _about(self._world()[1][elbow] @ bone, -float(twist)))
 
     def level_feet(self) -> None:
-        """Roll each foot about its length until the axis of its joint that is nearest to its left is level, and turn it
-        about that until its bone is as steep as that of people's flat feet.
+        """Roll each foot about its length until the lateral axis of its joint is level, then pitch it until its bone
+        has the slope of a flat human foot.
         """
         for side in ("LEFT", "RIGHT"):
             foot, toe = self.body_map[BodyPart[f"{side}_FOOT"]], self.body_map.get(BodyPart[f"{side}_TOE"])
@@ -141,7 +142,7 @@ class _Pose:
             self._turn(foot, _about(left, self._flat_slope(side) - slope))
 
     def _flat_slope(self, side: str) -> float:
-        """Radians by which the bone from the ankle to the toes' joint of a flat foot points down."""
+        """Slope in radians of the bone from the ankle down to the toe joint of a flat foot."""
         hip, knee, ankle, toe = (
             self._world()[0][self._joint(side, part)] for part in ("THIGH", "SHANK", "FOOT", "TOE")
         )
@@ -149,7 +150,7 @@ class _Pose:
         return float(np.arcsin(min(_ANKLE_OVER_BALL * leg / float(np.linalg.norm(toe - ankle)), 0.9)))
 
     def straighten_wrists(self) -> None:
-        """Turn each hand that has a bone to lie along its forearm."""
+        """Align each hand that has a bone with its forearm."""
         for side in ("LEFT", "RIGHT"):
             elbow, wrist = (self.body_map[BodyPart[f"{side}_{part}"]] for part in ("FOREARM", "HAND"))
             points = self._world()[0]
@@ -159,9 +160,9 @@ class _Pose:
                 self._turn(wrist, shortest_arc(normalized(reach[0]), normalized(along)))
 
     def face_forward(self, mean_axes: FloatArray) -> float:
-        """Turn the head so that its own axes, as ``mean_axes`` tell them, lie along the world's; degrees of doubt.
+        """Align the head's own axes, given by ``mean_axes``, with the world's; return the uncertainty in degrees.
 
-        The neck, which carries a part of each turn of the head, is turned about the vertical with it.
+        The neck, which takes a part of each rotation of the head, is rotated about the vertical with it.
         """
         head, neck = self.body_map[BodyPart.HEAD], self.body_map.get(BodyPart.NECK)
         over_trunk = self._world()[1][head].T[:, 2]
@@ -174,7 +175,7 @@ class _Pose:
         return doubt
 
     def _head_bone(self, head: int) -> FloatArray:
-        """(3,) direction of the longest bone that the head carries, in its own axes; zero without one."""
+        """(3,) direction of the longest bone below the head, in the head's axes; zero without one."""
         offsets = self.skeleton.offsets[list(self.skeleton.children[head])]
         longest = max(offsets, key=np.linalg.norm, default=np.zeros(3))
         return np.asarray(longest / max(float(np.linalg.norm(longest)), 1e-9))
@@ -184,13 +185,13 @@ class _Pose:
         return positions[0], turns[0]
 
     def _turn(self, joint: int, turn: FloatArray) -> None:
-        """Turn a joint and all that it carries by ``turn`` (3, 3) in the world."""
+        """Rotate a joint and its descendants by ``turn`` (3, 3) in the world."""
         parent = self.skeleton.parents[joint]
         carrier = self._world()[1][parent] if parent >= 0 else np.eye(3)
         self.rotations[joint] = multiply(from_matrix(carrier.T @ turn @ carrier), self.rotations[joint])
 
     def _square(self, joint: int, part: str) -> None:
-        """Turn ``joint`` about the vertical until the pair of ``part`` lies along +Y."""
+        """Rotate ``joint`` about the vertical until the pair of ``part`` is aligned with +Y."""
         across = self._across(part)
         if across is not None:
             self._turn(joint, shortest_arc(across, _LEFT))
@@ -224,7 +225,7 @@ def _mean_rotations(rotations: FloatArray, shares: FloatArray) -> FloatArray:
 
 
 def _head_axes(turns: FloatArray, positions: FloatArray, body_map: BodyMap, shares: FloatArray) -> FloatArray:
-    """(3, 3) front, left and up as columns, in the axes of the head's joint, as they are on average."""
+    """(3, 3) mean front, left and up axes of the head as columns, in the axes of its joint."""
     head = turns[:, body_map[BodyPart.HEAD]]
     shoulders = positions[:, body_map[BodyPart.LEFT_UPPER_ARM]] - positions[:, body_map[BodyPart.RIGHT_UPPER_ARM]]
     up = normalized(shares @ head[:, 2])
@@ -234,11 +235,11 @@ def _head_axes(turns: FloatArray, positions: FloatArray, body_map: BodyMap, shar
 
 
 def _own_axes(mean: FloatArray, over_trunk: FloatArray, bone: FloatArray) -> tuple[FloatArray, float]:
-    """The likeliest front, left and up (3, 3) of a head whose ``mean`` axes are known, and degrees of doubt.
+    """Most likely front, left and up (3, 3) of a head with the given ``mean`` axes, and the uncertainty in degrees.
 
-    Of the signed axes of its joint those win that lie near the mean and hold its ``bone`` (3,) upright in the middle
-    plane. ``over_trunk`` (3,) is its up were the trunk upright: who leans far holds the head level, or lets it hang.
-    The mean itself is taken where no axis is near either.
+    Of the signed axes of its joint those win that are near the mean and keep its ``bone`` (3,) upright in the median
+    plane. ``over_trunk`` (3,) is the up axis if the trunk were upright, because the head of a body that leans far may
+    be level or hang. The mean itself is taken if no axis is near either.
     """
     candidates = _signed_axes()
     costs = [_unlikeliness(axes, mean, over_trunk, bone) for axes in candidates]
@@ -251,7 +252,7 @@ def _own_axes(mean: FloatArray, over_trunk: FloatArray, bone: FloatArray) -> tup
 
 
 def _unlikeliness(axes: FloatArray, mean: FloatArray, over_trunk: FloatArray, bone: FloatArray) -> float:
-    """Squares of standard deviations, summed, by which head ``axes`` (3, 3) differ from what is seen."""
+    """Sum of squared deviations, in standard deviations, of head ``axes`` (3, 3) from the observed ones."""
     left, up = axes[:, 1], axes[:, 2]
     tilt = min(_degrees(up, mean[:, 2]), _degrees(up, over_trunk))
     turned = shortest_arc(mean[:, 2], up) @ mean[:, 1]

@@ -14,11 +14,10 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PoseSequence:
-    """Local rotations and translations of J joints over F frames (one at least).
+    """Local rotations and translations of J joints over F frames (at least one).
 
-    Quaternions are made unit and continuous in sign when the sequence is made; translations that nobody can write to
-    are kept as they are. Raises StudioError when the shapes do not agree, a number is not finite or a quaternion has
-    no length.
+    Quaternions are normalised and made continuous in sign; read-only translations are not copied. Raises StudioError if
+    shapes disagree, a number is not finite or a quaternion has no length.
     """
 
     local_rotations: FloatArray

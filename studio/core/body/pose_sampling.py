@@ -1,4 +1,4 @@
-"""Sampling of poses between their frames."""
+"""Sampling of poses between frames."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +13,9 @@ _SAME = 1e-6
 
 
 def poses_at(poses: PoseSequence, frames: FloatArray) -> PoseSequence:
-    """The poses at ``frames`` (N,), not rounded; beyond the ends they stay.
+    """Poses at ``frames`` (N,), which need not be whole; clamped at both ends.
 
-    A frame of its own comes back as it is; between two, joints turn and move evenly from the one to the other.
+    Whole frames are returned unchanged; between two, joints are interpolated linearly and spherically.
     """
     last = poses.frame_count - 1
     within = np.clip(frames, 0.0, float(last))

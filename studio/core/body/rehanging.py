@@ -1,4 +1,4 @@
-"""Joints with another parent than in their file: rigs for inverse kinematics keep the feet under the root."""
+"""Joints with another parent than in their file: rigs for inverse kinematics keep the feet below the root."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ _APART = 0.1
 
 @dataclass(frozen=True)
 class Rehanging:
-    """The new order of joints: ``order`` (J,) counts in the old one, ``parents`` (J,) in the new one."""
+    """New order of joints: ``order`` (J,) has old indices, ``parents`` (J,) new ones."""
 
     order: IntArray
     parents: IntArray
@@ -43,10 +43,9 @@ def rehang(parents: IntArray, moved: Mapping[int, int]) -> Rehanging:
 
 
 def over_feet(skeleton: Skeleton, poses: PoseSequence, feet: Mapping[int, int]) -> tuple[PoseSequence, float]:
-    """Motion with the body moved over ``feet`` (foot: shank) that are not its descendants, and its former distance.
-
-    Some files move the feet through the world and leave the body behind, or fixed. The rotations of the legs give its
-    position: the one at which the ends of both shanks meet the feet. Raises StudioError if there is none.
+    """Motion with the body moved over ``feet`` (foot: shank) that are not its descendants, and its former distance from
+    them. Some files move the feet through the world and leave the body behind, or fixed. The rotations of the legs
+    give its position: the one at which the ends of both shanks meet the feet. Raises StudioError if there is none.
     """
     still = joint_world(skeleton, rest_poses(skeleton, np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))))[0][0]
     positions, turns = joint_world(skeleton, poses)
@@ -75,7 +74,7 @@ def over_feet(skeleton: Skeleton, poses: PoseSequence, feet: Mapping[int, int]) 
 
 
 def rehung(skeleton: Skeleton, poses: PoseSequence, new: Rehanging) -> tuple[Skeleton, PoseSequence]:
-    """The same motion on a skeleton whose joints hang as ``new`` says; its zero pose is the same too."""
+    """The same motion on a skeleton with the parents of ``new``; the zero pose keeps its positions too."""
     still = PoseSequence(np.tile([0.0, 0.0, 0.0, 1.0], (1, skeleton.joint_count, 1)), skeleton.offsets[None])
     offsets = _local(*joint_world(skeleton, still), new)[1][0]
     names = tuple(skeleton.names[old] for old in new.order)
@@ -84,7 +83,7 @@ def rehung(skeleton: Skeleton, poses: PoseSequence, new: Rehanging) -> tuple[Ske
 
 
 def _local(positions: FloatArray, turns: FloatArray, new: Rehanging) -> tuple[FloatArray, FloatArray]:
-    """Rotations (F, J, 3, 3) and translations (F, J, 3) from the parents of ``new``, of joints in the world."""
+    """Rotations (F, J, 3, 3) and translations (F, J, 3) relative to the parents of ``new``, from world ones."""
     positions, turns = positions[:, new.order], turns[:, new.order]
     below = new.parents >= 0
     carriers = np.swapaxes(turns[:, new.parents[below]], -1, -2)

@@ -1,4 +1,4 @@
-"""The rest pose: the stance in which a body is measured and its skin is bound."""
+"""The rest pose, in which a body is measured and its skin is bound."""
 
 from functools import lru_cache
 

@@ -1,4 +1,4 @@
-"""Skeleton: the joints of a body, how they hang together, and the bones at rest."""
+"""Skeleton: the joints of a body, their hierarchy, and the bones at rest."""
 
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -16,9 +16,9 @@ BoolArray = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Skeleton:
-    """Joints in an order where every parent stands before its children; joint 0 is the one root.
+    """Joints in an order with every parent before its children; joint 0 is the only root.
 
-    Raises StudioError when made of joints that do not form one tree, share a name, or lie at no finite place.
+    Raises StudioError if the joints do not form one tree, share a name, or have an offset that is not finite.
     """
 
     names: tuple[str, ...]
@@ -61,12 +61,12 @@ class Skeleton:
 
     @property
     def joint_count(self) -> int:
-        """All joints J, end sites among them."""
+        """Number of joints J, end sites included."""
         return len(self.names)
 
     @cached_property
     def children(self) -> tuple[tuple[int, ...], ...]:
-        """For each joint those that hang from it."""
+        """Children of each joint."""
         lists: list[list[int]] = [[] for _ in self.names]
         for joint, parent in enumerate(self.parents.tolist()):
             if parent >= 0:
@@ -75,28 +75,28 @@ class Skeleton:
 
     @cached_property
     def depths(self) -> tuple[int, ...]:
-        """For each joint how many joints stand above it."""
+        """Number of ancestors of each joint."""
         depths: list[int] = []
         for parent in self.parents.tolist():
             depths.append(0 if parent < 0 else depths[parent] + 1)
         return tuple(depths)
 
     def index(self, name: str) -> int:
-        """The joint called ``name``; raises StudioError with the names that look like it."""
+        """Index of the joint called ``name``; raises StudioError with similar names."""
         if name in self.names:
             return self.names.index(name)
         near = get_close_matches(name, self.names, n=4, cutoff=0.5) or self.names[:4]
         raise StudioError(f"No joint is called '{name}'. Nearest names: {', '.join(near)}.")
 
     def path(self, ancestor: int, joint: int) -> tuple[int, ...]:
-        """The joints from ``ancestor`` down to ``joint``, both included; empty when it is no ancestor."""
+        """Joints from ``ancestor`` down to ``joint``, both included; empty if it is not an ancestor."""
         way = [joint]
         while way[-1] > ancestor:
             way.append(int(self.parents[way[-1]]))
         return tuple(reversed(way)) if way[-1] == ancestor else ()
 
     def common_ancestor(self, *joints: int) -> int:
-        """The lowest joint that carries all of ``joints`` (possibly one of them)."""
+        """Lowest joint that is an ancestor of all ``joints``, or one of them."""
         current = set(joints)
         while len(current) > 1:
             deepest = max(current)
@@ -104,7 +104,7 @@ class Skeleton:
         return current.pop()
 
     def descendants(self, joint: int) -> tuple[int, ...]:
-        """Everything below ``joint``, end sites included, without itself."""
+        """All descendants of ``joint``, end sites included, without the joint itself."""
         below = {joint}
         for other in range(joint + 1, self.joint_count):
             if int(self.parents[other]) in below:

@@ -1,4 +1,4 @@
-"""Stick figure of a body: pairs of points that are joined by a line."""
+"""Stick figure of a body: pairs of points that are connected by a line."""
 
 from functools import lru_cache
 

@@ -1,1 +1,1 @@
-"""Captures, and what is found out about them: contacts, touching hands, remarks."""
+"""Captures, and their analysis: contacts, touching hands, remarks."""

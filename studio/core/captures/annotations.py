@@ -1,4 +1,4 @@
-"""Annotations: what is known of a motion beside the motion itself."""
+"""Annotations: contacts, constraints and labels that belong to a motion."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -10,7 +10,7 @@ from studio.core.constraints.base import Constraint
 
 @dataclass(frozen=True)
 class Label:
-    """A stretch of a motion with a name: frames ``first`` to ``last``, both included."""
+    """Named range of a motion: frames ``first`` to ``last``, both included."""
 
     name: str
     first: int
@@ -23,7 +23,7 @@ class Label:
 
 
 def within(labels: Iterable[Label], first: int, last: int) -> tuple[Label, ...]:
-    """The parts of labels that lie in the frames ``first`` to ``last``, counted from ``first``."""
+    """Labels clipped to the frames ``first`` to ``last``, counted from ``first``."""
     return tuple(
         replace(each, first=max(each.first, first) - first, last=min(each.last, last) - first)
         for each in labels
@@ -33,14 +33,14 @@ def within(labels: Iterable[Label], first: int, last: int) -> tuple[Label, ...]:
 
 @dataclass(frozen=True)
 class Annotations:
-    """Contacts, constraints and labels of one motion; ``contacts`` is None where nothing is said about them."""
+    """Contacts, constraints and labels of one motion; ``contacts`` is None if they are unknown."""
 
     contacts: tuple[ContactInterval, ...] | None = None
     constraints: tuple[Constraint, ...] = ()
     labels: tuple[Label, ...] = ()
 
     def of_motion(self, motion_id: str) -> Self:
-        """The same, referring to the motion of that id."""
+        """Copy that refers to the motion of that id."""
         contacts = self.contacts and tuple(replace(each, motion_id=motion_id) for each in self.contacts)
         constraints = tuple(replace(each, motion_id=motion_id) for each in self.constraints)
         labels = tuple(replace(each, motion_id=motion_id) for each in self.labels)

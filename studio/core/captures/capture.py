@@ -1,4 +1,4 @@
-"""Capture: a motion as it was recorded, in world axes and metres, with everything that had to be assumed."""
+"""Capture: a recorded motion in world axes and metres, with all assumptions that its reader made."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Guess:
-    """Something assumed that the user may overrule."""
+    """Assumption that the user may overrule."""
 
     subject: str
     """One of ``unit, up axis, frame rate, floor, floor drift, body map, feet, moving offsets,
@@ -38,7 +38,7 @@ class Guess:
 
 @dataclass(frozen=True)
 class Capture:
-    """One recorded body over time. Raises StudioError when the parts do not fit each other."""
+    """Recorded motion of one body. Raises StudioError if its parts do not fit each other."""
 
     name: str
     source: str
@@ -98,23 +98,23 @@ class Capture:
         return (self.frame_count - 1 - self.first_frame) / self.frame_rate
 
     def with_body_map(self, names: Mapping[str, str]) -> "Capture":
-        """The same capture with the user's body map; the guess about it is no more."""
+        """Copy with the user's body map, without the guess about it."""
         return self._overruled("body map", body_map=BodyMap.from_json(self.skeleton, names))
 
     def with_frame_rate(self, frame_rate: float) -> "Capture":
-        """The same frames played at ``frame_rate`` Hz."""
+        """Copy with the same frames played at ``frame_rate`` Hz."""
         return self._overruled("frame rate", frame_rate=frame_rate)
 
     def with_floor(self, floor: float) -> "Capture":
-        """The same capture over ground at the height ``floor`` in metres."""
+        """Copy with the ground at the height ``floor`` in metres."""
         return self._overruled("floor", floor=floor)
 
     def with_first_frame(self, first_frame: int) -> "Capture":
-        """The same capture whose motion proper begins at ``first_frame``."""
+        """Copy whose motion begins at ``first_frame``."""
         return self._overruled("first frame", first_frame=first_frame)
 
     def with_guess(self, guess: Guess) -> "Capture":
-        """The same capture with one more guess listed, before the others."""
+        """Copy with one more guess, listed before the others."""
         return replace(self, guesses=(guess, *self.guesses))
 
     def _overruled(self, subject: str, **values: object) -> "Capture":

@@ -1,11 +1,13 @@
-"""Trust in what was guessed of a file."""
+"""Confidence of guesses about a file."""
 
 from enum import StrEnum
 from typing import Self
 
 
 class Confidence(StrEnum):
-    """Trust in a guess, by how far the best reading is ahead of the second best, or how far the evidence scatters."""
+    """Confidence of a guess, from the lead of the best reading over the second best, or from the scatter of the
+    evidence.
+    """
 
     SURE = "sure"
     LIKELY = "likely"
@@ -13,5 +15,5 @@ class Confidence(StrEnum):
 
     @classmethod
     def of(cls, margin: float, likely: float, sure: float) -> Self:
-        """The confidence that a ``margin`` gives which is ``likely`` or ``sure`` from the values of these names on."""
+        """Confidence for a ``margin``; ``likely`` and ``sure`` are the thresholds of these levels."""
         return cls("sure" if margin >= sure else "likely" if margin >= likely else "doubtful")

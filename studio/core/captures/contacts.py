@@ -60,17 +60,17 @@ class ContactPoint(_Sided):
 
     @cached_property
     def limb(self) -> int:
-        """0, 1 left and right arm, 2, 3 legs, -1 for what is on no limb."""
+        """0, 1 left and right arm, 2, 3 left and right leg, -1 for a point on no limb."""
         return -1 if self.member == "seat" else self.side + (0 if self.member == "hand" else 2)
 
     @cached_property
     def words(self) -> str:
-        """``left heel``."""
+        """Name for the user: ``left heel``."""
         return self.value.replace("_", " ")
 
 
 def touching_points(point: ContactPoint, layout: BodyLayout) -> list[int]:
-    """The canonical points whose middle is where a contact point is: one joint, or both hips for the seat."""
+    """Canonical points whose mean is the position of a contact point: one joint, or both hips for the seat."""
     match point.member:
         case "seat":
             return [layout.hip(0), layout.hip(1)]
@@ -82,8 +82,8 @@ def touching_points(point: ContactPoint, layout: BodyLayout) -> list[int]:
 class Touch(_Sided):
     """Contact of the hands with each other, with a held object or with the body.
 
-    Hands that are together keep their offset from each other, scaled with the length of the arms; an object between
-    them keeps its size. A hand on the body keeps its position on the surface, however thick the body is.
+    Hands in contact keep their offset from each other, scaled with the length of the arms; an object between them keeps
+    its size. A hand on the body keeps its position on the surface of any body shape.
     """
 
     HANDS_TOGETHER = "hands_together"
@@ -103,12 +103,12 @@ class Touch(_Sided):
 
     @property
     def limb(self) -> int:
-        """-1: it keeps no limb from what is asked of it by standing on the ground."""
+        """-1: a touch does not make a limb a support."""
         return -1
 
     @cached_property
     def words(self) -> str:
-        """``left hand on hips``."""
+        """Name for the user: ``left hand on hips``."""
         return self.value.replace("_", " ").replace("on thing", "on a thing")
 
 
@@ -150,7 +150,7 @@ def on_ground(contacts: Iterable[ContactInterval]) -> tuple[ContactInterval, ...
 
 
 def standing_at(contacts: Iterable[ContactInterval], frame: int) -> tuple[ContactPoint, ...]:
-    """The points that stand on the ground in a frame."""
+    """Points that are in contact with the ground in a frame."""
     there = (each.point for each in contacts if each.first <= frame <= each.last)
     return tuple(point for point in there if isinstance(point, ContactPoint))
 
@@ -193,6 +193,8 @@ GREATEST_DRIFT = 0.04
 """Metres by which the ground of a capture may rise above its usual low."""
 HOVERING_HEIGHT = 0.025
 """Metres above the lowest that it comes to while it is near the ground at which a point is in the air."""
+SINKING_SPEED = 0.1
+"""Metres a second below which a point above that is on ground, or under skin, that gives way."""
 ON_THE_FLOOR = 0.12
 """Metres that one foot's usual low may lie above the other's; higher, and it never stands."""
 
@@ -231,11 +233,11 @@ FLATTEST_SHANK = np.radians(15.0)
 
 
 def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) -> dict[ContactPoint, list[Span]]:
-    """Frames (first, last) in which each foot point stands, from its height and its speed (METHOD 5).
+    """Frames (first, last) in which each foot point is on the ground, from its height and its speed (METHOD 5).
 
     ``soles`` (F, 2, 3, 3) metres, left and right, heel, ball and tip of the toes, Z up; frames before ``first_frame``
-    are not looked at. The toes stand while either of their ends does: the ball is first to land, the tip last to leave.
-    Strikes and offs lie within 10 ms, in the median, of those that force plates and operators mark.
+    are ignored. The toes are on the ground while either end is: the ball lands first, the tip leaves last. Median
+    errors of strikes and offs are within 10 ms of those of force plates and operators.
     """
     found: dict[ContactPoint, list[Span]] = {}
     tracks = soles[first_frame:]
@@ -244,14 +246,14 @@ def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) 
     for side, name in enumerate(("left", "right")):
         heights, reach = tracks[:, side, :, 2], round(DRIFT_WINDOW * frame_rate)
         near = [_near(heights[:, end], lows[side, end], reach) & on_the_floor[side, end] for end in range(3)]
-        down = [_come_down(heights[:, end], near[end], reach) for end in range(3)]
+        speeds = np.array([point_speeds(tracks[:, side, end], near[end], frame_rate) for end in range(3)])
+        down = [_come_down(heights[:, end], speeds[end], near[end], reach) for end in range(3)]
         down[1] = down[2] = down[1] | down[2]  # toes that roll over one end are not in the air
         stands = [
-            _stands(tracks[:, side, end], near[end] & down[end], *speeds, frame_rate)
-            for end, speeds in enumerate((HEEL_SPEEDS, TOE_SPEEDS, TOE_SPEEDS))
+            _stands(tracks[:, side, end], near[end] & down[end], *limits, frame_rate)
+            for end, limits in enumerate((HEEL_SPEEDS, TOE_SPEEDS, TOE_SPEEDS))
         ]
-        speeds = np.array([point_speeds(tracks[:, side, end], near[end], frame_rate) for end in (1, 2)])
-        rests = stands[0] & near[1] & (speeds < REST_SPEED).all(axis=0)
+        rests = stands[0] & near[1] & (speeds[1:] < REST_SPEED).all(axis=0)
         heel, toe = _without_pivots(stands[0], stands[1] | stands[2] | rests, tracks[:, side], frame_rate)
         middle = tracks[:, side, :2].mean(axis=1)  # of heel and ball: a foot that turns on the spot goes nowhere
         for kind, standing in (("heel", heel), ("toe", toe)):
@@ -261,29 +263,33 @@ def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) 
 
 
 def _near(heights: FloatArray, low: float, reach: int) -> NDArray[np.bool_]:
-    """(F,) where a point with a usual ``low`` is near what that is ``reach`` frames around: captures' floors rise and
-    sink by centimetres.
+    """(F,) true where a point is within ``low`` of its lowest height in the ``reach`` frames around, because the floors
+    of captures drift by centimetres.
     """
     return np.asarray(heights < np.clip(lowest(heights, reach), low, low + GREATEST_DRIFT) + HEIGHT_MARGIN)
 
 
-def _come_down(heights: FloatArray, near: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
-    """(F,) where a point that is ``near`` the ground (F,) is about as low as it comes before it leaves that again.
+def _come_down(heights: FloatArray, speeds: FloatArray, near: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+    """(F,) true where a point that is ``near`` the ground (F,) is about as low as it gets before it rises again.
 
-    A foot that is set down, or drawn up, slowly is in the air until it is down.
+    A foot that is lowered or raised slowly is in the air until it is down, unless it sinks no faster than soles do
+    under their load.
     """
-    down = near.copy()
+    low = near.copy()
     for first, last in spans_of(near):
         span = slice(first, last + 1)
-        down[span] = heights[span] < lowest(heights[span], reach) + HOVERING_HEIGHT
+        low[span] = heights[span] < lowest(heights[span], reach) + HOVERING_HEIGHT
+    down = low.copy()
+    for first, last in spans_of(near & (low | (speeds < SINKING_SPEED))):
+        down[first : last + 1] = low[first : last + 1].any()
     return down
 
 
 def _stands(
     track: FloatArray, near: NDArray[np.bool_], landing: float, leaving: float, frame_rate: float
 ) -> NDArray[np.bool_]:
-    """Mask (F,) of frames in which a point of a sole (F, 3) stands: ``near`` the ground (F,) and still, or coming to
-    rest or leaving at less than ``landing`` or ``leaving`` metres a second.
+    """Mask (F,) of frames in which a point of a sole (F, 3) is in contact: ``near`` the ground (F,) and still, or
+    slower than ``landing`` or ``leaving`` metres a second as it comes to rest or leaves.
     """
     speeds = point_speeds(track, near, frame_rate)
     standing = near & (speeds < STILL_SPEED)
@@ -301,7 +307,9 @@ def _stands(
 def _without_pivots(
     heel: NDArray[np.bool_], toe: NDArray[np.bool_], sole: FloatArray, frame_rate: float
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Contacts ``heel`` and ``toe`` (F,) of a ``sole`` (F, 3, 3) without the frames of turning on the other."""
+    """Contacts ``heel`` and ``toe`` (F,) of a ``sole`` (F, 3, 3) without the frames in which the foot pivots on the
+    other point.
+    """
     both = heel & toe
     turning = both & (point_speeds(sole[:, 1] - sole[:, 0], both, frame_rate) > PIVOT_SPEED)
     heel, toe = heel.copy(), toe.copy()
@@ -313,9 +321,9 @@ def _without_pivots(
 
 
 def through_still_gaps(spans: list[Span], middle: FloatArray) -> list[Span]:
-    """The ``spans`` of toes, joined over gaps in which the ``middle`` (F, 3) of their foot hardly moves.
+    """The ``spans`` of toe contacts, joined over gaps in which the ``middle`` (F, 3) of the foot hardly moves.
 
-    Soles that stand rise and sink by centimetres in captures of markers, as skin moves over bones.
+    In marker captures the soles of standing feet rise and sink by centimetres, because skin moves over bones.
     """
     standing = contact_mask(spans, len(middle))
     for (_, before), (after, _) in pairwise(spans):
@@ -325,9 +333,9 @@ def through_still_gaps(spans: list[Span], middle: FloatArray) -> list[Span]:
 
 
 def close_steps(heel: list[Span], toe: list[Span], middle: FloatArray, longest: int) -> tuple[list[Span], list[Span]]:
-    """Contacts of a foot's ``heel`` and ``toe`` without gaps of up to ``longest`` frames between one and the other.
+    """Contacts of a foot's ``heel`` and ``toe``, with gaps of up to ``longest`` frames from one to the other closed.
 
-    The later contact begins where the earlier one ends. ``middle`` (F, 3) is the middle of the foot, metres.
+    The later contact is extended to the end of the earlier one. ``middle`` (F, 3) is the middle of the foot, metres.
     """
     foot = spans_of(contact_mask([*heel, *toe], len(middle)))
     begins = {
@@ -341,10 +349,10 @@ def close_steps(heel: list[Span], toe: list[Span], middle: FloatArray, longest: 
 def detect_body_contacts(
     tracks: Mapping[ContactPoint, FloatArray], leg_length: float, frame_rate: float, first_frame: int = 0
 ) -> dict[ContactPoint, list[Span]]:
-    """Frames (first, last) in which hands, knees and seat stand: low above the floor, and hardly moving.
+    """Frames (first, last) in which hands, knees and seat are on the ground: low above the floor, and almost still.
 
-    ``tracks`` (F, 3) metres above the capture's floor: what seldom touches the ground has no usual low of its own. On
-    a body that sits or lies the knees carry nothing. Hips on the ground are the seat, face up or down.
+    ``tracks`` (F, 3) metres above the capture's floor, since points that seldom touch the ground show no level of their
+    own. The knees of a body that sits or lies are no supports. Hips on the ground count as the seat, face up or down.
     """
     found: dict[ContactPoint, list[Span]] = {}
     for point, track in tracks.items():
@@ -366,9 +374,9 @@ def detect_body_contacts(
 
 
 def _until_it_leaves(standing: NDArray[np.bool_], still: NDArray[np.bool_], heights: FloatArray) -> NDArray[np.bool_]:
-    """Contacts ``standing`` (F,) of a hand, each cut at its last ``still`` frame (F,) if the hand rises from there.
-
-    A hand that is held while it leaves holds the body back. A contact without a still frame is not cut.
+    """Contacts ``standing`` (F,) of a hand, each cut at its last ``still`` frame (F,) if the hand rises from there,
+    because a hand that is kept on the ground while it leaves holds the body back. A contact without a still frame is
+    not cut.
     """
     cut = standing.copy()
     for first, last in spans_of(standing):
@@ -379,26 +387,28 @@ def _until_it_leaves(standing: NDArray[np.bool_], still: NDArray[np.bool_], heig
 
 
 def faces_down(hips: FloatArray, shoulders: FloatArray) -> NDArray[np.bool_]:
-    """(F,) where a body is prone: it lies, crawls or is stretched face down. Both hips and shoulders (F, 2, 3)."""
+    """(F,) true where a body is prone: it lies, crawls or is stretched face down. Hips and shoulders (F, 2, 3)."""
     front = np.cross(hips[:, 0] - hips[:, 1], shoulders.mean(axis=1) - hips.mean(axis=1))
     return np.asarray(front[:, 2] < -PRONE * np.linalg.norm(front, axis=1))
 
 
 def tipped_over(hip: FloatArray, ankle: FloatArray, toe: FloatArray) -> NDArray[np.bool_]:
-    """(F,) where a leg leans over its toes as in a plank, of points (F, 3): its heel cannot be on the ground."""
+    """(F,) true where a leg leans over its toes as in a plank, so that its heel cannot be on the
+    ground; points (F, 3).
+    """
     ahead = toe[:, :2] - ankle[:, :2]
     over = np.sum((hip - ankle)[:, :2] * ahead, axis=1) / np.maximum(np.linalg.norm(ahead, axis=1), 1e-9)
     return np.asarray(over > np.tan(FARTHEST_OVER) * (hip - ankle)[:, 2])
 
 
 def lying(knee: FloatArray, ankle: FloatArray) -> NDArray[np.bool_]:
-    """(F,) where a shank lies, of points (F, 3): no foot is flat on the ground under it."""
+    """(F,) true where a shank lies, so that its foot cannot be flat on the ground; points (F, 3)."""
     shank = knee - ankle
     return np.asarray(shank[:, 2] < np.sin(FLATTEST_SHANK) * np.linalg.norm(shank, axis=1))
 
 
 def staying(track: FloatArray, first: int, last: int, wander: float = WANDER) -> Span:
-    """The longest part of a span in which the track (F, 3) strays no farther than ``wander`` metres from its middle."""
+    """Longest part of a span in which the track (F, 3) stays within ``wander`` metres of its middle."""
     from studio.core.kernels.algebra.medians import geometric_median  # not before it is needed: it loads kernels
 
     while True:
@@ -413,7 +423,9 @@ def staying(track: FloatArray, first: int, last: int, wander: float = WANDER) ->
 
 
 def _stays(track: FloatArray, first: int, last: int, rest: int) -> list[Span]:
-    """``staying``, and what stays for ``rest`` frames before and after it, a quarter of that on the way."""
+    """Span of ``staying``, if the track also stays for ``rest`` frames before and after it, a quarter of that while it
+    travels.
+    """
     begin, end = staying(track, first, last)
     sides = (first, begin - 1 - rest // 4), (end + 1 + rest // 4, last)
     others = [stay for a, b in sides if b - a >= rest for stay in _stays(track, a, b, rest)]
@@ -421,8 +433,10 @@ def _stays(track: FloatArray, first: int, last: int, rest: int) -> list[Span]:
 
 
 def trailed(spans: list[Span], toes: FloatArray, down: NDArray[np.bool_], frame_rate: float) -> list[Span]:
-    """Parts of the ``spans`` of toes (F, 3) that are contacts. While their leg lies ``down`` (F,), toes that move
-    farther than ``TRAILING``, or rest only for a moment, trail and are left out.
+    """The parts of the ``spans`` of toes (F, 3) that are contacts.
+
+    While their leg lies ``down`` (F,), toes that move farther than ``TRAILING``, or rest only for a moment, are dragged
+    and left out.
     """
     trail, whole = round(BODY_SHORTEST["knee"] * frame_rate), round(SHORTEST_CONTACT * frame_rate)
     found = []
@@ -438,10 +452,9 @@ def trailed(spans: list[Span], toes: FloatArray, down: NDArray[np.bool_], frame_
 
 
 def point_speeds(track: FloatArray, near: NDArray[np.bool_], frame_rate: float) -> FloatArray:
-    """(F,) metres a second of a track (F, 3): since some frame before or until some later one, whichever is less.
-
-    So the first and the last frame of a rest are still, however fast the frames beside it. They are as many frames
-    apart as the noise of the track asks for while it is ``near`` the ground (F,).
+    """(F,) speed of a track (F, 3), metres a second: the lesser of a backward and a forward difference, so that the
+    first and the last frame of a rest are still. The differences span more frames the noisier the track is while it
+    is ``near`` the ground (F,).
     """
     smooth = bell_average(track, SMOOTHING * frame_rate)
     noise = np.sqrt(2.0) * _noise(track, near) * min(1.0, (3.5 * SMOOTHING * frame_rate) ** -0.5)
@@ -454,9 +467,8 @@ def point_speeds(track: FloatArray, near: NDArray[np.bool_], frame_rate: float) 
 
 
 def _noise(track: FloatArray, near: NDArray[np.bool_]) -> float:
-    """Metres, standard deviation of a track's noise (F, 3) along an axis, by its third differences ``near`` the ground.
-
-    Those of a motion are far smaller while it is about to rest, which it is for a quarter of that time at least.
+    """Standard deviation in metres of a track's noise (F, 3) along an axis, by its third differences ``near`` the
+    ground. At rest, which lasts for at least a quarter of that time, those of the motion are far smaller.
     """
     if len(track) < ENOUGH:
         return 0.0
@@ -474,9 +486,9 @@ def contact_mask(spans: Iterable[Span], frame_count: int) -> NDArray[np.bool_]:
 
 
 def spans_without(spans: list[Span], mask: NDArray[np.bool_], shortest: int) -> list[Span]:
-    """``spans`` cut where ``mask`` (F,) is true, without pieces of at most ``shortest`` frames.
+    """``spans`` cut where ``mask`` (F,) is true, without remainders of at most ``shortest`` frames.
 
-    Spans are returned as they are if none of them meets the mask.
+    Spans outside the mask are returned unchanged.
     """
     if not any(mask[first : last + 1].any() for first, last in spans):
         return spans
@@ -485,14 +497,14 @@ def spans_without(spans: list[Span], mask: NDArray[np.bool_], shortest: int) -> 
 
 
 def spans_of(mask: NDArray[np.bool_]) -> list[Span]:
-    """(first, last), both included, of each unbroken run of true."""
+    """(first, last), both included, of each unbroken run of true in a mask."""
     return [(first, past - 1) for first, past in runs_of(mask)]
 
 
 def _without_flicker(standing: NDArray[np.bool_], track: FloatArray, shortest: int) -> list[Span]:
-    """The (first, last) of what stands (F,), gaps closed and contacts dropped that last no more than ``shortest``
-    frames; but not gaps in which its ``track`` (F, 3) goes farther than ``WANDER``, as one that skids does, nor
-    contacts that the beginning or the end of the motion cuts off.
+    """The (first, last) of contacts (F,), with gaps closed and contacts dropped that last no more than ``shortest``
+    frames. Gaps in which the ``track`` (F, 3) moves farther than ``WANDER``, as in a skid, stay; so do contacts at
+    the beginning or end of the motion.
     """
     joined: list[Span] = []
     for first, last in spans_of(standing):

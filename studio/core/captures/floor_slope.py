@@ -1,4 +1,4 @@
-"""The slope of a captured floor, from where the soles come down: calibrations are off by a degree or two."""
+"""The slope of a captured floor, from the lowest positions of the soles: calibrations are off by a degree or two."""
 
 from dataclasses import dataclass
 
@@ -27,26 +27,24 @@ FITS = 5
 
 @dataclass(frozen=True, eq=False)
 class FloorSlope:
-    """A floor that rises by ``gradient`` (2,) along X and Y, and lies at the capture's own height at ``level``."""
+    """Floor that rises by ``gradient`` (2,) along X and Y, and has the capture's own height at ``level``."""
 
     gradient: FloatArray
     level: float
 
     def rise(self, points: FloatArray) -> FloatArray:
-        """Metres that the floor under ``points`` (..., 3) is higher than at its lowest."""
+        """Height in metres of the floor under ``points`` (..., 3) over its lowest level."""
         return np.asarray(points[..., :2] @ self.gradient - self.level)
 
     def levelled(self, points: FloatArray) -> FloatArray:
-        """``points`` (..., 3) with their heights over the floor."""
+        """``points`` (..., 3) with heights measured from the floor."""
         heights = points[..., 2] - self.rise(points)
         return np.concatenate([points[..., :2], heights[..., None]], axis=-1)
 
 
 def find_floor_slope(soles: FloatArray, upright: NDArray[np.bool_], frame_rate: float) -> FloorSlope:
-    """The slope that the lowest places of soles (F, 2, 3, 3) show, as in ``detect_contacts``, of legs that stand
-    ``upright`` (F, 2).
-
-    The most likely slope of a floor that is usually level: soles that stay at one place show none.
+    """Slope of the lowest positions of soles (F, 2, 3, 3), as in ``detect_contacts``, of legs that stand ``upright``
+    (F, 2). A level floor is the prior: soles that stay at one place show no slope.
     """
     reach = round(A_STEP * frame_rate)
     points = [(side, end) for side in range(2) for end in range(2)]
@@ -69,8 +67,8 @@ def find_floor_slope(soles: FloatArray, upright: NDArray[np.bool_], frame_rate: 
 
 
 def _gradient(places: FloatArray, weights: FloatArray, kinds: FloatArray) -> FloatArray:
-    """(2,) the rise over run of ``places`` (N, 3), where heels and balls have heights of their own: ``kinds`` (N, K),
-    one 1 a row. Places far off the floor count little, as those of a heel that never came down.
+    """(2,) rise over run of the positions ``places`` (N, 3); heels and balls may differ in height: ``kinds`` (N, K),
+    one 1 in a row. Outliers far off the floor, as of a heel that never came down, weigh little.
     """
     columns = np.concatenate([places[:, :2] - places[:, :2].mean(axis=0), kinds], axis=1)
     doubt = np.diag([*2 * [(UNEVEN_SOLES / USUAL_SLOPE) ** 2], *kinds.shape[1] * [1e-9]])

@@ -42,7 +42,7 @@ _FEWEST_FRAMES, _SHOWN = 12, 4
 
 @dataclass(frozen=True)
 class MotionFaults:
-    """Figures of a recorded motion, by which cleaning is offered."""
+    """Measured faults of a recorded motion, by which cleaning is offered."""
 
     spikes: int
     """Moments in which a joint, or the root, leaves its course and comes back."""
@@ -57,17 +57,17 @@ class MotionFaults:
 
     @property
     def trembles(self) -> bool:
-        """True if joints or root tremble beyond what suits and cameras of good quality record."""
+        """True if joints or root tremble more than in recordings by suits and good cameras."""
         return self.tremble > TREMBLE_ANGLE or self.root_tremble > TREMBLE_LENGTH
 
     @property
     def any(self) -> bool:
-        """True if there is something to be cleaned."""
+        """True if there is anything to clean."""
         return bool(self.spikes or self.swaps or self.trembles)
 
     @property
     def words(self) -> str:
-        """Figures in a clause: ``3 spikes; legs exchanged in frames 20 to 24; ...``."""
+        """The faults as a clause: ``3 spikes; legs exchanged in frames 20 to 24; ...``."""
         parts = [f"{self.spikes} spike{'' if self.spikes == 1 else 's'}"] if self.spikes else []
         parts += [
             f"left and right {limb} exchanged in frames {first} to {last}" for limb, first, last in self.swaps[:_SHOWN]
@@ -85,11 +85,11 @@ class MotionFaults:
 def clean_motion(
     skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap, frame_rate: float
 ) -> tuple[PoseSequence, MotionFaults]:
-    """Motion without spikes, swaps and tremble, and the figures of what it had.
+    """Motion without spikes, swaps and tremble, and the faults that it had.
 
     Frames of spikes and of swaps are interpolated from the frames around them. Each joint is smoothed by the widest
-    window that takes off no more than its own noise, so that fast moves keep their height. A motion without faults is
-    returned as it is.
+    window that removes no more than its own noise, so that fast moves keep their amplitude. A motion without faults is
+    returned unchanged.
     """
     pelvis, joints = body_map.spine[0], sorted({*body_map.parts.values(), *body_map.spine})
     positions = joint_positions(skeleton, poses)
@@ -118,7 +118,7 @@ def clean_motion(
 
 
 def _skate(feet: FloatArray, frame_rate: float) -> float:
-    """Median of the metres that the slower of ``feet`` (F, 2, 3) travels along the ground in ``SKATE_SECONDS``."""
+    """Median distance in metres that the slower of ``feet`` (F, 2, 3) travels along the ground in ``SKATE_SECONDS``."""
     apart = max(1, round(SKATE_SECONDS * frame_rate))
     travel = np.linalg.norm((feet[apart:] - feet[:-apart])[..., :2], axis=-1)
     return float(np.median(travel.min(axis=1))) if len(travel) else 0.0
@@ -127,9 +127,9 @@ def _skate(feet: FloatArray, frame_rate: float) -> float:
 def _find_swaps(
     positions: FloatArray, body_map: BodyMap, longest: int
 ) -> tuple[tuple[tuple[str, int, int], ...], dict[int, BoolArray]]:
-    """Limbs with the first and the last frame of each swap, and for each joint the frames (F,) to be interpolated.
-
-    Those are the swaps of up to ``longest`` frames. Where hips or shoulders are exchanged, the trunk turns with them.
+    """First and last frame of each swap of limbs, with its limbs, and for each joint the frames (F,) to be
+    interpolated. Only swaps of up to ``longest`` frames are found. If hips or shoulders are exchanged, the trunk is
+    rotated with them.
     """
     spans: list[tuple[str, int, int]] = []
     joints: dict[int, BoolArray] = {}
@@ -150,7 +150,7 @@ def _find_swaps(
 
 
 def _turned_over(line: FloatArray) -> BoolArray:
-    """(F,) where the ``line`` (F, 3) from a right to a left joint is opposite to that of most frames."""
+    """(F,) true where the ``line`` (F, 3) from a right to a left joint is opposite to that of most frames."""
     flip = _distance(line[1:], line[:-1])
     around = np.minimum(np.append(flip[1:], 0.0), np.append(0.0, flip[:-1]))
     opposite = np.linalg.norm(line[1:] + line[:-1], axis=1) < SWAP_RETURN * flip
@@ -171,7 +171,7 @@ def _distance(first: FloatArray, second: FloatArray) -> FloatArray:
 def _without_spikes(
     track: FloatArray, distance: Callable[[FloatArray, FloatArray], FloatArray], jump: float, longest: int
 ) -> tuple[FloatArray, int]:
-    """The ``track`` (F, 3 or 4) led straight through its spikes, and their number, the shortest found first.
+    """The ``track`` (F, 3 or 4) interpolated through its spikes, and their number, the shortest first.
 
     A spike begins and ends with a ``jump`` and lasts for up to ``longest`` frames.
     """
@@ -192,7 +192,7 @@ def _without_spikes(
 
 
 def _interpolated_rotations(track: FloatArray, bad: BoolArray | None) -> FloatArray:
-    """Unit quaternions ``track`` (F, 4), those of ``bad`` frames (F,) interpolated from the others."""
+    """Unit quaternions ``track`` (F, 4) with those of ``bad`` frames (F,) interpolated from the others."""
     if bad is None or not bad.any():
         return track
     signed = track.copy()
@@ -201,7 +201,7 @@ def _interpolated_rotations(track: FloatArray, bad: BoolArray | None) -> FloatAr
 
 
 def _interpolated(track: FloatArray, bad: BoolArray) -> FloatArray:
-    """The ``track`` (F, N), in ``bad`` frames (F,) straight between the others."""
+    """The ``track`` (F, N) with ``bad`` frames (F,) interpolated linearly from the others."""
     if not bad.any():
         return track
     frames = np.arange(len(track))
@@ -210,13 +210,13 @@ def _interpolated(track: FloatArray, bad: BoolArray) -> FloatArray:
 
 
 def _noise(track: FloatArray) -> float:
-    """Standard deviation along an axis of a noisy ``track`` (F, 3 or 4), by the calmest of its third differences."""
+    """Standard deviation along an axis of the noise of a ``track`` (F, 3 or 4), by its smallest third differences."""
     thirds = np.linalg.norm(np.diff(track, 3, axis=0), axis=1)
     return float(np.quantile(thirds, 0.25) / _QUARTILE)
 
 
 def _calmed(track: FloatArray, noise: float, frame_rate: float) -> FloatArray:
-    """The ``track`` (F, N) smoothed by the widest window that takes off no more than three axes of ``noise``."""
+    """The ``track`` (F, N) smoothed by the widest window that removes no more than ``noise`` along three axes."""
     calm = track
     for seconds in SMOOTHINGS:
         smooth = bell_average(track, seconds * frame_rate)

@@ -21,10 +21,10 @@ UNLOADED_SECONDS = 0.2
 def fit_to_plates(
     feet: Mapping[ContactPoint, list[Span]], soles: FloatArray, loads: Sequence[PlateLoad], frame_rate: float
 ) -> dict[ContactPoint, list[Span]]:
-    """Contacts of ``feet``, each step on a plate from the first to the last frame of its load.
+    """Contacts of ``feet``, with each step on a plate set to the first and last frame of its load.
 
     ``soles`` (F, 2, 3, 3) metres as in ``detect_contacts``. A load under both feet, or under a foot that reaches beyond
-    the plate, changes nothing. Frames of a load without a contact take that of the nearest frame with one.
+    the plate, is ignored. Frames of a load without a contact take that of the nearest frame with one.
     """
     found = dict(feet)
     reach = round(UNLOADED_SECONDS * frame_rate)
@@ -56,7 +56,7 @@ def fit_to_plates(
 
 
 def _over(points: FloatArray, corners: FloatArray) -> NDArray[np.bool_]:
-    """True for each of ``points`` (..., 2) over a plate with ``corners`` (4, 2), or ``OVERHANG`` beside it."""
+    """True for each of ``points`` (..., 2) over a plate with ``corners`` (4, 2), or within ``OVERHANG`` of it."""
     edges = np.roll(corners, -1, axis=0) - corners
     inward = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1, keepdims=True)
     inward *= np.sign(np.sum((corners.mean(axis=0) - corners) * inward, axis=1, keepdims=True))

@@ -11,9 +11,8 @@ ENDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND, BodyPart.LEFT_FOOT, BodyPart.RI
 
 
 def farthest_frame(capture: Capture, first: int, last: int) -> int:
-    """The frame, of those from ``first`` to ``last``, in which a wrist or an ankle is farthest from the hips, across.
-
-    Of a capture that shows no body the first one.
+    """Frame between ``first`` and ``last`` in which a wrist or an ankle is horizontally farthest from the hips;
+    ``first`` for a capture without a body.
     """
     if capture.body_map is None:
         return first

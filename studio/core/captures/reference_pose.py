@@ -1,4 +1,4 @@
-"""The pose that stands for "upright, at ease": the zero pose where it is human, else that of all frames."""
+"""The reference pose, upright and at ease: the zero pose if it is human, else the neutral pose of all frames."""
 
 from dataclasses import dataclass
 
@@ -24,7 +24,7 @@ _HARDLY_HUMAN, _SURE_HEAD = 0.8, 15.0
 
 @dataclass(frozen=True)
 class ReferencePose:
-    """Local rotations (J, 4) of a body upright along Z, where they are from, and why."""
+    """Local rotations (J, 4) of a body upright along Z, with their source and the reason for it."""
 
     rotations: FloatArray
     source: str
@@ -34,7 +34,7 @@ class ReferencePose:
 
 
 def find_reference_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap) -> ReferencePose:
-    """The zero pose, stood up where it lies, if it is human; else the neutral pose of all frames."""
+    """Zero pose, stood up if it lies, if it is human; else the neutral pose of all frames."""
     zero = np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))
     standing = stand_up(skeleton, zero, body_map)
     if standing is not None:
@@ -60,10 +60,7 @@ def find_reference_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyM
 
 
 def stand_up(skeleton: Skeleton, local_rotations: FloatArray, body_map: BodyMap) -> FloatArray | None:
-    """The same pose (J, 4) with the root turned so that the trunk, along some world axis, points to +Z.
-
-    None when the trunk lies along no axis.
-    """
+    """Pose (J, 4) with the root rotated so that the trunk points to +Z; None if the trunk is not along a world axis."""
     points = joint_positions(skeleton, rest_poses(skeleton, local_rotations))[0]
     trunk = normalized(_middle(points, body_map, "UPPER_ARM") - _middle(points, body_map, "THIGH"))
     axis = np.zeros(3)
@@ -114,7 +111,7 @@ def _middle(points: FloatArray, body_map: BodyMap, part: str) -> FloatArray:
 
 
 def _across(points: FloatArray, body_map: BodyMap, part: str) -> FloatArray:
-    """From the right to the left of a pair."""
+    """Vector from the right to the left joint of a pair."""
     across = points[:, body_map[BodyPart[f"LEFT_{part}"]]] - points[:, body_map[BodyPart[f"RIGHT_{part}"]]]
     return np.asarray(across)
 

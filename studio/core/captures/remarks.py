@@ -50,14 +50,14 @@ _SHOWN, _NAMED = 4, 3
 
 @dataclass(frozen=True)
 class Remark:
-    """Warning about a capture, in a sentence, and its (first, last) frames; no frames if it holds throughout."""
+    """Warning about a capture, as a sentence, and its (first, last) frames; no frames if it holds throughout."""
 
     words: str
     spans: tuple[tuple[int, int], ...] = ()
 
     @property
     def sentence(self) -> str:
-        """Words of the warning, followed by its frames."""
+        """Text of the warning, followed by its frames."""
         if not self.spans:
             return self.words
         shown = [f"{a}" if a == b else f"{a} to {b}" for a, b in self.spans[:_SHOWN]]
@@ -88,7 +88,7 @@ remarks_on: Shared[Capture, tuple[Remark, ...]] = Shared(_remarks_on)
 
 
 def remarks_on_body(body: Morphology) -> tuple[Remark, ...]:
-    """Warnings about a body's measures, as a character's file has it."""
+    """Warnings about a body's measures in a character's file."""
     found = []
     longest = float(np.abs(body.packed).max())
     if longest > LONGEST_BONE:
@@ -106,7 +106,7 @@ def remarks_on_body(body: Morphology) -> tuple[Remark, ...]:
 
 
 def _leaps(capture: Capture) -> list[Remark]:
-    """Markers that jump, those that do most by name."""
+    """Warning about markers that jump, the worst by name."""
     if capture.markers is None:
         return []
     found = sorted(jumps(capture.markers.trial).items(), key=lambda item: -item[1][1])
@@ -121,7 +121,7 @@ def _leaps(capture: Capture) -> list[Remark]:
 
 
 def _far_joints(capture: Capture) -> list[Remark]:
-    """Joints farther from their parents than any bone is long, those that are farthest by name."""
+    """Warning about joints farther from their parents than any bone is long, the farthest by name."""
     still = np.linalg.norm(capture.skeleton.offsets[1:], axis=1)
     moved = np.linalg.norm(capture.poses.local_translations[:, 1:], axis=2).max(axis=0, initial=0.0)
     lengths = np.maximum(still, moved)
@@ -137,7 +137,7 @@ def _far_joints(capture: Capture) -> list[Remark]:
 
 
 def _odd_build(capture: Capture, body: BodyMap, positions: FloatArray) -> list[Remark]:
-    """Legs that make a giant, limbs that are no pair, hands that end far off."""
+    """Warnings about legs of a giant, limbs of different lengths, and hands that end far off."""
     seen = positions[capture.first_frame :: max(1, capture.frame_count // 256)]
 
     def bones(limb: str) -> FloatArray:
@@ -178,7 +178,9 @@ def _far_hand(capture: Capture, body: BodyMap, side: str, positions: FloatArray)
 
 
 def _stretches(skeleton: Skeleton, body: BodyMap, positions: FloatArray) -> list[Remark]:
-    """The bone that changes its length most, where a body of constant bones comes out elsewhere."""
+    """Warning about the bone with the greatest change of length, if a body of constant bones would be
+    posed elsewhere.
+    """
     bones = _mapped_bones(skeleton, body)
     lengths = np.array([np.linalg.norm(positions[:, b] - positions[:, a], axis=1) for _, a, b in bones])
     off = np.quantile(np.abs(lengths - np.median(lengths, axis=1, keepdims=True)), 1.0 - STRETCHES, axis=1)
@@ -190,9 +192,10 @@ def _stretches(skeleton: Skeleton, body: BodyMap, positions: FloatArray) -> list
 
 
 def _mapped_bones(skeleton: Skeleton, body: BodyMap) -> list[tuple[str, int, int]]:
-    """Words for each bone between mapped joints, and the joints in which it begins and ends.
+    """Name of each bone between mapped joints, and its first and last joint.
 
-    Trunk and neck bend at joints between the mapped ones, so only what hangs there directly has a length.
+    Trunk and neck also bend between mapped joints, so only bones between a joint and its direct child have a length
+    there.
     """
     pelvis, thorax, parts = body.spine[0], body.spine[-1], body.parts
     bones = [("trunk", below, above) for below, above in pairwise(body.spine)]
@@ -231,7 +234,7 @@ def _feet_point_back(capture: Capture, body: BodyMap, positions: FloatArray) -> 
 
 
 def _jumps(capture: Capture, root: FloatArray) -> list[Remark]:
-    """Frames into which the hips jump: fast ones that begin or end at once, as no run does, and sudden ones."""
+    """Frames into which the hips jump: fast ones that begin or end at once, unlike in a run, and sudden ones."""
     steps = np.diff(root, axis=0)
     lengths = np.linalg.norm(steps, axis=1)
     speeds = lengths * capture.frame_rate
@@ -249,7 +252,7 @@ def _jumps(capture: Capture, root: FloatArray) -> list[Remark]:
 
 
 def _sudden(steps: FloatArray, frame_rate: float) -> NDArray[np.bool_]:
-    """Mask, (F-1,), of the ``steps`` (F-1, 3) that differ much from both neighbours (at an end, from the only one)."""
+    """Mask (F-1,) of the ``steps`` (F-1, 3) that differ much from both neighbours, or from the only one at an end."""
     if len(steps) < 2:
         return np.zeros(len(steps), dtype=bool)
     unlike = np.linalg.norm(np.diff(steps, axis=0), axis=1)
@@ -259,7 +262,7 @@ def _sudden(steps: FloatArray, frame_rate: float) -> NDArray[np.bool_]:
 
 
 def _stiff(capture: Capture) -> list[Remark]:
-    """A body that hardly bends, as one does whose angles were meant as radians."""
+    """Warning about a body that hardly bends, as if its angles were meant as radians."""
     cosines = np.abs(capture.poses.local_rotations[capture.first_frame :, 1:, 3])
     angles = np.degrees(2.0 * np.arccos(np.minimum(cosines, 1.0)))
     most = float(angles.max(initial=0.0))
@@ -269,7 +272,7 @@ def _stiff(capture: Capture) -> list[Remark]:
 
 
 def _rushes(capture: Capture, body: BodyMap, positions: FloatArray) -> list[Remark]:
-    """Hands and feet that are faster than those of any person, as seen from the hips."""
+    """Warning about hands and feet that move faster, relative to the hips, than those of any person."""
     found = []
     root = positions[:, body.spine[0]]
     for part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND, BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT):
@@ -294,6 +297,6 @@ def _hovers(capture: Capture, body: BodyMap, positions: FloatArray) -> list[Rema
 
 
 def _frames(odd: NDArray[np.bool_], later: int) -> tuple[tuple[int, int], ...]:
-    """Spans of frames, ``later`` than those of steps."""
+    """Spans of frames, moved ``later`` by the offset of steps from frames."""
     spans: Sequence[tuple[int, int]] = spans_of(odd)
     return tuple((first + later, last + later) for first, last in spans)

@@ -1,4 +1,4 @@
-"""Heels that leave the ground while the ball still stands: a heel contact ends where its heel begins to rise."""
+"""Heels that leave the ground while the ball still stands: a heel contact ends when its heel begins to rise."""
 
 from collections.abc import Sequence
 
@@ -19,9 +19,9 @@ RISES, RISEN = 0.004, 0.012
 def rising_heels(
     heels: Sequence[tuple[int, int]], toe: NDArray[np.bool_], heights: FloatArray, leg_length: float
 ) -> NDArray[np.bool_]:
-    """(F,) where a heel is on its way up or down over a ball that stands, ``toe`` (F,).
+    """(F,) true where a heel rises or sinks over a ball that stands, ``toe`` (F,).
 
-    ``heels`` frames (first, last) of its contacts, ``heights`` (F,) metres of the ankle.
+    ``heels`` are the frames (first, last) of its contacts, ``heights`` (F,) metres of the ankle.
     """
     rising = np.zeros(len(heights), dtype=np.bool_)
     stances = spans_of(toe)

@@ -1,4 +1,4 @@
-"""Virtual markers: a motion as a trial, as if its body had worn markers; whoever reads it can solve it again."""
+"""Virtual markers: a motion written as a marker trial, so that any program can solve it again."""
 
 from collections.abc import Callable, Iterable
 
@@ -48,12 +48,12 @@ _TRUNK: tuple[tuple[str, tuple[float, float, float]], ...] = (
 
 
 def marker_label(role: str) -> str:
-    """``LeftInnerKneeMarker`` for ``left_inner_knee``: no joint of any skeleton is called so."""
+    """Label of a marker: ``LeftInnerKneeMarker`` for ``left_inner_knee``; no joint of a skeleton has such a name."""
     return f"{_joined(role)}Marker"
 
 
 def centre_label(joint: str) -> str:
-    """``LeftKneeCentre`` for ``left_knee``."""
+    """Label of a joint centre: ``LeftKneeCentre`` for ``left_knee``."""
     return f"{_joined(joint)}Centre"
 
 
@@ -62,10 +62,10 @@ def virtual_trial(
     contacts: Iterable[ContactInterval] = (),
     progress: Callable[[float], object] = lambda share: None,
 ) -> Trial:
-    """The joints of a motion as points under their names, and what markers a human body would wear.
+    """Joints of a motion as points with their names, and the markers of a human body.
 
     Millimetres, Z up; contacts of the feet become events. The frames before ``first_frame`` are left out. ``progress``
-    hears a share from 0 to 1 and may raise to cancel.
+    is called with a fraction from 0 to 1 and may raise to cancel.
     """
     poses = capture.poses.frames(capture.first_frame, capture.frame_count - 1)
     kinds: dict[str, str] = {}
@@ -93,7 +93,7 @@ def virtual_trial(
 def _points(
     capture: Capture, positions: FloatArray, rotations: FloatArray
 ) -> tuple[dict[str, FloatArray], dict[str, str]]:
-    """Joints and what is worn, by label (N, 3), and of what kind each is."""
+    """Joints and markers by label (N, 3), and the kind of each."""
     points = {name: positions[:, joint] for joint, name in enumerate(capture.skeleton.names)}
     kinds = dict.fromkeys(points, VIRTUAL_KIND)
     if capture.body_map:
@@ -145,7 +145,7 @@ def _part(name: str, side: str) -> BodyPart:
 
 
 def _facing(places: FloatArray, body_map: BodyMap) -> FloatArray:
-    """Axes (3, 3) x forward, y left, z up of the body in its reference pose."""
+    """Axes (3, 3) of the body in its reference pose: x forward, y left, z up."""
     left = places[body_map[BodyPart.LEFT_THIGH]] - places[body_map[BodyPart.RIGHT_THIGH]]
     angle = np.arctan2(-left[0], left[1])
     c, s = np.cos(angle), np.sin(angle)
@@ -153,13 +153,13 @@ def _facing(places: FloatArray, body_map: BodyMap) -> FloatArray:
 
 
 def _stature(places: FloatArray, body_map: BodyMap) -> float:
-    """By its legs, which are half of it."""
+    """Stature from the legs, which are half of it."""
     hip, knee, ankle = (places[body_map[BodyPart[f"LEFT_{part}"]]] for part in ("THIGH", "SHANK", "FOOT"))
     return float(np.linalg.norm(knee - hip) + np.linalg.norm(ankle - knee)) / 0.491
 
 
 def _events(capture: Capture, contacts: Iterable[ContactInterval]) -> tuple[TrialEvent, ...]:
-    """A foot strikes when its heel comes down, and is off when its toes leave the ground."""
+    """Foot events: a strike when the heel lands, an off when the toes leave the ground."""
     events = []
     for contact in contacts:
         if not isinstance(contact.point, ContactPoint) or not contact.point.is_foot:

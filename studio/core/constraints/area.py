@@ -1,14 +1,14 @@
 """Restricted areas: a point of the body stays inside, outside, or on the surface of a shape."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any, ClassVar
+from typing import ClassVar
 
-from studio.core.body.canonical import BodyPart
-from studio.core.constraints.base import BodyPoint, Chain, Constraint, KindInfo, Vector, finite_vector
+from studio.core.constraints.base import Constraint, KindInfo, Vector, finite_vector
 from studio.core.constraints.target import Place, checked_place
 from studio.core.curves.keyed import KeyedNumber
+from studio.core.curves.tangents import SPARSE
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.plausible import TURN_RANGE
 
@@ -24,19 +24,6 @@ class AreaShape(StrEnum):
     CYLINDER = "cylinder"
     TABLE = "table"
     MESH = "mesh"
-
-
-ARM_CHAIN, LEG_CHAIN, TRUNK_CHAIN = Chain(trunk=0.3), Chain(root=1.0), Chain(trunk=0.5, root=1.0)
-WHOLE_BODY: tuple[tuple[BodyPoint, float, Chain], ...] = (
-    *((BodyPoint(BodyPart(f"{side}_forearm"), at_end=True), 0.13, ARM_CHAIN) for side in ("left", "right")),
-    *((BodyPoint(BodyPart(f"{side}_upper_arm"), at_end=True), 0.05, ARM_CHAIN) for side in ("left", "right")),
-    *((BodyPoint(BodyPart(f"{side}_thigh"), at_end=True), 0.06, LEG_CHAIN) for side in ("left", "right")),
-    *((BodyPoint(part), 0.13, TRUNK_CHAIN) for part in (BodyPart.PELVIS, BodyPart.THORAX)),
-    (BodyPoint(BodyPart.NECK), 0.11, TRUNK_CHAIN),
-)
-"""Points of a whole body, metres that they keep from an area, and what moves for that. A wrist leaves room for the hand
-that hangs from it: a second point on one limb would pull against it.
-"""
 
 
 @dataclass(frozen=True)
@@ -66,6 +53,8 @@ class AreaConstraint(Constraint):
     mesh: TriangleMesh | None = None
     whole: bool = False
     """True if it keeps arms, legs and trunk out; the point and the chain are not used then."""
+    margin: float = field(default=0.0, metadata=SPARSE)
+    """Distance in metres that a point outside keeps, rounded at edges; a whole body keeps its thickness besides."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -77,8 +66,11 @@ class AreaConstraint(Constraint):
         TURN_RANGE.check(self.heading.values if isinstance(self.heading, KeyedNumber) else self.heading)
         if self.shape is AreaShape.MESH and self.mesh is None:
             raise ValueError(f"'{self.name}': an area with the shape of a mesh needs one. Load it from a file.")
-        if self.whole and (self.inside or self.on_surface):
-            raise ValueError(f"'{self.name}': a whole body stays outside of an area. Set the side to outside.")
+        if (self.whole or self.margin) and (self.inside or self.on_surface):
+            subject = "a whole body" if self.whole else "a point with a margin"
+            raise ValueError(f"'{self.name}': {subject} stays outside of an area. Set the side to outside.")
+        if not 0.0 <= self.margin < math.inf:
+            raise ValueError(f"'{self.name}': the margin of an area is a finite length, got {self.margin}.")
         used: dict[AreaShape, tuple[float, ...]] = {
             AreaShape.SPHERE: self.size[:1],
             AreaShape.CYLINDER: (self.size[0], self.size[2]),
@@ -90,22 +82,3 @@ class AreaConstraint(Constraint):
             empty = any(edge <= 0.0 for edge in used.get(self.shape, self.size))
         if empty:
             raise ValueError(f"'{self.name}': an area needs a size above zero.")
-
-    @property
-    def parts(self) -> tuple["AreaConstraint", ...]:
-        """Itself; where it keeps the ``whole`` body out, an area for each point of it. Legs have room under a table."""
-        if not self.whole:
-            return (self,)
-        return tuple(
-            replace(self, point=point, chain=chain, whole=False, **self._grown(flesh, chain))
-            for point, flesh, chain in WHOLE_BODY
-            if not (chain is LEG_CHAIN and self.shape is AreaShape.TABLE)
-        )
-
-    def _grown(self, flesh: float, chain: Chain) -> dict[str, Any]:
-        """Shape and size of the same area ``flesh`` metres larger all round; a trunk leaves a table aside, as a box."""
-        if self.shape in (AreaShape.HALF_SPACE, AreaShape.MESH):
-            return {}
-        x, y, z = self.size
-        shape = AreaShape.BOX if self.shape is AreaShape.TABLE and chain is TRUNK_CHAIN else self.shape
-        return {"shape": shape, "size": (x + 2 * flesh, y + 2 * flesh, z + 2 * flesh)}

@@ -1,4 +1,4 @@
-"""Common part of all constraints: the paper's C = {point, type, chain, priority, activation}."""
+"""Common part of all constraints: the C = {point, type, chain, priority, activation} of K05."""
 
 import math
 from dataclasses import dataclass, field
@@ -62,14 +62,13 @@ def limb_bones(part: BodyPart) -> tuple[BodyPart, ...]:
 
 @dataclass(frozen=True)
 class Chain:
-    """Weights of the parts that may move for a constraint: 0 is locked, 1 moves freely, between is stiffer.
+    """Weights of the parts that may move for a constraint: 0 is locked, 1 moves freely, values between are stiffer.
 
     ``segments`` gives single segments their own weight instead of that of their group; the abdomen stands for all inner
-    vertebrae. For a point on a limb, the weight of the upper segment is the fraction of its free rotation that it
-    makes, that of the lower one the fraction of its free bend; the rest of the chain does the remainder.
-
-    ``free_arms`` and ``free_legs`` are for a balance alone: the weights of arms without constraint, and of the leg in
-    the air, about shoulders and hips. An upper arm or thigh may have its own weight there.
+    vertebrae. For a point on a limb, the weight of the upper segment is the fraction of its free rotation that is used,
+    that of the lower one the fraction of its free bend; the rest of the chain does the remainder. ``free_arms`` and
+    ``free_legs`` are for a balance alone: the weights of unconstrained arms, and of the leg in the air, about shoulders
+    and hips. An upper arm or thigh may have its own weight there.
     """
 
     limb: float = 1.0
@@ -99,7 +98,7 @@ class Chain:
     def weight(self, part: BodyPart) -> float:
         """Weight of a segment: its own, or that of its group.
 
-        The pelvis rotates only with its own weight; neck and head are the limb of the head.
+        The pelvis rotates only with a weight of its own; neck and head form the group of the head.
         """
         match part:
             case BodyPart.PELVIS:
@@ -115,14 +114,16 @@ class Chain:
         return dict(self.segments).get(part, usual)
 
     def recruited(self, part: BodyPart) -> float:
-        """Weight of an upper arm or a thigh for a balance: its own if its group has any, or that of its group."""
+        """Weight of an upper arm or a thigh for a balance: its own if its group has any weight, else
+        that of its group.
+        """
         usual = self.free_arms if part in UPPER_ARMS else self.free_legs
         return dict(self.segments).get(part, usual) if usual > 0.0 else 0.0
 
 
 @dataclass(frozen=True)
 class KindInfo:
-    """Labels of a kind of constraint, beside its form."""
+    """Labels of a kind of constraint in menus and forms."""
 
     action: str
     """Label of the command that adds one."""
@@ -140,7 +141,7 @@ class KindInfo:
 
 @dataclass(frozen=True)
 class Constraint:
-    """A user's constraint on a motion, apart from its kind. Priority 0 is the highest."""
+    """User's constraint on a motion, independent of its kind. Priority 0 is the highest."""
 
     kind: ClassVar[str]
     unit: ClassVar[str] = "m"
@@ -173,18 +174,18 @@ class Constraint:
         WEIGHT.check(self.weight)
 
     def carried(self, carry: "Carry") -> dict[str, Any]:
-        """Values that change where a clip plays (``constraints.carried_over``)."""
+        """Field values that change where a clip plays (``constraints.carried_over``)."""
         return {}
 
     def sketch(self, place: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-        """Lines (N, 3) of its drawing where its point has a ``place`` (3,) and its segment a ``turn`` (3, 3)."""
+        """Line segments (N, 3) of its drawing, for its point at the position ``place`` (3,) and its segment with the
+        rotation ``turn`` (3, 3).
+        """
         return ()
 
 
 def finite_vector(values: object, what: str) -> Vector:
-    """Three finite floats from any sequence, within the range of positions; ValueError that names ``what``
-    otherwise.
-    """
+    """Three finite floats from any sequence, within the range of positions; raises ValueError naming ``what``."""
     numbers = tuple(float(value) for value in values)  # type: ignore[attr-defined]
     if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
         raise ValueError(f"{what} is three finite numbers in metres, got {values}.")

@@ -53,17 +53,17 @@ class Carry:
     last: float
 
     def goes_on_in(self, after: "Carry", pause: float) -> bool:
-        """True if a clip that plays no more than ``pause`` seconds later continues this one."""
+        """True if a clip that starts no more than ``pause`` seconds later continues this one."""
         ours, others = (np.array([each.begin, each.turn, *each.shift, each.mirrored]) for each in (self, after))
         alike = self.speed == after.speed and np.allclose(ours, others, rtol=0.0, atol=1e-4)
         return bool(-1e-9 <= after.first - self.last <= pause and alike)
 
     def times(self, times: ArrayLike) -> FloatArray:
-        """Seconds where the clip plays, of those of the motion."""
+        """Seconds on the stage for seconds of the motion."""
         return self.begin + playing_seconds(self.speed, times)
 
     def retimed(self, keyed: KeysKind, change: Callable[[FloatArray], FloatArray]) -> KeysKind:
-        """``keyed`` with every rate of a free tangent changed, and as much steeper as the motion plays faster there."""
+        """``keyed`` with its free tangents transformed by ``change``, and steepened by the playing speed."""
 
         def changed(tangents: Tangents | None, speed: float) -> Tangents | None:
             return tangents.with_rates(lambda rate: change(rate) * speed) if tangents else None
@@ -73,7 +73,7 @@ class Carry:
 
     @property
     def mean_speed(self) -> float:
-        """Speed of the motion on average while its clip plays."""
+        """Mean playing speed of the motion over its clip."""
         if not isinstance(self.speed, KeyedNumber):
             return self.speed
         first, last = motion_seconds(self.speed, (self.first - self.begin, self.last - self.begin)).tolist()
@@ -153,7 +153,7 @@ def mirrored_constraint(constraint: Constraint) -> Constraint:
 
 
 def swapped_sides(name: str) -> str:
-    """A name with left and right exchanged."""
+    """Name with the words left and right exchanged."""
     return _SIDE_WORD.sub(lambda found: _SIDE_WORDS[found[0]], name)
 
 
@@ -226,7 +226,7 @@ def _plain(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:
 
 
 def _heading(heading: float, constraint: Constraint, carry: Carry) -> float:
-    """Heading, mirrored if asked for; turned with the clip unless the centre follows something."""
+    """Heading, mirrored if the clip is; rotated with the clip unless the centre follows something."""
     follows = isinstance(getattr(constraint, "centre", None), FOLLOWS)
     seen = -heading if _is_heading_mirrored(constraint, carry) else heading
     return seen if follows else seen + carry.turn
@@ -254,7 +254,7 @@ def _chain(chain: Chain, carry: Carry) -> Chain:
 def _activation(curve: ActivationCurve, carry: Carry) -> ActivationCurve:
     """Activation limited to the clip: a curve that starts before the clip fades in at its begin.
 
-    ``NEVER`` if the clip leaves no time to fade in and out, or is covered by others.
+    ``NEVER`` if there is no time to fade in and out, or other clips cover this one.
     """
     if carry.last < carry.first:
         return NEVER

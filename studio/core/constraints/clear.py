@@ -9,14 +9,14 @@ from studio.core.constraints.base import Constraint, KindInfo
 
 
 class Arms(StrEnum):
-    """Arms of the constraint."""
+    """Choice of arms: left, right or both."""
 
     BOTH = "both"
     LEFT = "left"
     RIGHT = "right"
 
     def has(self, side: int) -> bool:
-        """True if it includes the arm of side 0 (left) or 1 (right)."""
+        """True if the arm of side 0 (left) or 1 (right) is included."""
         return self is Arms.BOTH or self is (Arms.RIGHT if side else Arms.LEFT)
 
 
@@ -24,9 +24,9 @@ class Arms(StrEnum):
 class ClearConstraint(Constraint):
     """``arms`` keep ``margin`` metres away from the body, or touch it where the actor touches its own.
 
-    ``point`` is not used. Of the chain only the limb counts: at 1 the wrist gives way and the elbow turns about the
-    line from shoulder to wrist, at 0 the elbow alone. The residual is the penetration of the margin. Raises ValueError
-    for a margin that is below zero or wider than a body.
+    ``point`` is not used. Of the chain only the limb counts: at 1 the wrist moves and the elbow swivels about the line
+    from shoulder to wrist, at 0 only the elbow swivels. The residual is the penetration of the margin. Raises
+    ValueError for a margin that is below zero or wider than a body.
     """
 
     kind: ClassVar[str] = "clear"

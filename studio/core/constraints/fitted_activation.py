@@ -1,4 +1,6 @@
-"""Activation of a new constraint whose target is where the limb is now: it lets the limb keep its speed."""
+"""Activation of a new constraint whose target is the present position of a limb, fitted so that the limb keeps its
+speed.
+"""
 
 import math
 from collections.abc import Callable
@@ -35,10 +37,10 @@ LEAST_LENGTH, SMALL_ANGLE = 1e-6, 1e-6
 
 @dataclass(frozen=True, eq=False)
 class LimbPath:
-    """Path of the end of a limb that is drawn to a ``target`` (3,): both segments rotate along shortest arcs.
+    """Path of the end of a limb that is blended to a ``target`` (3,), with both segments rotated along shortest arcs.
 
     ``root``, ``joint`` and ``end`` (F, 3), metres, are shoulder, elbow and hand, or hip, knee and foot. The root
-    follows by as much as the limb is too short.
+    follows if the limb is too short.
     """
 
     root: FloatArray
@@ -47,7 +49,7 @@ class LimbPath:
     target: FloatArray
 
     def drawn(self, activation: FloatArray, rows: IntArray) -> FloatArray:
-        """(R, 3) position of the end in ``rows`` (R,), drawn by ``activation`` (R,)."""
+        """(R, 3) position of the end in the frames ``rows`` (R,) for ``activation`` (R,)."""
         part = activation[:, None]
         upper = _rotated(self._upper[rows], self._held[0][rows], part)
         lower = _rotated(self._lower[rows], self._held[1][rows], part)
@@ -63,7 +65,9 @@ class LimbPath:
 
     @cached_property
     def _held(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Both segments (F, 3) with the end at the target, bent where they are bent now, and how the root follows."""
+        """Both segments (F, 3) with the end at the target and the present bend direction, and the displacement of the
+        root.
+        """
         long, short = (np.linalg.norm(each, axis=1, keepdims=True) for each in (self._upper, self._lower))
         way = self.target - self.root
         distance = np.maximum(np.linalg.norm(way, axis=1, keepdims=True), LEAST_LENGTH)
@@ -78,7 +82,9 @@ class LimbPath:
 
 
 def _rotated(begin: FloatArray, end: FloatArray, part: FloatArray) -> FloatArray:
-    """(R, 3) vectors ``part`` (R, 1) of the arcs from ``begin`` to ``end``, which are of equal lengths."""
+    """(R, 3) vectors at the fraction ``part`` (R, 1) of the arcs from ``begin`` to ``end``, which have
+    equal lengths.
+    """
     lengths = np.maximum(np.sum(begin * begin, axis=1, keepdims=True), LEAST_LENGTH**2)
     angle = np.arccos(np.clip(np.sum(begin * end, axis=1, keepdims=True) / lengths, -1.0, 1.0))
     sine = np.where(np.sin(angle) < SMALL_ANGLE, 1.0, np.sin(angle))
@@ -89,11 +95,11 @@ def _rotated(begin: FloatArray, end: FloatArray, part: FloatArray) -> FloatArray
 def fitted_activation(
     seconds: FloatArray, values: FloatArray, now: float, begin: float, end: float, limb: LimbPath | None = None
 ) -> ActivationCurve:
-    """Activation around ``now``, from ``begin`` to ``end`` at most, that keeps the peak speed within a tenth.
+    """Activation around ``now``, from ``begin`` to ``end`` at most, that raises the peak speed by at most a tenth.
 
     ``values`` (F, D), metres or radians, are those of the limb at ``seconds`` (F,); the target is the value at ``now``,
-    to which they are drawn along straight lines, or as the end of a ``limb`` is. Each side is fitted by itself: the
-    usual hold and ramp, else the nearest to them that do, else the gentlest.
+    to which they are blended linearly, or as the end of a ``limb`` is. Each side is fitted separately: the default hold
+    and ramp, else the nearest to them that suffice, else the gentlest.
     """
     here = np.array([np.interp(now, seconds, column) for column in values.T])
 
@@ -112,7 +118,7 @@ def _fitted_side(
 ) -> tuple[float, float, float]:
     """Hold and ramp in seconds, and weight, of one side: ``rows`` of ``values`` (F, D) at ``since`` (F,) seconds.
 
-    Hold and ramp end within the ``room`` to the end of the clip.
+    Hold and ramp fit into ``room``, the time to the end of the clip.
     """
     gentlest, least = _within(room, HOLD, RAMP, 1.0), np.inf
     rows = rows[(since[rows] >= -1e-9) & (since[rows] <= LONGEST)]
@@ -142,7 +148,7 @@ def _within(room: float, hold: float, ramp: float, weight: float) -> tuple[float
 
 
 def _change(side: tuple[float, float, float]) -> float:
-    """Size of the change from the usual hold and ramp; a shorter ramp counts twice, since a dragged target needs it."""
+    """Difference from the default hold and ramp; a shorter ramp counts twice, since a dragged target needs it."""
     hold, ramp, weight = side
     ramp_change = ramp - RAMP if ramp > RAMP else 2.0 * (RAMP - ramp)
     return 3.0 * (HOLD - hold) + ramp_change + 0.1 * (1.0 - weight)

@@ -29,8 +29,8 @@ class FollowBody:
 class FollowPerformer:
     """``point`` of another performer; for that performer itself it is a point of the same body.
 
-    What ``awaits`` it comes to where it will be once it is asked wholly, and leaves from where it was then: who wards
-    off a blow goes to meet it and does not chase it.
+    With ``awaits`` the target is the position at full activation, before and after it too: a parry meets the blow
+    instead of chasing it.
     """
 
     kind: ClassVar[str] = "follow_performer"

@@ -20,7 +20,7 @@ from studio.core.constraints.upright import UprightConstraint
 
 @dataclass(frozen=True)
 class ConstraintKind:
-    """A kind of constraint, of the studio or of a plug-in: its value, and a part for each view of it.
+    """Kind of constraint, built in or of a plug-in: its value, and a part for each view of it.
 
     All parts but the value are functions, so that nothing is loaded before it is needed.
     """
@@ -47,8 +47,8 @@ def _part(module: str, name: str) -> Callable[[], Any]:
 def _built_in(
     value: type[Constraint], *, solved: bool = True, drawn: bool = False, target: str | None = None
 ) -> ConstraintKind:
-    """A kind of the studio, whose parts bear its name: ``solved`` by a task, ``drawn`` by a figure of its own, moved by
-    the class ``target``.
+    """Built-in kind, whose parts bear its name: ``solved`` by a task, ``drawn`` by a figure of its own, moved by the
+    class ``target``.
     """
     kind = value.kind
     make, figure = _part("viewport.new_constraints", f"new_{kind}"), _part("viewport.handle_figures", f"{kind}_figure")
@@ -79,7 +79,7 @@ CONSTRAINT_KINDS: dict[str, ConstraintKind] = {each.value.kind: each for each in
 
 
 def add_kind(kind: ConstraintKind) -> ConstraintKind:
-    """Register a kind; raises ValueError where there is another one of that name."""
+    """Register a kind; raises ValueError if the name is taken."""
     name = kind.value.kind
     if CONSTRAINT_KINDS.setdefault(name, kind) != kind:
         raise ValueError(f"there is already a constraint of the kind '{name}'.")

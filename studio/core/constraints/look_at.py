@@ -1,4 +1,4 @@
-"""Look-at: a segment faces a target, as eyes and head do."""
+"""Look-at: a segment, usually the head, faces a target."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -10,9 +10,8 @@ from studio.core.constraints.target import Place, checked_place
 
 @dataclass(frozen=True)
 class LookAtConstraint(Constraint):
-    """The x axis of the segment of ``point``, from the point, passes through ``target``, as of a position.
-
-    The usual point lies between the eyes. The residual is an angle.
+    """The x axis of the segment of ``point``, through the point, passes through ``target``, which is like that of a
+    position. The default point is between the eyes. The residual is an angle.
     """
 
     kind: ClassVar[str] = "look_at"

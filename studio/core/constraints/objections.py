@@ -1,4 +1,4 @@
-"""Constraints that cannot be combined: sentences that name them."""
+"""Objections: sentences about constraints that cannot be combined."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
@@ -57,7 +57,7 @@ def objection(constraint: Constraint, others: Iterable[Constraint]) -> str | Non
 
 
 def is_stuck(constraint: Constraint) -> bool:
-    """True if no free part of the chain moves the point, nor the other end."""
+    """True if no movable part of the chain moves the point or the other end."""
     if constraint.kind in ("balance", "clear"):
         return False
     other = getattr(constraint, "other", None)
@@ -66,7 +66,7 @@ def is_stuck(constraint: Constraint) -> bool:
 
 
 def _moves(chain: Chain, part: BodyPart) -> bool:
-    """True if a free part of the chain moves a part of the body."""
+    """True if a movable part of the chain moves a part of the body."""
     side, _, bone = part.value.partition("_")
     links, carriers = ["root"], [*TRUNK_PARTS]
     match bone or part:
@@ -132,7 +132,7 @@ def _asked(constraint: Constraint) -> tuple[object, ...]:
 
 
 def _follow_cycle(constraint: Constraint, others: Sequence[Constraint]) -> list[Constraint]:
-    """Constraints, this one first, by which its own point follows itself."""
+    """Constraints, beginning with this one, through which its point follows itself."""
     way, found = [constraint], _followed(constraint)
     while found is not None:
         if _same_point(found, constraint):
@@ -154,7 +154,7 @@ def _follow_cycle(constraint: Constraint, others: Sequence[Constraint]) -> list[
 
 
 def _followed(constraint: Constraint) -> BodyPoint | None:
-    """Point of the same body that this one's point follows."""
+    """Point of the same body that the constraint's point follows."""
     target = getattr(constraint, "target", None)
     moves = constraint.kind in ("position", "orientation")
     return target.point if moves and isinstance(target, FollowBody) else None

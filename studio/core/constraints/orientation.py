@@ -11,7 +11,7 @@ from studio.core.constraints.target import Turn, checked_turn
 class OrientationConstraint(Constraint):
     """The segment of ``point`` takes the rotation ``target`` (x, y, z, w), in the space of the motion.
 
-    It may be keyed, or follow the rotation of another object. Raises ValueError when the four numbers make no rotation.
+    It may be keyed, or follow the rotation of another object. Raises ValueError if the four numbers are no rotation.
     The residual is an angle.
     """
 

@@ -11,10 +11,9 @@ from studio.core.plausible import TIME_RANGE
 
 @dataclass(frozen=True)
 class OwnPlace:
-    """Place of ``point`` of the body itself at ``time`` (seconds of the motion), on the ground and without constraints.
-
-    A body that goes farther in its steps has it farther on. ``offset`` from there is counted in leg lengths of the
-    body (thigh and shank), as its travel is; ``own`` are the further offsets of single performers, by id.
+    """Position of ``point`` of the grounded body at ``time`` (seconds of the motion), before constraints, so that a
+    body with longer steps has it farther along. ``offset`` from there is in leg lengths of the body (thigh and
+    shank), as its travel is; ``own`` are further offsets of single performers, by id.
     """
 
     kind: ClassVar[str] = "own_place"
@@ -34,17 +33,19 @@ class OwnPlace:
             raise ValueError("An own place gives a performer two offsets. Keep one of them.")
 
     def of(self, performer_id: str) -> Self:
-        """As one performer has it: with its own offset added, and without those of others."""
+        """Position of one performer: with its own offset added, and without those of others."""
         own = dict(self.own).get(performer_id)
         return replace(self, offset=_sum(self.offset, own) if own else self.offset, own=())
 
     def with_own(self, performer_id: str, offset: Vector | None) -> Self:
-        """The same with another own offset of a performer; None for none of its own."""
+        """Copy with another own offset of a performer, or none."""
         rest = tuple((key, each) for key, each in self.own if key != performer_id)
         return replace(self, own=rest if offset is None else (*rest, (performer_id, offset)))
 
     def moved(self, performer_id: str, further: Vector) -> Self:
-        """``further`` on, in leg lengths: for a performer that has its own offset by that, for the others by theirs."""
+        """Copy moved by ``further``, in leg lengths: only for a performer with an offset of its own, else for all
+        performers.
+        """
         own = dict(self.own).get(performer_id)
         if own is None:
             return replace(self, offset=_sum(self.offset, further))
@@ -70,7 +71,9 @@ class KeyedOwnPlace(Line):
         return replace(self.origin, offset=_sum(self.origin.offset, self.value_at(seconds)))
 
     def moved_at(self, seconds: float, performer_id: str, further: Vector) -> Self:
-        """``further`` on, in leg lengths: by a key at ``seconds``, or by the own offset of a performer that has one."""
+        """Copy moved by ``further``, in leg lengths: by a key at ``seconds``, or by the own offset of a performer that
+        has one.
+        """
         if performer_id in dict(self.origin.own):
             return replace(self, origin=self.origin.moved(performer_id, further))
         return self.with_key(seconds, _sum(self.value_at(seconds), further))

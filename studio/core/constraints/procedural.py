@@ -1,4 +1,7 @@
-"""Places that move by a rule: round a circle, as a pendulum, or at random; each is exact at any time, in any order."""
+"""Positions that move by a rule: on a circle, as a pendulum, or at random.
+
+Each is a function of time, so that frames may be evaluated in any order.
+"""
 
 import math
 from abc import ABC, abstractmethod
@@ -24,10 +27,10 @@ SLOWEST_WAVE = 0.3
 
 @dataclass(frozen=True, kw_only=True)
 class RuledPlace(ABC):
-    """Common part of all: a ``centre`` in metres, one round in ``seconds``, begun at ``since`` seconds.
+    """Common part of all: a ``centre`` in metres and a period in ``seconds``, with phase zero at ``since`` seconds.
 
-    ``heading`` turns the whole way about Z, in radians. Where there is an ``origin``, the centre counts from it: every
-    body moves about its own position.
+    ``heading`` rotates the whole path about Z, in radians. With an ``origin`` the centre is relative to it, so that
+    every body moves about its own position.
     """
 
     kind: ClassVar[str]
@@ -61,23 +64,23 @@ class RuledPlace(ABC):
         return self.at(np.linspace(time - around, time + around, round(96 * self.rounds) + 1))
 
     def passing(self, place: Vector, time: float) -> Self:
-        """The same path elsewhere, so that it is at ``place`` at ``time``."""
+        """Path translated so that it is at ``place`` at ``time``."""
         x, y, z = (np.array(self.centre) + place - self.at([time])[0]).tolist()
         return replace(self, centre=(x, y, z))
 
     def mirrored(self) -> Self:
-        """The mirror image, with -y for y."""
+        """Mirror image, y negated."""
         x, y, z = self.centre
         return replace(self, centre=(x, -y, z), heading=-self.heading)
 
     @abstractmethod
     def _offsets(self, rounds: FloatArray) -> FloatArray:
-        """Offsets (N, 3) from the centre after ``rounds`` (N,), with heading 0."""
+        """Offsets (N, 3) from the centre after ``rounds`` (N,) periods, with heading 0."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class CirclePlace(RuledPlace):
-    """Round a circle of ``radius`` metres that lies flat, or is tilted by so many radians about where it begins."""
+    """Circle of ``radius`` metres, horizontal or tilted by an angle in radians about its starting point."""
 
     kind: ClassVar[str] = "circle"
     radius: float = 0.2
@@ -99,7 +102,9 @@ class CirclePlace(RuledPlace):
 
 @dataclass(frozen=True, kw_only=True)
 class PendulumPlace(RuledPlace):
-    """The end of a pendulum of ``length`` metres, ``angle`` radians to each side; its ``centre`` is where it hangs."""
+    """End of a pendulum of ``length`` metres that swings by ``angle`` radians to each side; its ``centre`` is the
+    pivot.
+    """
 
     kind: ClassVar[str] = "pendulum"
     length: float = 1.0
@@ -118,7 +123,9 @@ class PendulumPlace(RuledPlace):
 
 @dataclass(frozen=True, kw_only=True)
 class NoisePlace(RuledPlace):
-    """Wanders within ``reach`` metres to each side, the fastest of its waves once in ``seconds``; ``seed`` says how."""
+    """Smooth noise within ``reach`` metres of the centre, whose fastest wave has a period of ``seconds``; ``seed``
+    selects it.
+    """
 
     kind: ClassVar[str] = "noise"
     rounds: ClassVar[float] = 2.0
@@ -146,6 +153,6 @@ ProceduralPlace = CirclePlace | PendulumPlace | NoisePlace
 
 @lru_cache(maxsize=256)
 def _waves(seed: int) -> tuple[FloatArray, FloatArray]:
-    """(3, WAVES) turns a round and turns at its beginning, of each direction; the same for a seed for ever."""
+    """(3, WAVES) frequencies and phases of each direction, in turns; constant for a seed."""
     drawn = np.random.RandomState(seed).random_sample((2, 3, NOISE_WAVES))  # whose numbers never change
     return SLOWEST_WAVE + (1.0 - SLOWEST_WAVE) * drawn[0], drawn[1]

@@ -60,7 +60,9 @@ class RailConstraint(Constraint):
         PLACE_RANGE.check(self.length, f"'{self.name}': a length")
 
     def carried(self, carry: "Carry") -> dict[str, Any]:
-        """Direction where a clip plays, rotated and mirrored; that along a prop or performer stays."""
+        """Direction where a clip plays, rotated and mirrored; a direction in a prop's or performer's
+        axes is unchanged.
+        """
         if isinstance(self.centre, FollowPerformer | FollowProp):
             return {}
         seen = replace(carry, turn=0.0) if isinstance(self.centre, FOLLOWS) else carry
@@ -75,7 +77,7 @@ class RailConstraint(Constraint):
         return np.asarray(centre + np.clip(heights, -self.length / 2, self.length / 2)[..., None] * along)
 
     def sketch(self, place: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-        """The line, or a piece of the plane and its normal, and the way from the point to it."""
+        """The line, or a piece of the plane and its normal, and the displacement from the point to it."""
         along, centre = np.array(self.direction), np.array(self.centre)
         link = np.stack([place, self.nearest(place)])
         if self.shape is RailShape.LINE:

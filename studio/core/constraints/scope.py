@@ -1,4 +1,4 @@
-"""Of whom something is asked of a motion: of all who play it, of one performer, or of one clip."""
+"""Scope of a constraint: all performers of a motion, one performer, or one clip."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,7 +7,9 @@ from typing import Protocol, TypeVar
 
 @dataclass(frozen=True)
 class Scope:
-    """All who play the motion if both ids are empty; else one performer, or the clip of that id wherever it plays."""
+    """All performers of the motion if both ids are empty; else one performer, or the clip of that id
+    wherever it plays.
+    """
 
     performer_id: str = ""
     clip_id: str = ""
@@ -18,7 +20,7 @@ class Scope:
 
     @property
     def is_narrow(self) -> bool:
-        """True unless it includes all who play the motion."""
+        """True unless it includes all performers of the motion."""
         return bool(self.performer_id or self.clip_id)
 
     def includes(self, performer_id: str, clip_id: str) -> bool:
@@ -48,12 +50,12 @@ Item = TypeVar("Item", bound=Scoped)
 
 
 def meant_for(items: Mapping[str, Item], performer_id: str, clip_id: str) -> dict[str, Item]:
-    """Those of ``items`` that mean what a performer plays as a clip, by id."""
+    """Those of ``items``, by id, whose scope includes a performer and a clip."""
     return {key: item for key, item in items.items() if item.scope.includes(performer_id, clip_id)}
 
 
 def narrowest(items: Mapping[str, Item]) -> dict[str, Item]:
-    """Of items about one thing those with the narrowest scope: a clip's before a performer's before everyone's."""
+    """Items of the narrowest scope about each subject: a clip's before a performer's before everyone's."""
     ranks = {key: (bool(item.scope.clip_id), bool(item.scope.performer_id)) for key, item in items.items()}
     best = max(ranks.values(), default=None)
     return {key: item for key, item in items.items() if ranks[key] == best}

@@ -1,4 +1,4 @@
-"""Targets of constraints: fixed (plain numbers), keyed, moving by a rule, each body's own, or following what moves."""
+"""Targets of constraints: fixed (plain numbers), keyed, moving by a rule, per character, or following an object."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ Turn = Quaternion | KeyedTurn | Follow
 
 
 def checked_place(place: object, constraint: Constraint, what: str) -> Place:
-    """``place`` as a value that cannot be wrong; ValueError naming the constraint and ``what`` otherwise."""
+    """``place`` as a valid value; raises ValueError naming the constraint and ``what``."""
     if isinstance(place, KeyedPlace | KeyedOwnPlace | ProceduralPlace | OwnPlace | Follow):
         if isinstance(place, FollowBody) and place.point == constraint.point:
             raise ValueError(f"'{constraint.name}': a point cannot follow itself. Choose another one to follow.")
@@ -24,7 +24,7 @@ def checked_place(place: object, constraint: Constraint, what: str) -> Place:
 
 
 def checked_turn(turn: object, constraint: Constraint) -> Turn:
-    """A valid rotation, checked as by ``checked_place``."""
+    """Valid rotation, checked like ``checked_place``."""
     if isinstance(turn, KeyedTurn | Follow):
         if isinstance(turn, FollowBody) and turn.point.part == constraint.point.part:
             raise ValueError(f"'{constraint.name}': a segment cannot follow itself. Choose another one to follow.")
@@ -41,19 +41,19 @@ def follows_of(constraint: Constraint) -> list[Follow]:
 
 
 def own_places_of(constraint: Constraint) -> list[OwnPlace]:
-    """All per-character positions of a constraint, origins of keys and rules among them."""
+    """All per-character positions of a constraint, origins of keys and rules included."""
     return [own for value in vars(constraint).values() if (own := own_place_of(value)) is not None]
 
 
 def own_place_of(target: object) -> OwnPlace | None:
-    """Per-character position that a target is, or counts from; None where it is one position for all."""
+    """Per-character position that is the target, or its origin; None for a target shared by all."""
     if isinstance(target, OwnPlace):
         return target
     return target.origin if isinstance(target, KeyedOwnPlace | ProceduralPlace) else None
 
 
 def with_own_place(target: Place, own: OwnPlace) -> Place:
-    """A per-character ``target`` that is, or counts from, another position."""
+    """Per-character ``target`` with another position or origin."""
     return replace(target, origin=own) if isinstance(target, KeyedOwnPlace | ProceduralPlace) else own
 
 
@@ -64,6 +64,6 @@ def key_times(constraint: Constraint) -> tuple[float, ...]:
 
 
 def is_moving(constraint: Constraint) -> bool:
-    """True if its target differs from frame to frame."""
+    """True if its target differs between frames."""
     own_height = getattr(constraint, "vertical", False)
     return own_height or any(hasattr(value, "kind") for value in vars(constraint).values())

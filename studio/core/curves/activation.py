@@ -38,10 +38,9 @@ def ease(progress: ArrayLike, shape: EaseShape) -> NDArray[np.float64]:
 
 
 def weighted_progress(progress: ArrayLike, leaving: ArrayLike, arriving: ArrayLike) -> NDArray[np.float64]:
-    """Progress in [0, 1] that begins slower by a weight ``leaving`` and ends slower by one ``arriving``, both above 0.
-
-    The monotone rational quadratic of Gregory and Delbourgo (1982) with the slopes 1 / leaving at 0 and 1 / arriving
-    at 1.
+    """Progress in [0, 1] with a slower start for a greater weight ``leaving``, and a slower end for a greater weight
+    ``arriving``, both above 0. The monotone rational quadratic of Gregory and Delbourgo (1982) with the slopes 1 /
+    leaving at 0 and 1 / arriving at 1.
     """
     t = np.asarray(progress, dtype=np.float64)
     begin, end, rest = 1.0 / np.asarray(leaving), 1.0 / np.asarray(arriving), t * (1.0 - t)
@@ -52,8 +51,8 @@ def weighted_progress(progress: ArrayLike, leaving: ArrayLike, arriving: ArrayLi
 class ActivationCurve:
     """0 before ``start``, eased to 1 at ``full``, held to ``full_end``, eased to 0 at ``end`` (seconds).
 
-    ``weights`` of the four say for how long the curve stays near 0 or 1 there. Raises ValueError when the four times
-    are not finite or not in order.
+    ``weights`` of the four lengthen the time near 0 or 1 there. Raises ValueError if the four times are not finite or
+    not in order.
     """
 
     start: float
@@ -99,18 +98,18 @@ class ActivationCurve:
         return self.full <= first and last <= self.full_end
 
     def moved(self, seconds: float) -> "ActivationCurve":
-        """Curve moved ``seconds`` later."""
+        """Curve shifted ``seconds`` later."""
         return self.with_times(*(time + seconds for time in self.times))
 
     def with_weight(self, place: int, weight: float) -> "ActivationCurve":
-        """The same curve with another weight of one of its four times."""
+        """Copy with another weight of one of its four times."""
         weights = [*self.weights]
         weights[place] = weight
         start, full, full_end, end = weights
         return replace(self, weights=(start, full, full_end, end))
 
     def with_times(self, start: float, full: float, full_end: float, end: float) -> "ActivationCurve":
-        """The same curve with other times."""
+        """Copy with other times."""
         return replace(self, start=start, full=full, full_end=full_end, end=end)
 
 

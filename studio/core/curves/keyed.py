@@ -1,10 +1,10 @@
-"""Values keyed over time: places, rotations and numbers, smooth between their keys and still beyond them.
+"""Values keyed over time: positions, rotations and numbers, smooth between their keys and constant outside.
 
-Every key is passed in a straight line, its tangent; between two keys the two lines are blended by the quintic ease, so
-that places and rotations have two continuous derivatives wherever tangents are not broken. A key without ``Tangents``
-of its own is passed at the slower of the two rates around it, and the slower the more the way turns there. That is
-local (a key changes four stretches at most), turning the world turns the path, two equal keys hold still, and two keys
-alone are the quintic ease itself.
+Every key is passed along a straight line, its tangent; between two keys the two lines are blended by the quintic ease,
+so that the curve has two continuous derivatives wherever tangents are not broken. A key without ``Tangents`` of its own
+is passed at the slower of the two rates around it, and the more slowly the more the path bends there. The curve is
+local (a key changes at most four intervals) and independent of the axes; two equal keys hold the value; two keys alone
+give the quintic ease.
 """
 
 import math
@@ -33,7 +33,7 @@ SAME_TIME = 1e-4
 
 @dataclass(frozen=True)
 class Key:
-    """One key: its time in seconds, its value, and its tangents where they are not found from the keys around it."""
+    """Key: its time in seconds, its value, and its tangents unless they are automatic."""
 
     time: float
     value: Any
@@ -42,10 +42,10 @@ class Key:
 
 @dataclass(frozen=True)
 class Keys:
-    """Common part of keyed values: ``times`` in seconds, each later than the one before, and as many ``values``.
+    """Common part of keyed values: ``times`` in seconds, in increasing order, and as many ``values``.
 
-    ``tangents`` are empty, or as many as there are keys. ``before`` and ``after`` say what holds before the first key
-    and after the last one.
+    ``tangents`` are empty, or as many as there are keys. ``before`` and ``after`` are the extrapolation before the
+    first and after the last key.
     """
 
     kind: ClassVar[str] = "keyed"
@@ -96,14 +96,14 @@ class Keys:
 
     @cached_property
     def seconds(self) -> FloatArray:
-        """(K,) the times of the keys."""
+        """(K,) times of the keys."""
         seconds = np.array(self.times)
         seconds.setflags(write=False)
         return seconds
 
     @property
     def keys(self) -> tuple[Key, ...]:
-        """The keys in the order of their times."""
+        """Keys in order of their times."""
         tangents = self.tangents or (None,) * len(self.times)
         return tuple(map(Key, self.times, self.values, tangents))
 
@@ -113,7 +113,7 @@ class Keys:
         return place if place < len(self.times) and self.times[place] <= time + SAME_TIME else None
 
     def value_at(self, time: float) -> Any:
-        """The value at ``time`` as a key has it."""
+        """Value at ``time``, of the type of a key's value."""
         return self._checked(self.at([time])[0])
 
     def at(self, times: ArrayLike) -> FloatArray:
@@ -121,27 +121,28 @@ class Keys:
         raise NotImplementedError
 
     def with_key(self, time: float, value: Any) -> Self:
-        """The same with a key of ``value`` at ``time``, replacing one at that time."""
+        """Copy with a key of ``value`` at ``time``, replacing one at that time."""
         place = self.key_at(time)
         tangents = self.tangents[place] if self.tangents and place is not None else None
         return self.with_keys((Key(float(time), value, tangents),))
 
     def with_keys(self, keys: Iterable[Key]) -> Self:
-        """The same with more ``keys``, each in the place of one that stands at its time."""
+        """Copy with more ``keys``, each replacing one at its time."""
         return self._with(self.keys, keys)
 
     def without_key(self, place: int) -> Self:
-        """The same without one key. Raises ValueError for the last one."""
+        """Copy without one key. Raises ValueError for the last one."""
         return self.without_keys({place})
 
     def without_keys(self, places: set[int]) -> Self:
-        """The same without the keys at these places. Raises ValueError where none is left."""
+        """Copy without the keys at these indices. Raises ValueError if none would be left."""
         return self._with(key for place, key in enumerate(self.keys) if place not in places)
 
     def with_times(self, times: Mapping[int, float], speed: float = 1.0) -> Self:
-        """The same with the keys at some places at other ``times``, each in the place of one that stands there.
+        """Copy with the keys at some indices at other ``times``, each replacing a key that is there.
 
-        Free tangents of these keys get steeper by ``speed``, so that keys that are brought nearer keep their curve.
+        Their free tangents are steepened by ``speed``, so that keys that are brought nearer keep the shape of the
+        curve.
         """
         keys = self.keys
         kept = [key for place, key in enumerate(keys) if place not in times]
@@ -152,40 +153,40 @@ class Keys:
         return self._with(kept, moved)
 
     def with_time(self, place: int, time: float) -> Self:
-        """The same with one key at another ``time``, or as near to it as those beside it let it come."""
+        """Copy with one key at another ``time``, limited by its neighbours."""
         times = [-math.inf, *self.times, math.inf]
         between = max(min(time, times[place + 2] - 2.0 * SAME_TIME), times[place] + 2.0 * SAME_TIME)
         return replace(self, times=(*self.times[:place], between, *self.times[place + 1 :]))
 
     def with_tangents(self, place: int, tangents: Tangents | None) -> Self:
-        """The same with other tangents of one key."""
+        """Copy with other tangents of one key."""
         every = list(self.tangents or (None,) * len(self.times))
         every[place] = tangents
         return replace(self, tangents=tuple(every))
 
     def with_rates(self, change: Callable[[FloatArray], FloatArray]) -> Self:
-        """The same with every rate of a free tangent, (size,) a second, as ``change`` makes it."""
+        """Copy with every rate of a free tangent, (size,) a second, transformed by ``change``."""
         return replace(self, tangents=tuple(each.with_rates(change) if each else None for each in self.tangents))
 
     def moved(self, seconds: float) -> Self:
-        """The same ``seconds`` later."""
+        """Copy shifted ``seconds`` later."""
         return replace(self, times=tuple(time + seconds for time in self.times))
 
     @classmethod
     def dimension(cls) -> int:
-        """Number of components of a rate: as many as a value has, three for a rotation."""
+        """Number of components of a rate: that of a value, three for a rotation."""
         return cls.size
 
     def rates(self) -> tuple[FloatArray, FloatArray]:
-        """(K, D) a second with which each key is reached, and (K, D) with which it is left."""
+        """(K, D) rates a second at which each key is reached, and (K, D) at which it is left."""
         return rates_of(self.seconds, self._steps(), self.tangents, self.before, self.after)
 
     def _steps(self) -> FloatArray:
-        """(K - 1, D) from each key to the next."""
+        """(K - 1, D) differences from each key to the next."""
         raise NotImplementedError
 
     def _with(self, kept: Iterable[Key], added: Iterable[Key] = ()) -> Self:
-        """The same with other keys: of two at one time the one that is added, or was added last."""
+        """Copy with other keys; of two at one time the one that was added last is kept."""
         keys: list[Key] = []
         ranked = [*((key, False) for key in kept), *((key, True) for key in added)]
         was_added = False
@@ -217,7 +218,7 @@ class Keys:
         return _Spans(before, after, t - keys[before], t - keys[after], share, asked - t)
 
     def _weighted(self, progress: FloatArray, before: NDArray[np.int64], after: NDArray[np.int64]) -> FloatArray:
-        """(N,) the progress from a key to the next, later where a tangent weighs more."""
+        """(N,) progress from a key to the next, delayed by the weights of tangents."""
         if not self.tangents:
             return progress
         weights = np.array([(1.0, 1.0) if each is None else each.weights for each in self.tangents])
@@ -225,7 +226,7 @@ class Keys:
         return np.where((leaving == 1.0) & (arriving == 1.0), progress, weighted_progress(progress, leaving, arriving))
 
     def _looped(self, times: FloatArray) -> FloatArray:
-        """(N,) times of which those beyond a loop's end are within it."""
+        """(N,) times, those beyond the end of a loop mapped into it."""
         first, length = self.times[0], self.times[-1] - self.times[0]
         if length > 0.0:
             for beyond, outside in ((self.before, times < first), (self.after, times > self.times[-1])):
@@ -234,7 +235,7 @@ class Keys:
         return times
 
     def _continued(self, outside: FloatArray, arriving: FloatArray, leaving: FloatArray) -> FloatArray | None:
-        """(N, D) by which the value is past the last key or before the first one; None where it holds there."""
+        """(N, D) extrapolated difference from the last key or the first one; None if the value is held there."""
         begins, ends = self.before is Beyond.CONTINUE, self.after is Beyond.CONTINUE
         if not (begins or ends):
             return None
@@ -244,10 +245,8 @@ class Keys:
 
 @dataclass(frozen=True, eq=False)
 class _Spans:
-    """Between which keys N times lie.
-
-    The keys before and after, seconds since the one and until the other (-), the share of the ease, and seconds beyond
-    the last key, or before the first one (-).
+    """Keys around each of N times: the keys before and after, seconds since the one and until the other (negative), the
+    eased fraction, and seconds beyond the last key, or before the first one (negative).
     """
 
     before: NDArray[np.int64]
@@ -259,10 +258,10 @@ class _Spans:
 
 
 class Line(Keys):
-    """Values that are points of a space of ``size`` numbers."""
+    """Keyed vectors of ``size`` numbers."""
 
     def _checked_values(self) -> tuple[Any, ...]:
-        """All at once: a take that was recorded has a key in every frame."""
+        """Values checked all at once, because a recorded take has a key in every frame."""
         if all(type(value) is (float if self.size == 1 else tuple) for value in self.values):
             try:
                 numbers = np.array(self.values, dtype=np.float64).reshape(len(self.values), -1)
@@ -285,12 +284,12 @@ class Line(Keys):
         return np.asarray(between if further is None else between + further)
 
     def path(self, time: float) -> FloatArray:
-        """(N, size) the whole way, from the first key to the last, whatever the ``time``."""
+        """(N, size) the whole path from the first key to the last; ``time`` is not used."""
         return self.at(np.linspace(self.times[0], self.times[-1], 24 * len(self.times) + 1))
 
     @property
     def points(self) -> FloatArray:
-        """(K, size) the values of the keys."""
+        """(K, size) values of the keys."""
         return np.array(self.values, dtype=np.float64).reshape(-1, self.size)
 
     def _steps(self) -> FloatArray:
@@ -299,7 +298,7 @@ class Line(Keys):
 
 @dataclass(frozen=True)
 class KeyedPlace(Line):
-    """Places (x, y, z) in metres, motion space."""
+    """Keyed positions (x, y, z) in metres, motion space."""
 
     size: ClassVar[int] = 3
     times: tuple[float, ...]
@@ -308,7 +307,7 @@ class KeyedPlace(Line):
 
 @dataclass(frozen=True)
 class KeyedNumber(Line):
-    """Numbers, such as a heading in radians or a distance in metres."""
+    """Keyed numbers, such as a heading in radians or a distance in metres."""
 
     size: ClassVar[int] = 1
     times: tuple[float, ...]
@@ -317,7 +316,7 @@ class KeyedNumber(Line):
 
 @dataclass(frozen=True)
 class KeyedTurn(Keys):
-    """Rotations (x, y, z, w) in the motion's space, turned the short way from each to the next."""
+    """Keyed rotations (x, y, z, w) in the motion's space, interpolated along the shorter arc."""
 
     size: ClassVar[int] = 4
     times: tuple[float, ...]
@@ -327,7 +326,7 @@ class KeyedTurn(Keys):
         return unit_quaternion(super()._checked(value))
 
     def at(self, times: ArrayLike) -> FloatArray:
-        """(N, 3, 3) at ``times`` (N,) seconds."""
+        """(N, 3, 3) rotations at ``times`` (N,) seconds."""
         from scipy.spatial.transform import Rotation
 
         keys, spans = Rotation.from_quat(np.array(self.values)), self._bracketing_keys(times)
@@ -349,7 +348,7 @@ class KeyedTurn(Keys):
         return matrices
 
     def _vectors(self, spans: _Spans) -> FloatArray:
-        """(N, 3) rotation vectors from the key before, in its axes: a smooth path of vectors cannot flip."""
+        """(N, 3) rotation vectors relative to the key before, in its axes: a smooth path of vectors cannot flip."""
         arriving, leaving = self.rates()
         steps = np.concatenate([self._steps(), np.zeros((1, 3))])
         begin = spans.since[:, None] * leaving[spans.before]
@@ -367,7 +366,7 @@ class KeyedTurn(Keys):
         return unit_quaternion(from_matrix(self.at([time])[0]))
 
     def _steps(self) -> FloatArray:
-        """(K - 1, 3) rotation vectors the short way from each key to the next; their axes are the same in both."""
+        """(K - 1, 3) rotation vectors of the shorter arc from each key to the next, equal in the axes of both."""
         from scipy.spatial.transform import Rotation
 
         keys = Rotation.from_quat(np.array(self.values))
@@ -375,7 +374,7 @@ class KeyedTurn(Keys):
 
 
 def _vector_rates(vectors: FloatArray, rates: FloatArray) -> FloatArray:
-    """(N, 3) how fast rotation vectors (N, 3) grow where their rotation turns at ``rates`` (N, 3) in its own axes.
+    """(N, 3) time derivatives of rotation vectors (N, 3) whose rotations have the body rates ``rates`` (N, 3).
 
     The inverse right Jacobian of SO(3): w + v x w / 2 + (1 - a / 2 cot(a / 2)) / a^2 v x (v x w) for |v| = a.
     """
@@ -386,7 +385,7 @@ def _vector_rates(vectors: FloatArray, rates: FloatArray) -> FloatArray:
 
 
 def unit_quaternion(value: ArrayLike) -> Quaternion:
-    """The rotation that four numbers mean. Raises ValueError when they make none."""
+    """Normalised quaternion of four numbers. Raises ValueError if their norm is zero."""
     numbers = np.array(value, dtype=np.float64)
     length = np.linalg.norm(numbers) if numbers.shape == (4,) and np.isfinite(numbers).all() else 0.0
     if length < 1e-9:

@@ -1,4 +1,6 @@
-"""Retiming: seconds of a motion that plays at a speed, which may be keyed over the motion's own seconds."""
+"""Retiming: conversion between seconds of a motion and of its playback, whose speed may be keyed over the motion's own
+seconds.
+"""
 
 from functools import lru_cache
 
@@ -13,12 +15,14 @@ Speed = float | KeyedNumber
 
 SLOWEST_CLIP, FASTEST_CLIP = 0.1, 10.0
 """Times as fast as it was captured that a clip plays at least and at most, also between keys."""
-RETIMING_STEP = 1.0 / 240.0
-"""Seconds of the motion between the nodes of a table; between two nodes time is linear."""
+RETIMING_STEP, MOST_RETIMING_STEPS = 1.0 / 240.0, 2**14
+"""Seconds of the motion between the nodes of a table, between which time is linear. Between keys that are farther apart
+than so many steps (68 s) the steps are longer: a key far away costs no memory.
+"""
 
 
 def check_speed(speed: Speed) -> None:
-    """Raise ValueError unless a speed, or that of every key, lies in the range of clips."""
+    """Raise ValueError unless a speed, or that of every key, is in the range of clips."""
     for value in speed.values if isinstance(speed, KeyedNumber) else (speed,):
         if not SLOWEST_CLIP <= value <= FASTEST_CLIP:
             raise ValueError(f"A clip's speed lies between {SLOWEST_CLIP:g} and {FASTEST_CLIP:g}, got {value}.")
@@ -34,7 +38,7 @@ def speed_at(speed: Speed, seconds: ArrayLike) -> FloatArray:
 
 
 def playing_seconds(speed: Speed, seconds: ArrayLike) -> FloatArray:
-    """Seconds for which the motion plays from its second 0 to its ``seconds``, of the same shape."""
+    """Playback seconds from second 0 of the motion to its ``seconds``, of the same shape."""
     times = np.asarray(seconds, dtype=np.float64)
     if not isinstance(speed, KeyedNumber):
         return times / speed
@@ -45,7 +49,7 @@ def playing_seconds(speed: Speed, seconds: ArrayLike) -> FloatArray:
 
 
 def motion_seconds(speed: Speed, seconds: ArrayLike) -> FloatArray:
-    """Seconds of the motion after it has played for ``seconds`` from its second 0 on, of the same shape."""
+    """Second of the motion after a playback of ``seconds`` from its second 0 on, of the same shape."""
     times = np.asarray(seconds, dtype=np.float64)
     if not isinstance(speed, KeyedNumber):
         return times * speed
@@ -56,7 +60,7 @@ def motion_seconds(speed: Speed, seconds: ArrayLike) -> FloatArray:
 
 
 def scaled_speed(speed: Speed, factor: float) -> Speed:
-    """The same ``factor`` times as fast, as far as the range of clips allows."""
+    """Speed multiplied by ``factor``, clamped to the range of clips."""
     if not isinstance(speed, KeyedNumber):
         return float(np.clip(speed * factor, SLOWEST_CLIP, FASTEST_CLIP))
     values = np.clip(np.array(speed.values) * factor, SLOWEST_CLIP, FASTEST_CLIP)
@@ -66,9 +70,10 @@ def scaled_speed(speed: Speed, factor: float) -> Speed:
 
 @lru_cache(maxsize=256)
 def _table(speed: KeyedNumber) -> tuple[FloatArray, FloatArray]:
-    """Seconds of the motion (N,) from the first key to the last one, and seconds (N,) for which it has played then."""
-    count = max(round((speed.times[-1] - speed.times[0]) / RETIMING_STEP), 1)
-    nodes = np.unique(np.concatenate([np.linspace(speed.times[0], speed.times[-1], count + 1), speed.times]))
+    """Seconds of the motion (N,) from the first key to the last one, and the playback seconds (N,) until then."""
+    counts = np.clip(np.round(np.diff(speed.times) / RETIMING_STEP), 1, MOST_RETIMING_STEPS).astype(int).tolist()
+    stretches = zip(speed.times[:-1], speed.times[1:], counts, strict=True)
+    nodes = np.concatenate([*(np.linspace(*each, endpoint=False) for each in stretches), speed.times[-1:]])
     slowness = 1.0 / speed_at(speed, nodes)
     middle = 1.0 / speed_at(speed, (nodes[1:] + nodes[:-1]) / 2.0)
     steps = np.diff(nodes) * (slowness[:-1] + 4.0 * middle + slowness[1:]) / 6.0  # Simpson

@@ -1,4 +1,4 @@
-"""Tangents: how a keyed curve passes its keys, and what it does before the first and after the last one."""
+"""Tangents of the keys of a curve, and its extrapolation before the first and after the last one."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -19,7 +19,7 @@ LIGHTEST, HEAVIEST = 0.05, 20.0
 
 
 class Beyond(StrEnum):
-    """Continuation of a curve before its first and after its last key."""
+    """Extrapolation of a curve before its first and after its last key."""
 
     HOLD = "hold"
     LOOP = "loop"
@@ -27,7 +27,7 @@ class Beyond(StrEnum):
 
 
 class TangentMode(StrEnum):
-    """Rule for the rate with which a curve passes a key."""
+    """Rule for the slope of a curve at a key."""
 
     AUTO = "auto"
     """From the keys around it, never beyond their values."""
@@ -43,7 +43,7 @@ class TangentMode(StrEnum):
 
 @dataclass(frozen=True)
 class Tangent:
-    """One side of a key: a free one has a ``rate`` a second; one that weighs more is followed for longer."""
+    """One side of a key: a free one has a ``rate`` a second; one with a greater weight is followed for longer."""
 
     mode: TangentMode = TangentMode.AUTO
     rate: Rate = ()
@@ -83,16 +83,16 @@ class Tangents:
 
     @property
     def weights(self) -> tuple[float, float]:
-        """Those of the arriving and of the leaving side."""
+        """Weights of the arriving and of the leaving side."""
         return self.arriving.weight, self.leaving.weight
 
     @property
     def rates(self) -> tuple[Rate, ...]:
-        """The rates of the sides that are free."""
+        """Rates of the sides that are free."""
         return tuple(side.rate for side in (self.arriving, self.leaving) if side.rate)
 
     def with_rates(self, change: Callable[[FloatArray], FloatArray]) -> "Tangents":
-        """The same with the rates (D,) of its free sides as ``change`` makes them."""
+        """Copy with the rates (D,) of its free sides transformed by ``change``."""
         arriving, leaving = (
             replace(side, rate=tuple(change(np.array(side.rate)).tolist())) if side.rate else side
             for side in (self.arriving, self.leaving)
@@ -104,7 +104,7 @@ AUTO = Tangents()
 
 
 def tangents_of(mode: TangentMode, weights: tuple[float, float] = (1.0, 1.0)) -> Tangents:
-    """Tangents of one mode on both sides; where the value steps, it arrives as it would by itself."""
+    """Tangents of one mode on both sides; a stepped key is reached with an automatic tangent."""
     arriving = TangentMode.AUTO if mode is TangentMode.STEPPED else mode
     return Tangents(Tangent(arriving, weight=weights[0]), Tangent(mode, weight=weights[1]))
 
@@ -112,7 +112,9 @@ def tangents_of(mode: TangentMode, weights: tuple[float, float] = (1.0, 1.0)) ->
 def rates_of(
     times: FloatArray, steps: FloatArray, tangents: Sequence[Tangents | None], before: Beyond, after: Beyond
 ) -> tuple[FloatArray, FloatArray]:
-    """(K, D) a second with which each key is reached and left; ``steps`` (K - 1, D) lead from each to the next."""
+    """(K, D) rates a second at which each key is reached and left; ``steps`` (K - 1, D) are the differences from each
+    key to the next.
+    """
     auto = _auto_rates(times, steps, before, after)
     if not tangents or not len(steps):
         return auto, auto
@@ -143,7 +145,7 @@ def _rate(side: Tangent, auto: FloatArray, smooth: FloatArray, slope: FloatArray
 
 
 def _auto_rates(times: FloatArray, steps: FloatArray, before: Beyond, after: Beyond) -> FloatArray:
-    """(K, D) a second with which keys are passed by themselves; zero at both ends, where a curve holds."""
+    """(K, D) automatic rates a second; zero at both ends if the curve is held there."""
     rates = np.zeros((len(times), steps.shape[1]))
     if len(times) < 2:
         return rates

@@ -1,4 +1,4 @@
-"""Kinds of ground beside the level one, each in its own file."""
+"""Kinds of ground other than the level one, each in its own file."""
 
 from collections.abc import Mapping
 from types import MappingProxyType

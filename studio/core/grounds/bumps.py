@@ -15,7 +15,7 @@ GROUND_WAVES = 4
 
 @dataclass(frozen=True)
 class Bumps(Ground):
-    """At most ``amplitude`` metres up and down, some ``wavelength`` metres from crest to crest."""
+    """Smooth bumps of at most ``amplitude`` metres up and down, about ``wavelength`` metres from crest to crest."""
 
     kind: ClassVar[str] = "bumps"
     amplitude: float = 0.08

@@ -1,6 +1,7 @@
-"""The ground under the performers: a height and a slope everywhere. The plain one is level.
+"""The ground under the performers: a height and a slope at every position.
 
-Other kinds (``studio.core.grounds``) derive from it and add to its height; a project holds one of them.
+The base class is level. Other kinds (``studio.core.grounds``) derive from it and add to its height; a project has one
+of them.
 """
 
 import math
@@ -19,7 +20,7 @@ LEVEL_WITHIN = 1e-9
 
 @dataclass(frozen=True)
 class Ground:
-    """A level floor at ``height`` metres; for other kinds the level from which they rise and sink."""
+    """Level floor at ``height`` metres; for other kinds the level from which they rise and sink."""
 
     kind: ClassVar[str] = "flat"
     height: float = 0.0
@@ -52,19 +53,19 @@ class Ground:
         return np.asarray(normal / np.linalg.norm(normal, axis=-1, keepdims=True))
 
     def rise_at(self, xy: FloatArray) -> FloatArray:
-        """(...) metres above ``height`` at ``xy`` (..., 2)."""
+        """(...) height in metres above ``height`` at ``xy`` (..., 2)."""
         return np.zeros(xy.shape[:-1])
 
     def slope_at(self, xy: FloatArray) -> FloatArray:
-        """(..., 2) metres risen a metre along X and Y at ``xy`` (..., 2)."""
+        """(..., 2) slope, metres per metre along X and Y, at ``xy`` (..., 2)."""
         return np.zeros(xy.shape)
 
     def nudges(self, soles: FloatArray) -> FloatArray:
-        """Displacements, (N, 2) metres, of soles (N, 3, 2: heel, ball, tip) to better positions; zero by default."""
+        """Displacements, (N, 2) metres, of soles (N, 3, 2: heel, ball, tip) to better footholds; zero by default."""
         return np.zeros((len(soles), 2))
 
     def felt_at(self, places: ArrayLike) -> "Ground":
-        """This ground, or the level floor if the ground is level at all of ``places`` (..., 2 or 3)."""
+        """This ground, or a level floor if the ground is level at all ``places`` (..., 2 or 3)."""
         if self.is_level or np.abs(self.height_at(places) - self.height).max() > LEVEL_WITHIN:
             return self
         return Ground(self.height)
@@ -80,7 +81,7 @@ class Ground:
 
 @dataclass(frozen=True)
 class PlacedGround(Ground):
-    """A ground in the axes of a performer's motion; made for solving, never stored."""
+    """Ground in the axes of a performer's motion; made for solving, never stored."""
 
     kind: ClassVar[str] = "placed"
     ground: Ground = Ground()

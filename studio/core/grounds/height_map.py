@@ -19,9 +19,8 @@ FEWEST = 4
 
 @dataclass(frozen=True, eq=False)
 class HeightMap(Ground):
-    """``heights`` (X cells, Y cells) metres at points ``cell`` metres apart, the first at ``origin`` (x, y).
-
-    A bicubic spline runs through them, with no corner anywhere; outside, the ground goes on as at its edge.
+    """``heights`` (X cells, Y cells) metres at points ``cell`` metres apart, the first at ``origin`` (x, y),
+    interpolated by a bicubic spline; outside, the ground continues as at its edge.
     """
 
     kind: ClassVar[str] = "height_map"
@@ -61,7 +60,7 @@ class HeightMap(Ground):
         return np.where(inside, slopes / self.cell, 0.0)
 
     def _cells(self, xy: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Places in cells, held within the map, and along which axes they are inside."""
+        """Positions in cells, clamped to the map, and (..., 2) true along the axes where they are inside."""
         cells = (xy - np.array(self.origin)) / self.cell
         held = np.clip(cells, 0.0, np.array(self.heights.shape) - 1.0)
         return held, held == cells

@@ -1,4 +1,4 @@
-"""A plane that rises, or falls, from a line on the floor."""
+"""A plane that rises or falls from a line on the floor."""
 
 import math
 from dataclasses import dataclass
@@ -40,5 +40,5 @@ class Slope(Ground):
 
 
 def direction_vector(direction: float) -> FloatArray:
-    """(2,) the way that ``direction`` radians point."""
+    """(2,) unit vector at ``direction`` radians from X."""
     return np.array([math.cos(direction), math.sin(direction)])

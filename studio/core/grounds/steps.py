@@ -24,7 +24,7 @@ HALF_WIDTH = 0.035
 class Steps(Ground):
     """``count`` steps of ``rise`` and ``tread`` metres, the first riser at ``start`` (x, y), towards ``direction``.
 
-    A negative rise goes down. Before the first step the floor is level, and so it is from the last one on.
+    A negative rise goes down. The ground is level before the first and after the last step.
     """
 
     kind: ClassVar[str] = "steps"
@@ -43,7 +43,9 @@ class Steps(Ground):
         return np.asarray(self.rise * self._step(self._beyond(xy)))
 
     def nudges(self, soles: FloatArray) -> FloatArray:
-        """Along the flight, so that heel, ball and tip share a tread, or at least do not cross a riser."""
+        """Displacements along the flight, so that heel, ball and tip share a tread, or at least do not
+        cross a riser.
+        """
         ways = self._beyond(soles)
         line = soles[:, 2] - soles[:, 0]
         length = np.maximum(np.linalg.norm(line, axis=1), 1e-9)
@@ -55,7 +57,7 @@ class Steps(Ground):
         return weight * shifts.reshape(-1, 1) * direction_vector(self.direction)
 
     def _best(self, way: FloatArray, room: float) -> float:
-        """The shift of one sole at the places ``way`` (heel, ball, tip, middle) that costs least of all near treads."""
+        """Cheapest displacement of one sole to a tread near its positions ``way`` (heel, ball, tip, middle)."""
         near = np.unique(self._step(way))
         low, high = way.min() - room, way.max() + room
         shifts, costs = [], []

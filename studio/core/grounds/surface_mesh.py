@@ -20,9 +20,9 @@ MOST_CELLS = 512
 
 @dataclass(frozen=True, eq=False)
 class SurfaceMesh(Ground):
-    """``vertices`` (V, 3) metres and ``triangles`` (T, 3) of them; the highest over a place carries.
+    """``vertices`` (V, 3) metres and ``triangles`` (T, 3) of them; the highest triangle over a position counts.
 
-    Where there is no triangle the ground is level at ``height``.
+    Without a triangle the ground is level at ``height``.
     """
 
     kind: ClassVar[str] = "mesh"
@@ -71,7 +71,7 @@ class SurfaceMesh(Ground):
 
     @cached_property
     def _grid(self) -> "TriangleGrid":
-        """Triangles over each cell of a horizontal grid whose cells are about as large as a triangle."""
+        """Triangles over each cell of a horizontal grid; a cell has about the size of a triangle."""
         from studio.core.kernels.support.triangle_grid import TriangleGrid  # late: it loads numba
 
         corners = np.ascontiguousarray(self.vertices[self.triangles])

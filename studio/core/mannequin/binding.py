@@ -13,10 +13,10 @@ from studio.core.mesh.skin import INFLUENCES
 
 
 def weights_by_joints(form: Form, vertices: FloatArray) -> FloatArray:
-    """(V, K+18) share of each segment in each vertex.
+    """(V, K+18) weight of each segment in each vertex.
 
-    At every joint a smooth step says how much of a vertex lies beyond it; a segment owns what lies beyond its
-    own joint and not beyond its children's.
+    At every joint a smooth step gives the fraction of a vertex beyond it; a segment gets what is beyond its own joint
+    and not beyond those of its children.
     """
     layout = form.physique.morphology().layout
     beyond = np.ones((len(vertices), layout.segment_count))
@@ -49,7 +49,9 @@ _LIMB_PARTS = (
 
 
 def _owned(beyond: FloatArray, parents: tuple[int, ...]) -> FloatArray:
-    """Products down the tree: share reaching a segment times what none of its children takes."""
+    """Products down the tree: the fraction that reaches a segment times the fraction that none of its
+    children takes.
+    """
     reached = beyond.copy()
     for segment, parent in enumerate(parents):
         if parent >= 0:
@@ -63,7 +65,7 @@ def _owned(beyond: FloatArray, parents: tuple[int, ...]) -> FloatArray:
 
 
 def _left_steps(form: Form, vertices: FloatArray) -> dict[str, FloatArray]:
-    """Shares beyond each joint of the left limbs; a vertex of the right half is given mirrored."""
+    """Fractions beyond each joint of the left limbs; a vertex of the right half is passed mirrored."""
     h = form.physique.stature
     torso, _, _, arm, leg = form.regions(vertices)
     left = vertices[:, 1] > 0
@@ -95,7 +97,7 @@ def _left_steps(form: Form, vertices: FloatArray) -> dict[str, FloatArray]:
 
 
 def diffused(weights: FloatArray, triangles: NDArray[np.int64], rounds: int) -> FloatArray:
-    """Weights evened out over the surface, so that no influence ends at once or jumps a gap."""
+    """Weights smoothed over the surface, so that no influence ends abruptly or jumps a gap."""
     links = vertex_links(triangles, len(weights))
     for _ in range(rounds):
         weights = 0.5 * weights + 0.5 * (links @ weights)
@@ -113,9 +115,9 @@ def four_strongest(weights: FloatArray) -> tuple[NDArray[np.int64], FloatArray]:
 def rotation_centres(
     vertices: FloatArray, triangles: NDArray[np.int64], segments: NDArray[np.int64], weights: FloatArray
 ) -> FloatArray:
-    """(V, 3) the point about which each vertex's blended rotation turns: the middle of its like.
+    """(V, 3) centre of rotation of each vertex: the mean position of the vertices with similar weights.
 
-    Le and Hodgins (2016), equation 1, summed over vertices by area; a rigid vertex turns about itself.
+    Le and Hodgins (2016), equation 1, summed over vertices by area; a rigid vertex is its own centre.
     """
     dense = np.zeros((len(vertices), int(segments.max()) + 1))
     np.put_along_axis(dense, segments, weights, axis=1)

@@ -1,4 +1,4 @@
-"""Signed distance fields: the smooth solids a mannequin is put together from."""
+"""Signed distance fields: the smooth solids of which a mannequin is made."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,10 +13,10 @@ _TINY = 1e-7
 
 @dataclass(frozen=True, eq=False)
 class Loft:
-    """A limb: ellipses strung along the z axis of ``frame``, with rounded ends.
+    """Limb as ellipses along the z axis of ``frame``, with rounded ends.
 
-    ``stations`` rows: place along z, centre x, centre y, half-width x, half-width y, in metres.
-    ``power`` 2 gives ellipses, above 2 boxier sections; ``caps`` are the lengths of the two rounded ends.
+    ``stations`` rows: position along z, centre x, centre y, half-width x, half-width y, in metres. ``power`` 2 gives
+    ellipses, above 2 boxier sections; ``caps`` are the lengths of the two rounded ends.
     """
 
     origin: FloatArray
@@ -45,7 +45,7 @@ class Loft:
 
 @dataclass(frozen=True, eq=False)
 class Ellipsoid:
-    """An ellipsoid with half-axes ``radii`` along the columns of ``frame``."""
+    """Ellipsoid with half-axes ``radii`` along the columns of ``frame``."""
 
     centre: FloatArray
     radii: FloatArray
@@ -63,14 +63,14 @@ Solid = Loft | Ellipsoid
 
 
 def smooth_union(a: FloatArray, b: FloatArray, width: float) -> FloatArray:
-    """The union of two solids with a fillet of ``width``."""
+    """Union of two solids with a fillet of ``width``."""
     overlap = np.maximum(width - np.abs(a - b), 0) / width
     return np.asarray(np.minimum(a, b) - overlap**3 * width / 6)
 
 
 @dataclass(frozen=True, eq=False)
 class BlendedSolid:
-    """A solid that is joined to those before it, or carved out of them, with a fillet as wide as ``fillet``."""
+    """Solid that is added to those before it, or subtracted from them, with a fillet of width ``fillet``."""
 
     solid: Solid
     fillet: float = 0.0
@@ -78,7 +78,7 @@ class BlendedSolid:
 
 
 def union(parts: list[BlendedSolid], points: FloatArray) -> FloatArray:
-    """Parts joined or carved one after another; the first one begins."""
+    """Signed distances of all ``parts``, added or subtracted in their order."""
     distance = parts[0].solid.distance(points)
     for part in parts[1:]:
         other = part.solid.distance(points)

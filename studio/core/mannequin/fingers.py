@@ -24,7 +24,7 @@ _GIRTHS = np.array([1.00, 1.08, 1.02, 0.95, 0.96, 1.00, 0.95, 0.88, 0.89, 0.92, 
 
 @dataclass(frozen=True)
 class Finger:
-    """A finger of the left hand: where it begins, how it lies straight, and how far each joint bends at ease."""
+    """Finger of the left hand: its root, its direction when straight, and the bend of each joint at ease."""
 
     root: tuple[float, float, float]
     way: tuple[float, float, float]
@@ -39,7 +39,7 @@ class Finger:
     open: tuple[float, float, float] = (-2.0, 3.0, 2.0)
 
     def bends(self, grip: float) -> FloatArray:
-        """(3,) radians by which its joints bend: -1 open, 0 at ease, 1 a fist."""
+        """(3,) bends of its joints in radians for a grip: -1 open, 0 at ease, 1 a fist."""
         other = np.array(self.fist if grip > 0.0 else self.open)
         return np.radians(np.array(self.at_ease) + abs(grip) * (other - self.at_ease))
 
@@ -65,14 +65,16 @@ FINGERS = (
 
 
 def fingers(girth: float, grip: float = 0.0) -> tuple[FloatArray, Triangles]:
-    """Vertices (V, 3) and triangles of the thumb and fingers of a left hand of breadth ``girth``, gripping as said."""
+    """Vertices (V, 3) and triangles of the thumb and fingers of a left hand of breadth ``girth`` with the given
+    ``grip``.
+    """
     tubes = [_tube(finger, girth, grip) for finger in FINGERS]
     counts = np.cumsum([0, *(len(tube) for tube in tubes[:-1])])
     return np.concatenate(tubes), np.concatenate([_TRIANGLES + count for count in counts])
 
 
 def _tube(finger: Finger, girth: float, grip: float) -> FloatArray:
-    """(SIDES * rings + 2, 3) vertices of one finger: its rings, then the middle of its root and its tip."""
+    """(SIDES * rings + 2, 3) vertices of one finger: its rings, then the centres of its root and its tip."""
     frame = frame_along(np.array(finger.way), np.array(finger.bends_to))
     places, bent = _bent_line(finger, grip)
     ways = np.stack([np.sin(bent), np.zeros(len(bent)), np.cos(bent)], axis=1)
@@ -87,8 +89,9 @@ def _tube(finger: Finger, girth: float, grip: float) -> FloatArray:
 
 
 def _bent_line(finger: Finger, grip: float) -> tuple[FloatArray, FloatArray]:
-    """(R, 3) middles of the rings where z runs along the straight finger and x is where it bends to, and (R,) radians
-    by which it is bent there."""
+    """(R, 3) centres of the rings, z along the straight finger and x in the direction of its bend, and (R,) the bend
+    there in radians.
+    """
     joints = np.cumsum([0.0, *_PHALANGES[:-1]])
     fine = np.linspace(_STATIONS[0], _STATIONS[-1], 400)
     bent = np.zeros(len(fine))
@@ -106,7 +109,7 @@ def _smooth(share: FloatArray) -> FloatArray:
 
 
 def _ring_triangles(rings: int) -> NDArray[np.int64]:
-    """Triangles round a tube of ``rings`` rings, closed by a fan at either end; counter-clockwise from outside."""
+    """Triangles round a tube of ``rings`` rings, closed by a fan at each end; counter-clockwise from outside."""
     here = np.arange(FINGER_SIDES)
     beside = (here + 1) % FINGER_SIDES
     found = []

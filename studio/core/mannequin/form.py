@@ -1,7 +1,7 @@
-"""The form of a mannequin: its parts as smooth solids laid along the bones of its rest pose.
+"""The form of a mannequin: its parts as smooth solids along the bones of its rest pose.
 
-All numbers are fractions of stature (of foot length in the foot) for an average man; the physique's factors
-make the others. Only the left half is described: the field is symmetric about y = 0.
+All numbers are fractions of stature (of foot length in the foot) for an average man; the physique's factors adapt them.
+Only the left half is described, because the field is symmetric about y = 0.
 """
 
 from collections.abc import Sequence
@@ -25,7 +25,7 @@ _Parts = list[BlendedSolid]
 
 @dataclass(frozen=True)
 class Form:
-    """The solids of one physique in its rest pose."""
+    """Solids of one physique in its rest pose."""
 
     physique: Physique
 
@@ -35,7 +35,7 @@ class Form:
         return rest_pose(self.physique.morphology())
 
     def point(self, name: str) -> FloatArray:
-        """World place of a point of the left half by its name in the layout, ``left`` left out."""
+        """World position of a point of the left half by its name in the layout, without ``left``."""
         names = self.physique.morphology().layout.point_names()
         place: FloatArray = self.rest[0][names.index(name if name in names else f"left {name}")]
         return place
@@ -54,7 +54,7 @@ class Form:
         return smooth_union(body, leg, 0.050 * h)
 
     def edge_lengths(self, points: FloatArray) -> FloatArray:
-        """(N,) how long the mesh's edges are to be: short on hands, face and feet and where a limb bends."""
+        """(N,) desired length of the mesh's edges: short on hands and face, on feet, and where a limb bends."""
         h = self.physique.stature
         half = points.copy()
         half[:, 1] = np.abs(half[:, 1])
@@ -66,7 +66,7 @@ class Form:
 
     @cached_property
     def _details(self) -> list[tuple[FloatArray, float, float]]:
-        """Places that want small triangles: centre, radius and edge length as fractions of stature."""
+        """Regions of small triangles: centre, radius and edge length as fractions of stature."""
         p = self.physique
         hand = (self.point("wrist") + self.point("hand end")) / 2
         return [
@@ -85,7 +85,7 @@ class Form:
         ]
 
     def regions(self, points: FloatArray) -> tuple[FloatArray, ...]:
-        """Signed distances of torso, neck, skull, arm and leg apart; the nearer of left and right."""
+        """Signed distances of torso, neck, skull, arm and leg separately; the nearer of left and right."""
         half = points.copy()
         half[:, 1] = np.abs(half[:, 1])
         leg = union(self._leg, half)
@@ -281,12 +281,12 @@ def _vector(x: float, y: float, z: float) -> FloatArray:
 
 
 def _limb(origin: FloatArray, frame: FloatArray, rows: Sequence[tuple[float, ...]], length: float, unit: float) -> Loft:
-    """A loft along a bone: first column in bone lengths, the others in ``unit``."""
+    """Loft along a bone: first column in bone lengths, the others in ``unit``."""
     return Loft(origin, frame, np.array(rows) * [length, unit, unit, unit, unit])
 
 
 def _cone(start: FloatArray, end: FloatArray, start_radius: float, end_radius: float) -> Loft:
-    """A round cone with spherical ends."""
+    """Round cone with spherical ends."""
     length = float(np.linalg.norm(end - start))
     rows = [(0, 0, 0, start_radius, start_radius), (length, 0, 0, end_radius, end_radius)]
     hint = _FORWARD if abs((end - start)[0]) < 0.8 * length else _UP

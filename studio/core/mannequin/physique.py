@@ -58,7 +58,7 @@ class Physique:
     foot_girth: float = 1.0
 
     def morphology(self) -> Morphology:
-        """The measures of this body in metres; both sides are alike."""
+        """Measures of this body in metres, the same on both sides."""
         h = self.stature
         leg = h * (self.hip_height - self.ankle_height)
         root_above_hips = 0.022 * h

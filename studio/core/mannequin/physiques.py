@@ -1,4 +1,4 @@
-"""The five bodies that come with the studio."""
+"""The five bundled bodies."""
 
 from studio.core.mannequin.physique import Physique
 

@@ -1,4 +1,4 @@
-"""Even triangles of a wanted size on a surface: split, collapse, flip, relax (Botsch and Kobbelt 2004).
+"""Remeshing of a surface with even triangles of a given size: split, collapse, flip, relax (Botsch and Kobbelt 2004).
 
 The mesh is the half y >= 0 of a body; its open edge, the vertices with y = 0, stays in that plane.
 """
@@ -18,7 +18,7 @@ Onto = Callable[[FloatArray], FloatArray]
 def remeshed(
     vertices: FloatArray, triangles: Triangles, sizes: Sizes, onto: Onto, rounds: int
 ) -> tuple[FloatArray, Triangles]:
-    """A mesh with edges about ``sizes(points)`` long; ``onto`` draws relaxed vertices back to the surface."""
+    """Mesh with edges about ``sizes(points)`` long; ``onto`` projects relaxed vertices to the surface."""
     mesh = _Mesh(vertices, triangles)
     for _ in range(rounds):
         wanted = sizes(np.array(mesh.points)).tolist()
@@ -32,7 +32,7 @@ def remeshed(
 
 
 class _Mesh:
-    """Triangles with their vertices' faces, changed in place."""
+    """Triangles and the faces around each vertex, changed in place."""
 
     def __init__(self, vertices: FloatArray, triangles: Triangles) -> None:
         self.points: list[FloatArray] = list(vertices)
@@ -67,7 +67,7 @@ class _Mesh:
         return float(np.sqrt(difference @ difference))
 
     def put(self, face: int, corners: tuple[int, int, int]) -> None:
-        """Give ``face`` other corners."""
+        """Set the corners of ``face``."""
         self.drop(face)
         self.faces[face] = corners
         for vertex in corners:
@@ -107,7 +107,7 @@ def _collapse_short(mesh: _Mesh, wanted: list[float]) -> None:
 
 
 def _collapse(mesh: _Mesh, gone: int, kept: int, longest: float) -> None:
-    """Pull the edge together unless that would fold, pinch or coarsen the surface."""
+    """Collapse an edge unless that would fold, pinch or coarsen the surface."""
     shared = mesh.around[gone] & mesh.around[kept]
     if mesh.open[gone] and mesh.open[kept] and len(shared) != 1:
         return
@@ -160,7 +160,7 @@ def _split_long(mesh: _Mesh, wanted: list[float]) -> None:
 
 
 def _flip_uneven(mesh: _Mesh) -> None:
-    """Turn edges where that brings vertices nearer to six neighbours, four on the open edge."""
+    """Flip edges where that brings vertices nearer to six neighbours, or four on the open edge."""
     for a, b in mesh.edges():
         shared = mesh.around[a] & mesh.around[b]
         if len(shared) != 2:
@@ -182,12 +182,12 @@ def _flip_uneven(mesh: _Mesh) -> None:
 
 
 def _unevenness(mesh: _Mesh, vertex: int, change: int) -> int:
-    """Squared distance from the best number of faces round a vertex: six, three on the open edge."""
+    """Squared deviation from the ideal number of faces round a vertex: six, or three on the open edge."""
     return (len(mesh.around[vertex]) + change - (3 if mesh.open[vertex] else 6)) ** 2
 
 
 def _relaxed(vertices: FloatArray, triangles: Triangles, size: FloatArray) -> FloatArray:
-    """Vertices moved towards the middle of the faces around them, which evens the faces out."""
+    """Vertices moved towards the centres of the faces around them, which evens out the faces."""
     corners = vertices[triangles]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     weight = area / size[triangles].mean(axis=1) ** 2

@@ -1,4 +1,4 @@
-"""From a physique to a bound mesh."""
+"""Bound mesh of a physique."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ SOFTENINGS = 3
 
 
 def make_mannequin(physique: Physique) -> SkinnedMesh:
-    """The smooth body of ``physique`` in its rest pose, symmetric, closed, bound to its segments."""
+    """Smooth body of ``physique`` in its rest pose: symmetric, closed, and bound to its segments."""
     form, h = Form(physique), physique.stature
     points, _ = form.rest
     low = np.array([-0.16, 0.0, -0.03]) * h
@@ -55,7 +55,7 @@ def make_mannequin(physique: Physique) -> SkinnedMesh:
 
 
 def _hand_shapes(form: Form) -> HandShapes:
-    """Thumbs and fingers, the last vertices of the mesh, in their other shapes."""
+    """Other shapes of thumbs and fingers, the last vertices of the mesh."""
     shapes = [surface.whole_surface(*form.fingers(grip)) for grip in STORED_GRIPS]
     vertices = np.stack([places for places, _ in shapes])
     normals = np.stack([surface.vertex_normals(places, triangles) for places, triangles in shapes])
@@ -63,5 +63,5 @@ def _hand_shapes(form: Form) -> HandShapes:
 
 
 def _rounded(array: FloatArray, bits: int) -> NDArray[np.float32]:
-    """Rounded to 2^-bits: finer than the eye sees, and the file is half as long."""
+    """Array rounded to 2^-bits, invisible to the eye, which halves the file."""
     return (np.round(array * 2.0**bits) / 2.0**bits).astype(np.float32)

@@ -1,4 +1,4 @@
-"""A triangle mesh on the zero level of a distance field that is symmetric about y = 0."""
+"""Triangle mesh on the zero level of a distance field that is symmetric about y = 0."""
 
 from collections.abc import Callable
 
@@ -29,7 +29,7 @@ def left_half_surface(field: Field, low: FloatArray, high: FloatArray, cell: flo
 
 
 def whole_surface(vertices: FloatArray, triangles: Triangles) -> tuple[FloatArray, Triangles]:
-    """The closed surface: the half and its mirror image, joined along y = 0."""
+    """Closed surface: the half and its mirror image, joined along y = 0."""
     on_plane = vertices[:, 1] == 0
     twin = np.where(on_plane, np.arange(len(vertices)), len(vertices) + np.cumsum(~on_plane) - 1)
     reflected = vertices[~on_plane] * [1, -1, 1]
@@ -55,7 +55,7 @@ def gradient(field: Field, points: FloatArray, step: float = 1e-4) -> FloatArray
 
 
 def softened(vertices: FloatArray, triangles: Triangles, rounds: int) -> FloatArray:
-    """A closed mesh with its creases softened and its volume kept (Taubin 1995: a step in, a step out)."""
+    """Closed mesh with smoothed creases and the same volume (Taubin 1995: a step in, a step out)."""
     links = vertex_links(triangles, len(vertices))
     for _ in range(rounds):
         for step in (0.50, -0.53):
@@ -64,14 +64,14 @@ def softened(vertices: FloatArray, triangles: Triangles, rounds: int) -> FloatAr
 
 
 def vertex_links(triangles: Triangles, count: int) -> csr_array:
-    """(V, V) matrix that gives each vertex the mean of its neighbours."""
+    """(V, V) matrix that averages the neighbours of each vertex."""
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     shares = 1 / np.bincount(edges[:, 0], minlength=count)[edges[:, 0]]
     return csr_array((shares, (edges[:, 0], edges[:, 1])), shape=(count, count))
 
 
 def vertex_normals(vertices: FloatArray, triangles: Triangles) -> FloatArray:
-    """(V, 3) unit normals, the mean of the surrounding faces by area."""
+    """(V, 3) unit normals: the mean of the surrounding faces, weighted by area."""
     corners = vertices[triangles]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals = np.zeros_like(vertices)
@@ -81,7 +81,7 @@ def vertex_normals(vertices: FloatArray, triangles: Triangles) -> FloatArray:
 
 
 def _cell_vertices(values: FloatArray, grid: FloatArray, cell: float) -> tuple[FloatArray, NDArray[np.int64]]:
-    """The mean of each crossed cell's edge crossings, and for each cell its vertex or -1."""
+    """Mean of the edge crossings of each crossed cell, and the vertex of each cell or -1."""
     shape = tuple(n - 1 for n in values.shape)
     total, count = np.zeros((*shape, 3)), np.zeros(shape)
     for axis in range(3):
@@ -104,7 +104,7 @@ def _cell_vertices(values: FloatArray, grid: FloatArray, cell: float) -> tuple[F
 
 
 def _quads(values: FloatArray, index: NDArray[np.int64], axis: int) -> NDArray[np.int64]:
-    """(Q, 4) the cells round each crossed grid edge along ``axis``, counter-clockwise from outside."""
+    """(Q, 4) cells round each crossed grid edge along ``axis``, counter-clockwise from outside."""
     u, v = (axis + 1) % 3, (axis + 2) % 3
     turned = np.transpose(values, (axis, u, v))
     cells = np.transpose(index, (axis, u, v))

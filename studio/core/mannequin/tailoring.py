@@ -1,4 +1,4 @@
-"""A mannequin tailored to a measured body: the actor of a capture as a character."""
+"""Mannequin with the measures of a measured body: the actor of a capture as a character."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -16,14 +16,16 @@ _STEP = 0.045
 
 
 def tailored(name: str, colour: str, body: Morphology, patterns: Iterable[Character]) -> Character:
-    """A character of exactly the measures of ``body``, in the skin of the pattern that is nearest to it in stature."""
+    """Character with exactly the measures of ``body``, in the skin of the pattern with the nearest stature."""
     pattern = min(patterns, key=lambda each: abs(np.log(each.build.stature / body.stature)))
     build, skin = _with_spine_of(body, pattern)
     return Character(name, colour, body, fit_skin(skin, build, body))
 
 
 def _with_spine_of(body: Morphology, pattern: Character) -> tuple[Morphology, SkinnedMesh]:
-    """The pattern with as many vertebrae as ``body``, at the same shares of its own spine, and its skin bound so."""
+    """Pattern with as many vertebrae as ``body``, at the same fractions of its own spine, and its skin bound
+    accordingly.
+    """
     knots = np.vstack([np.zeros(3), np.cumsum(pattern.build.spine, axis=0)])
     places = np.interp(_arc(body.spine), _arc(pattern.build.spine), np.arange(len(knots)))
     points = np.stack([np.interp(places, np.arange(len(knots)), knots[:, axis]) for axis in range(3)], axis=1)
@@ -34,13 +36,13 @@ def _with_spine_of(body: Morphology, pattern: Character) -> tuple[Morphology, Sk
 
 
 def _arc(spine: FloatArray) -> FloatArray:
-    """(K+1,) share of the spine's length at each joint and at the neck base."""
+    """(K+1,) fraction of the spine's length at each joint and at the neck base."""
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(spine, axis=1))])
     return np.asarray(lengths / lengths[-1])
 
 
 def _rebound(pattern: Character, build: Morphology) -> FloatArray:
-    """(V, K'+18) shares of the segments of ``build``: of the trunk by height, of all else as they were."""
+    """(V, K'+18) weights of the segments of ``build``: those of the trunk by height, all others unchanged."""
     skin, old, new = pattern.skin, pattern.build.layout.spine_count, build.layout.spine_count
     dense = np.zeros((len(skin.vertices), pattern.build.layout.segment_count))
     np.put_along_axis(dense, skin.segments.astype(np.int64), skin.weights, axis=1)

@@ -1,1 +1,1 @@
-"""Optical markers: trials, which marker is what, joint centres, and the body that they move."""
+"""Optical markers: trials, marker maps, joint centres, and the body that is solved from them."""

@@ -1,4 +1,4 @@
-"""Axes of the segments of a body by its joint centres and markers: world axes when it stands in a T-pose.
+"""Axes of the segments of a body from its joint centres and markers; they equal the world axes in a T-pose.
 
 x forward, y left, z up; all arrays over frames; world axes, metres, no gaps.
 """
@@ -34,14 +34,14 @@ class Trunk:
 
 
 def upright(axes: FloatArray) -> FloatArray:
-    """The axes (F, 3, 3) turned so that z is up: only their heading is left."""
+    """Axes (F, 3, 3) with the same heading and z up."""
     left = axes[..., 1] - axes[..., 1] @ WORLD_UP[:, None] * WORLD_UP
     left = np.where(np.linalg.norm(left, axis=-1, keepdims=True) > 1e-6, left, [0.0, 1.0, 0.0])
     return frame_of(left, np.cross(left, WORLD_UP))
 
 
 def find_trunk(tracks: Tracks, joints: Tracks, stature: float, radius: float) -> Trunk:
-    """Pelvis and thorax; one that has no markers stands upright under or over the other one."""
+    """Pelvis and thorax; one without markers is upright under or over the other."""
     legs, arms = "left_hip" in joints, "left_shoulder" in joints
     trunk = 0.3 * stature
     pelvis = _pelvis(tracks, joints) if legs or has_pelvis(tracks) else None
@@ -70,9 +70,9 @@ HEAD_MARKERS = tuple(f"{side}_{end}_head" for end in ("front", "back") for side 
 
 
 def head_axes(tracks: Tracks, thorax: FloatArray) -> FloatArray | None:
-    """Axes (F, 3, 3) of the head, level on average over the thorax; None where it has not three markers.
+    """Axes (F, 3, 3) of the head, level on average over the thorax; None without three markers.
 
-    Three show how it turns, not where it looks: it is taken to look where the chest does, on average.
+    Markers show the rotations of the head, but not its front: on average it is taken to face as the chest does.
     """
     names = [name for name in HEAD_MARKERS if name in tracks]
     if len(names) < 3:
@@ -89,9 +89,9 @@ def head_axes(tracks: Tracks, thorax: FloatArray) -> FloatArray | None:
 def leg_axes(
     joints: Tracks, tracks: Tracks, side: str, pelvis: FloatArray, thigh: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Thigh and shank (F, 3, 3): z from the far joint to the near one, y the axis about which the knee bends.
+    """Thigh and shank (F, 3, 3): z from the distal joint to the proximal one, y the axis about which the knee bends.
 
-    The shank begins where a ``thigh`` of that length ends.
+    The shank begins at the end of a ``thigh`` of the given length.
     """
     hip, knee, ankle = (joints[f"{side}_{joint}"] for joint in ("hip", "knee", "ankle"))
     out = 1.0 if side == "left" else -1.0
@@ -109,9 +109,8 @@ def arm_axes(
     joints: Tracks, tracks: Tracks, side: str, thorax: FloatArray, shoulder: FloatArray, length: float
 ) -> tuple[FloatArray, FloatArray]:
     """Upper arm and forearm (F, 3, 3): y along the bone to the left, z up where the palm is down and the elbow bends
-    forward.
-
-    From where the body has its ``shoulder`` (F, 3); the forearm begins where an upper arm of that ``length`` ends.
+    forward. The arm begins at the body's ``shoulder`` (F, 3); the forearm begins at the end of an upper arm of that
+    ``length``.
     """
     elbow, wrist = (joints[f"{side}_{joint}"] for joint in ("elbow", "wrist"))
     out = 1.0 if side == "left" else -1.0
@@ -127,7 +126,7 @@ def arm_axes(
 
 
 def hand_axes(joints: Tracks, tracks: Tracks, side: str, forearm: FloatArray) -> FloatArray:
-    """The hand (F, 3, 3): y along it to the left, x to the thumb's side; the forearm's where it has no marker."""
+    """Hand (F, 3, 3): y along it to the left, x to the thumb's side; the forearm's axes if it has no marker."""
     end = tracks.get(f"{side}_hand")
     if end is None:
         return forearm
@@ -136,8 +135,8 @@ def hand_axes(joints: Tracks, tracks: Tracks, side: str, forearm: FloatArray) ->
 
 
 def foot_axes(joints: Tracks, tracks: Tracks, side: str, shank: FloatArray, shown: NDArray[np.bool_]) -> FloatArray:
-    """The foot (F, 3, 3): x forward along it, level where it is lowest of the frames ``shown`` (F,); square to the
-    shank where it has no marker.
+    """Foot (F, 3, 3): x forward along it, level where it is lowest among the frames ``shown`` (F,); perpendicular to
+    the shank if it has no marker.
     """
     toe = tracks.get(f"{side}_toe")
     if toe is None:
@@ -177,26 +176,26 @@ def _neck(tracks: Tracks, joints: Tracks) -> FloatArray:
 
 
 def _levelled(axes: FloatArray, up: FloatArray) -> FloatArray:
-    """The axes pitched by one angle for all frames, so that ``up`` (F, 3) leans neither forward nor back on average."""
+    """Axes pitched by one constant angle, so that ``up`` (F, 3) leans neither forward nor back on average."""
     local = np.einsum("fji,fj->fi", axes, normalized(up))
     return axes @ _pitch(-float(np.median(np.arctan2(local[:, 0], local[:, 2]))))
 
 
 def _pitch(angle: float) -> FloatArray:
-    """``axes @ _pitch(angle)`` have their x axis tipped up by ``angle``."""
+    """Rotation whose product ``axes @ _pitch(angle)`` has the x axis raised by ``angle``."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
 
 
 def _along_z(bone: FloatArray, left: FloatArray) -> FloatArray:
-    """Axes with z along ``bone`` and y as near to ``left`` as that allows."""
+    """Axes with z along ``bone`` and y as near to ``left`` as possible."""
     z = normalized(bone)
     y = normalized(left - np.sum(left * z, axis=-1, keepdims=True) * z)
     return np.stack([np.cross(y, z), y, z], axis=-1)
 
 
 def mean_rotation(rotations: FloatArray) -> FloatArray:
-    """The rotation (3, 3) nearest to the mean of rotations (F, 3, 3)."""
+    """Rotation (3, 3) nearest to the mean of rotations (F, 3, 3)."""
     u, _, v = np.linalg.svd(rotations.mean(axis=0))
     return np.asarray(u @ np.diag([1.0, 1.0, np.linalg.det(u @ v)]) @ v)
 

@@ -1,6 +1,6 @@
-"""Cleaning steps: what is done to a trial's points before a body is solved from them, each with its report.
+"""Cleaning steps, applied to a trial's points before a body is solved from them, each with its report.
 
-The trial is kept as it was recorded; the steps stand beside it in a list and are done anew whenever it changes.
+The recorded trial is kept; the steps are a list beside it and are applied again whenever the list changes.
 """
 
 from collections.abc import Callable, Sequence
@@ -52,7 +52,7 @@ class UndoSwaps:
     title: ClassVar[str] = "Undo swaps"
 
     def apply(self, trial: Trial) -> tuple[Trial, StepReport]:
-        """The trial with each pair exchanged from the frame on where its tracks cross over."""
+        """Trial in which each pair of swapped labels is exchanged from the frame on where its tracks cross."""
         swaps = find_swaps(trial.points, _places(trial), trial.frame_rate, trial.metres)
         details = [
             f"{trial.labels[swap.first]} and {trial.labels[swap.second]} from frame {swap.frame} on" for swap in swaps
@@ -66,7 +66,7 @@ class UndoSwaps:
 
 @dataclass(frozen=True)
 class FillShortGaps:
-    """Lead a marker through its short gaps on a spline."""
+    """Fill short gaps of a marker by a spline."""
 
     kind: Literal["fill_short_gaps"] = "fill_short_gaps"
     longest: float = 0.15
@@ -77,7 +77,7 @@ class FillShortGaps:
         _positive(self.longest, "The longest gap to be splined")
 
     def apply(self, trial: Trial) -> tuple[Trial, StepReport]:
-        """Gaps up to ``longest`` that are seen on both sides."""
+        """Trial with gaps of up to ``longest`` filled that have frames on both sides."""
         most = int(self.longest * trial.frame_rate + 1e-9)
         gaps = [gap for gap in find_gaps(trial.points, _places(trial)) if gap.frames <= most]
         return _filled(trial, self.title, gaps, spline_through, "on a spline")
@@ -85,13 +85,15 @@ class FillShortGaps:
 
 @dataclass(frozen=True)
 class FillLongGaps:
-    """Let three neighbours or more on the same bone carry a marker through its long gaps."""
+    """Fill long gaps of a marker by the rigid motion of at least three neighbours on the same bone."""
 
     kind: Literal["fill_long_gaps"] = "fill_long_gaps"
     title: ClassVar[str] = "Fill long gaps"
 
     def apply(self, trial: Trial) -> tuple[Trial, StepReport]:
-        """All gaps through which stiff neighbours are seen, the shortest first: what is filled may help the next."""
+        """Trial with all gaps filled through which rigid neighbours are seen, the shortest first, since a filled marker
+        may help the next one.
+        """
         places = _places(trial)
         gaps = sorted(find_gaps(trial.points, places), key=lambda gap: gap.frames)
         known = stiffness(trial.points, places, trial.metres)
@@ -106,7 +108,7 @@ class FillLongGaps:
 
 @dataclass(frozen=True)
 class LowPass:
-    """Take the tremble out of the points: a Butterworth filter of fourth order without lag."""
+    """Remove tremble from the points by a Butterworth filter of fourth order without lag."""
 
     kind: Literal["low_pass"] = "low_pass"
     cutoff: float = 8.0
@@ -117,10 +119,10 @@ class LowPass:
         _positive(self.cutoff, "The cut-off frequency")
 
     def apply(self, trial: Trial) -> tuple[Trial, StepReport]:
-        """Every stretch without gaps for itself, forth and back.
+        """Trial in which each run without gaps is filtered forwards and backwards.
 
-        The cut-off is corrected for two passes and for the frame rate (Winter 2009):
-        tan(pi f / rate) / (sqrt 2 - 1)^1/4.
+        The cut-off is corrected for two passes and for the frame rate (Winter 2009): tan(pi f / rate) / (sqrt 2 -
+        1)^1/4.
         """
         from scipy.signal import butter, sosfiltfilt  # slow to import, and few trials are smoothed
 
@@ -159,7 +161,7 @@ USUAL_STEPS: tuple[Step, ...] = (FillShortGaps(), FillLongGaps())
 
 
 def clean(trial: Trial, steps: Sequence[Step]) -> tuple[Trial, tuple[StepReport, ...]]:
-    """The trial after all steps, in order, and what each of them did; ``trial`` itself stays."""
+    """Trial after all steps, in order, and the report of each; ``trial`` itself is unchanged."""
     reports = []
     for step in steps:
         trial, report = step.apply(trial)

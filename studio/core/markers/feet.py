@@ -1,6 +1,6 @@
-"""The long axis of a foot: from its heel to between the heads of the first and fifth metatarsals.
+"""The long axis of a foot: from its heel to the middle of the heads of the first and fifth metatarsals.
 
-All places are (F, 3) by role, in axes that are fixed in space; NaN where a marker was not seen.
+All positions are (F, 3) by role, in axes that are fixed in space; NaN where a marker was not seen.
 """
 
 from collections.abc import Mapping
@@ -13,20 +13,31 @@ from studio.core.rotations import normalized
 
 FloatArray = NDArray[np.float64]
 
-TOES = ("toe", "inner_toe", "outer_toe")
+TOES = ("toe", "inner_toe", "outer_toe", "big_toe")
 """Places that show the front of a foot."""
 _EDGE = float(np.tan(np.radians(12.0)))
 """Part of the way from the heel to the ball by which the fifth metatarsal, or the first, lies beside the long axis."""
 _ANKLE_TO_BALL = 0.72
 """Part of the way from heel to ball that lies before the ankle."""
+_TIP_TO_BALL = {"heel": 0.72, "ankle": 0.62}
+"""Part of the way to the tip of the big toe at which the ball lies, by the place behind from which the way begins."""
+_TIP_INWARD = np.radians(5.0)
+"""Angle at the heel by which the tip of the big toe lies inside the long axis."""
+_TIP = {"toe": 0.245, "big_toe": 0.23}
+"""Parts of a leg from its heel beyond which a marker of that name lies before the ball, on a toe (0.26 to 0.28; on the
+ball 0.15 to 0.24)."""
+_ANKLE_TO_TIP = 0.85
+"""The same limits for the way from the ankle."""
+_KNEE_TO_PELVIS = 1.9
+"""Length of a leg from the pelvis to the heel, in parts of that from the knee to the heel."""
 _SHORTEST, _USUAL = 0.13, 0.17
 """Parts of a leg, from the pelvis to the foot, from heel to ball: where it is no cluster on the foot, and as a rule."""
 
 
 def feet_axes(tracks: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """Toes and heels by role as they lie on the long axes of the feet, where markers beside the axes tell.
+    """Toes and heels by role, moved to the long axes of the feet where other markers show these.
 
-    Two markers that are too near each other to be heel and toe show a direction: they are drawn apart along it.
+    Two markers that are too near each other to be heel and toe only give the direction: they are moved apart along it.
     """
     found: dict[str, FloatArray] = {}
     for side in SIDE_WORDS:
@@ -46,23 +57,48 @@ def feet_axes(tracks: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
 
 
 def _toe(tracks: Mapping[str, FloatArray], side: str) -> FloatArray | None:
-    toe, inner, outer = (tracks.get(f"{side}_{name}") for name in TOES)
+    inner, outer = (tracks.get(f"{side}_{name}") for name in ("inner_toe", "outer_toe"))
     if inner is not None and outer is not None:
         return 0.5 * (inner + outer)
-    if toe is not None:
+    named = next((name for name in _TIP if f"{side}_{name}" in tracks), None)
+    toe = tracks.get(f"{side}_{named}")
+    tip = toe if toe is not None and named and _is_tip(tracks, side, toe, _TIP[named]) else None
+    if toe is not None and tip is None:
         return toe
-    edge = outer if inner is None else inner
-    behind = next((tracks[f"{side}_{name}"] for name in ("heel", "ankle") if f"{side}_{name}" in tracks), None)
-    if edge is None or behind is None:
-        return edge
+    front = tip if inner is None and outer is None else outer if inner is None else inner
+    behind = next((name for name in _TIP_TO_BALL if f"{side}_{name}" in tracks), None)
+    if front is None or behind is None:
+        return front
+    heel = tracks[f"{side}_{behind}"]
     above = next((tracks[f"{side}_{name}"] for name in ("knee", "ankle") if f"{side}_{name}" in tracks), None)
-    if above is None or above is behind:
-        return edge
-    angle = np.arctan(_EDGE if f"{side}_heel" in tracks else _EDGE / _ANKLE_TO_BALL)
-    leftward = normalized(np.cross(above - behind, edge - behind))
-    inward = leftward if (side == "right") == (inner is None) else -leftward
-    across = np.linalg.norm(edge - behind, axis=-1, keepdims=True) * inward
-    return np.asarray(behind + np.cos(angle) * (np.cos(angle) * (edge - behind) + np.sin(angle) * across))
+    if above is None or above is heel:
+        return front
+    angle, part = np.arctan(_EDGE if behind == "heel" else _EDGE / _ANKLE_TO_BALL), 1.0
+    if front is tip:
+        angle, part = _TIP_INWARD, _TIP_TO_BALL[behind]
+    leftward = normalized(np.cross(above - heel, front - heel))
+    aside = leftward if (side == "left") == (front is not outer) else -leftward
+    across = np.linalg.norm(front - heel, axis=-1, keepdims=True) * aside
+    return np.asarray(heel + part * np.cos(angle) * (np.cos(angle) * (front - heel) + np.sin(angle) * across))
+
+
+def _is_tip(tracks: Mapping[str, FloatArray], side: str, toe: FloatArray, limit: float) -> bool:
+    """True if a marker (F, 3) lies so far from its heel, or its ankle, that it is before the ball of the foot."""
+    behind = next((name for name in _TIP_TO_BALL if f"{side}_{name}" in tracks), None)
+    above = next(
+        (
+            (tracks[f"{side}_{name}"], parts)
+            for name, parts in (("front_hip", 1.0), ("knee", _KNEE_TO_PELVIS))
+            if f"{side}_{name}" in tracks
+        ),
+        None,
+    )
+    if behind is None or above is None:
+        return False
+    heel = tracks[f"{side}_{behind}"]
+    leg = above[1] * _longest(np.linalg.norm(heel - above[0], axis=-1))
+    limit = limit if behind == "heel" else _ANKLE_TO_TIP * limit
+    return 0.0 < limit * leg < _median(np.linalg.norm(toe - heel, axis=-1))
 
 
 def _longest(lengths: FloatArray) -> float:

@@ -1,4 +1,4 @@
-"""Force on each force plate, in the plate's axes, from the analog channels that it feeds."""
+"""Force on each force plate, in the plate's axes, from its analog channels."""
 
 from dataclasses import dataclass
 
@@ -27,7 +27,7 @@ _BREAK, _SHORTEST = 0.05, 0.1
 
 @dataclass(frozen=True, eq=False)
 class PlateLoad:
-    """A step on a force plate, loaded from frame ``first`` to ``last``, both included, and empty around."""
+    """Step on a force plate, loaded from frame ``first`` to ``last``, both included, and unloaded before and after."""
 
     first: int
     last: int
@@ -36,9 +36,9 @@ class PlateLoad:
 
 
 def plate_force(trial: Trial, plate: ForcePlate) -> FloatArray:
-    """(N, 3) in the units of the channels: along x and y of the plate, and across it.
+    """(N, 3) force in the units of the channels, along x and y of the plate and perpendicular to it.
 
-    Kinds 1 and 2 give the force itself, 3 has eight sensors (x12, x34, y14, y23, z1 to z4), 4 needs its calibration.
+    Types 1 and 2 give the force itself, 3 has eight sensors (x12, x34, y14, y23, z1 to z4), 4 needs its calibration.
     """
     raw = _calibrated(trial, plate)
     if plate.kind == 3:
@@ -48,12 +48,12 @@ def plate_force(trial: Trial, plate: ForcePlate) -> FloatArray:
 
 
 def plate_reactions(trial: Trial, plate: ForcePlate) -> tuple[FloatArray, FloatArray]:
-    """Centres of pressure (N, 3), in file units and axes, and ground reaction forces (N, 3).
+    """Centres of pressure (N, 3), in file units and axes, and ground reaction forces (N, 3); NaN for an unloaded plate.
 
-    NaN while nobody stands there. The plate's x runs from corner 2 to corner 1, its y from corner 4 to corner 1 (C3D
-    user guide). With the sensors h below the surface the centre of pressure lies at x = -(My + h Fx) / Fz,
-    y = (Mx - h Fy) / Fz; kind 1 gives it outright, kind 3 by the loads of its four corners, which stand ``origin`` away
-    from the middle. Files disagree whether a foot pushes or is pushed: the ground pushes up.
+    The plate's x runs from corner 2 to corner 1, its y from corner 4 to corner 1 (C3D user guide). With the sensors h
+    below the surface the centre of pressure is x = -(My + h Fx) / Fz, y = (Mx - h Fy) / Fz; type 1 gives it directly,
+    type 3 by the loads of its four corners, which are ``origin`` away from the middle. Files disagree about the sign of
+    the force; here the ground pushes up.
     """
     corners, force, raw = plate.corners, plate_force(trial, plate), _calibrated(trial, plate)
     sides = np.stack([corners[0] - corners[1], corners[0] - corners[3]])
@@ -81,7 +81,7 @@ def plate_reactions(trial: Trial, plate: ForcePlate) -> tuple[FloatArray, FloatA
 
 
 def plates_height(trial: Trial, turn: FloatArray, near: float) -> float | None:
-    """Height in metres of the level force plates, in world axes: ``turn`` (3, 3) brings points (N, 3) there.
+    """Height in metres of the level force plates, in world axes: ``turn`` (3, 3) rotates points (N, 3) there.
 
     Of plates at several heights the one nearest to ``near``; None without a level plate within reach of it.
     """
@@ -97,9 +97,9 @@ def plates_height(trial: Trial, turn: FloatArray, near: float) -> float | None:
 
 
 def plate_loads(trial: Trial, turn: FloatArray) -> tuple[PlateLoad, ...]:
-    """Steps on all plates of a trial; ``turn`` (3, 3) brings points (N, 3) to world axes.
+    """Steps on all plates of a trial; ``turn`` (3, 3) rotates points (N, 3) to world axes.
 
-    Amplifiers drift: the force on an empty plate is subtracted, and a plate that is never empty shows no step.
+    Amplifiers drift, so the force on an empty plate is subtracted; a plate that is never empty shows no step.
     """
     samples_a_frame, found = trial.analog.rate / trial.frame_rate, []
     for plate in trial.plates if len(trial.analog.samples) else ():

@@ -1,4 +1,4 @@
-"""Joint centres by how two bones move about each other, where no marker lies beside the joint."""
+"""Functional joint centres: from the relative motion of two bones, for joints without a marker."""
 
 from collections.abc import Sequence
 
@@ -22,7 +22,7 @@ _INDEPENDENT = 100
 def cluster_axes(markers: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Rigid motion of a cluster (F, n, 3), n > 2, of markers: centres (F, 3), rotations (F, 3, 3) of its mean shape.
 
-    The mean shape is found by laying all frames over the first complete one (Kabsch 1976).
+    The mean shape is found by aligning all frames with the first complete one (Kabsch 1976).
     """
     seen = whole(markers).all(axis=1)
     if not seen.any():
@@ -37,10 +37,10 @@ def cluster_axes(markers: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def centre_of_rotation(upper: FloatArray, lower: FloatArray, usual: FloatArray) -> FloatArray:
-    """The joint (F, 3) between two clusters (F, n, 3) (symmetrical estimation, Ehrig et al. 2006).
+    """Joint (F, 3) between two clusters (F, n, 3) (symmetrical centre of rotation estimation, Ehrig et al.
 
-    Least squares for a point at rest in both: R1 c1 + t1 = R2 c2 + t2 over all frames, drawn lightly to ``usual``
-    (F, 3), where the joint is by the look of the markers. NaN where a cluster is not seen.
+    2006). Least squares for a point that is fixed in both: R1 c1 + t1 = R2 c2 + t2 over all frames, with a weak prior
+    ``usual`` (F, 3), the joint by the markers alone. NaN where a cluster is not seen.
     """
     (t1, r1), (t2, r2) = cluster_axes(upper), cluster_axes(lower)
     seen = whole(t1) & whole(t2) & whole(usual)
@@ -58,9 +58,8 @@ def centre_of_rotation(upper: FloatArray, lower: FloatArray, usual: FloatArray) 
 
 
 def shift_of_centres(tracks: Sequence[FloatArray], centres: Sequence[FloatArray], direction: FloatArray) -> float:
-    """Metres along ``direction`` (3,) by which centres (3,) are moved so that tracks (F, 3) keep their distances.
-
-    The most probable shift, by Gauss and Newton, where centres and tracks are off as they are as a rule.
+    """Displacement in metres along ``direction`` (3,) of centres (3,) after which tracks (F, 3) keep their distances
+    best. The most probable one, by Gauss-Newton, given the usual errors of centres and tracks.
     """
     shift = 0.0
     for _ in range(_STEPS):
@@ -79,7 +78,7 @@ def shift_of_centres(tracks: Sequence[FloatArray], centres: Sequence[FloatArray]
 
 
 def _turns(shape: FloatArray, targets: FloatArray) -> FloatArray:
-    """Rotations (F, 3, 3) that lay ``shape`` (n, 3) best over ``targets`` (F, n, 3), both about their middle."""
+    """Rotations (F, 3, 3) that align ``shape`` (n, 3) best with ``targets`` (F, n, 3), both about their means."""
     u, _, v = np.linalg.svd(np.einsum("ni,fnj->fij", shape, targets))
     turn = np.ones((len(targets), 3))
     turn[:, 2] = np.sign(np.linalg.det(u) * np.linalg.det(v))

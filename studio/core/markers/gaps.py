@@ -1,4 +1,4 @@
-"""Gaps: frames in which a marker was not seen, filled by its own path when short, by its neighbours when long."""
+"""Gaps: frames in which a marker was not seen, filled by its own path if short, by its neighbours if long."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ _STIFF = 0.02
 
 @dataclass(frozen=True)
 class Gap:
-    """Frames ``first`` to ``last``, both included, in which marker ``place`` was not seen."""
+    """Frames ``first`` to ``last``, both included, in which the marker of index ``place`` was not seen."""
 
     place: int
     first: int
@@ -39,7 +39,9 @@ class Gap:
 
 
 def find_gaps(points: FloatArray, places: tuple[int, ...]) -> Iterator[Gap]:
-    """The gaps of some of the points (F, P, 3), also those at the beginning and the end; none where never seen."""
+    """Gaps of some of the points (F, P, 3), those at the beginning and the end included; none for points that are never
+    seen.
+    """
     for place in places:
         unseen = ~whole(points[:, place])
         if unseen.all():
@@ -49,9 +51,9 @@ def find_gaps(points: FloatArray, places: tuple[int, ...]) -> Iterator[Gap]:
 
 
 def spline_through(points: FloatArray, gap: Gap) -> FloatArray | None:
-    """Places (n, 3) in the gap on a cubic spline through the nearest frames on both sides.
+    """Positions (n, 3) in the gap on a cubic spline through the nearest frames on both sides.
 
-    None where fewer than two frames are seen on one side of it.
+    None if fewer than two frames are seen on one side of it.
     """
     from scipy.interpolate import CubicSpline  # slow to import, and most files have no markers
 
@@ -66,14 +68,14 @@ def spline_through(points: FloatArray, gap: Gap) -> FloatArray | None:
 
 @dataclass(frozen=True)
 class Stiffness:
-    """Between any two of some points: mean distance and how much it varies (P, P), metres; NaN on the diagonal."""
+    """Mean distance of each pair of points and its standard deviation (P, P), metres; NaN on the diagonal."""
 
     mean: FloatArray
     spread: FloatArray
 
 
 def stiffness(points: FloatArray, places: tuple[int, ...], metres: float) -> Stiffness:
-    """Over frames spread through the trial in which both are seen; ``metres`` a unit."""
+    """``Stiffness`` over frames spread through the trial in which both points are seen; ``metres`` a unit."""
     frames = np.unique(np.linspace(0, len(points) - 1, _LOOKED_AT).astype(int))
     mean, spread = (np.full((points.shape[1], points.shape[1]), np.nan) for _ in range(2))
     there = metres * points[frames][:, list(places)]
@@ -89,10 +91,11 @@ def stiffness(points: FloatArray, places: tuple[int, ...], metres: float) -> Sti
 
 
 def pattern_through(points: FloatArray, gap: Gap, known: Stiffness) -> FloatArray | None:
-    """Places (n, 3) in the gap as the stiffest neighbours carry the marker; None without three of them.
+    """Positions (n, 3) in the gap by the motion of the most rigid neighbours; None without three of them.
 
-    The rigid motion (Kabsch 1976) of the neighbours, the stiffer the more they are trusted, from the last frame before
-    the gap and from the first one after it, each weighed by how near it is, so that the path joins on both sides.
+    The rigid motion (Kabsch 1976) of the neighbours, weighted by their rigidity, is taken from the last frame before
+    the gap and from the first one after it; both are blended by their nearness, so that the path is continuous on both
+    sides.
     """
     donors = _donors(points, gap, known)
     if len(donors) < 3:
@@ -110,7 +113,7 @@ def pattern_through(points: FloatArray, gap: Gap, known: Stiffness) -> FloatArra
 
 
 def _donors(points: FloatArray, gap: Gap, known: Stiffness) -> list[int]:
-    """Markers seen all through the gap and beside it that keep their distance to its marker best."""
+    """Markers seen through the whole gap and beside it that keep their distance to its marker best."""
     mean, spread = known.mean[gap.place], known.spread[gap.place]
     stiff = np.flatnonzero((mean > 0.01) & (spread < _STIFF))
     around = points[max(gap.first - 1, 0) : gap.last + 2, stiff]
@@ -120,7 +123,7 @@ def _donors(points: FloatArray, gap: Gap, known: Stiffness) -> list[int]:
 
 
 def _spread_out(places: FloatArray, stiff: list[int]) -> list[int]:
-    """The first few that do not lie on one line: three on a line carry nothing round it."""
+    """The first few that are not on one line: three on a line do not define a rotation about it."""
     chosen = stiff[:2]
     for donor in stiff[2:]:
         legs = places[[*chosen[1:], donor]] - places[chosen[0]]
@@ -133,7 +136,7 @@ def _spread_out(places: FloatArray, stiff: list[int]) -> list[int]:
 
 
 def _carried(source: FloatArray, marker: FloatArray, targets: FloatArray, trust: FloatArray) -> FloatArray:
-    """Way of ``marker`` (3,) when ``source`` (n, 3) moves rigidly onto each of ``targets`` (F, n, 3).
+    """Path of ``marker`` (3,) if ``source`` (n, 3) moves rigidly to each of ``targets`` (F, n, 3).
 
     ``trust`` (n,) are weights that sum to one.
     """

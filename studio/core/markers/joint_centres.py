@@ -1,6 +1,6 @@
 """Joint centres from markers: by the equations of Plug-in-Gait, or midway between the two sides of a joint.
 
-All lengths are metres, all places (F, 3) in axes that are fixed in space; NaN where a marker was not seen.
+All lengths are metres, all positions (F, 3) in axes that are fixed in space; NaN where a marker was not seen.
 """
 
 from collections.abc import Mapping
@@ -25,9 +25,8 @@ _TRUNK = ("neck_back", "back", "collar", "breastbone")
 
 
 def joint_centres(markers: Mapping[str, FloatArray], measures: Measures) -> dict[str, FloatArray]:
-    """``left_hip, left_knee, left_ankle, left_shoulder, left_elbow, left_wrist`` and those of the right, (F, 3).
-
-    From each role's markers (F, n, 3), as far as they allow; what several markers of a role show is their middle.
+    """``left_hip, left_knee, left_ankle, left_shoulder, left_elbow, left_wrist`` and those of the right, (F, 3), from
+    each role's markers (F, n, 3), as far as they suffice; several markers of a role count as their mean.
     """
     tracks = middles(markers)
     joints: dict[str, FloatArray] = {}
@@ -38,10 +37,10 @@ def joint_centres(markers: Mapping[str, FloatArray], measures: Measures) -> dict
 
 
 def with_hips_of_thighs(markers: Mapping[str, FloatArray], measures: Measures) -> Measures:
-    """The measures with both hips moved forward or back in the pelvis as thighs of constant length show.
+    """Measures with both hips moved forward or back in the pelvis so that thighs have constant lengths.
 
-    The depth of a hip is what its regression knows least, and what walking shows best; its height and its width are
-    left to the regression.
+    The depth of a hip is the least certain result of its regression, and the one that walking shows best; height and
+    width are left to the regression.
     """
     tracks, joints = middles(markers), joint_centres(markers, measures)
     if not has_pelvis(tracks) or any(f"{side}_knee" not in joints for side in SIDE_WORDS):
@@ -55,11 +54,11 @@ def with_hips_of_thighs(markers: Mapping[str, FloatArray], measures: Measures) -
 
 
 def chord(start: FloatArray, marker: FloatArray, wand: FloatArray, offset: float, turn: float = 0.0) -> FloatArray:
-    """The joint D at ``offset`` from ``marker`` with a right angle there between it and ``start``.
+    """Joint D at the distance ``offset`` from ``marker``, with a right angle there between it and ``start``.
 
-    It lies in the plane of the three, on the side away from ``wand``: with e = unit(B - A), w the unit part of
-    (W - A) orthogonal to e and s = offset / |AB|, D = A + |AB| c (c e - s w). ``turn`` radians about e correct a wand
-    that was not put on exactly (Vicon's thigh and shank rotation).
+    It is in the plane of the three, on the side away from ``wand``: with e = unit(B - A), w the unit part of (W - A)
+    orthogonal to e and s = offset / |AB|, D = A + |AB| c (c e - s w). A rotation by ``turn`` radians about e corrects a
+    misplaced wand (Vicon's thigh and shank rotation).
     """
     bone = marker - start
     length = np.linalg.norm(bone, axis=-1, keepdims=True)
@@ -123,7 +122,9 @@ def _leg(
 
 
 def _knee_of_clusters(markers: Mapping[str, FloatArray], side: str, outward: FloatArray) -> FloatArray | None:
-    """Centre about which thigh and shank turn; usually midway between their markers, which lie on the outside."""
+    """Centre about which thigh and shank rotate; the prior is midway between their markers, which are
+    on the outside.
+    """
     thigh, shank = markers.get(f"{side}_thigh"), markers.get(f"{side}_shank")
     if thigh is None or shank is None or min(thigh.shape[1], shank.shape[1]) < 3:
         return None
@@ -132,7 +133,7 @@ def _knee_of_clusters(markers: Mapping[str, FloatArray], side: str, outward: Flo
 
 
 def _ankle_of_foot(tracks: Tracks, joints: Tracks, side: str) -> FloatArray | None:
-    """By proportion: over the hind part of the foot, towards the knee."""
+    """Ankle by proportion: above the hind part of the foot, towards the knee."""
     heel, toe, knee = tracks.get(f"{side}_heel"), tracks.get(f"{side}_toe"), joints.get(f"{side}_knee")
     if heel is None or toe is None or knee is None:
         return None
@@ -162,7 +163,9 @@ def _arm(tracks: Tracks, measures: Measures, place: int, joints: dict[str, Float
 
 
 def _shoulder(tracks: Tracks, measures: Measures, marker: FloatArray, own: SideMeasures, out: int) -> FloatArray:
-    """By the thorax and its wand that points up from the shoulder; else as far straight towards the other hip."""
+    """Shoulder by the thorax and its wand that points up from the shoulder; else straight towards the other hip by the
+    same distance.
+    """
     thorax = thorax_frame(tracks, measures.radius)
     if thorax is not None:
         origin, axes = thorax

@@ -1,4 +1,4 @@
-"""Markers that jump: that are for a frame, or from a frame on, where no body can have brought them."""
+"""Markers that jump: for a frame, or from a frame on, they are where no body can have moved them."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +12,10 @@ JUMP_DISTANCE, JUMP_ACCELERATION = 0.04, 200.0
 
 
 def jumps(trial: Trial) -> dict[str, tuple[NDArray[np.bool_], float]]:
-    """By label of a marker that jumps: (F,) whether it does into a frame, and by how many metres at most.
+    """Label of each marker that jumps: (F,) true for frames into which it jumps, and the greatest jump in metres.
 
-    A body that speeds up or strikes takes steps between those before and after them; a jump lies off both. Where one
-    of these was not seen it is unlike the other.
+    A body that accelerates or strikes takes steps between those before and after; a jump is off both. Without one of
+    these frames it only has to differ from the other.
     """
     allowed = max(JUMP_DISTANCE, JUMP_ACCELERATION / trial.frame_rate**2)
     found = {}

@@ -1,4 +1,4 @@
-"""Words by which marker sets name places on a body: anatomical Latin, English, French, initials, joint centres."""
+"""Words of marker sets for positions on a body: anatomical Latin, English, French, initials, joint centres."""
 
 import re
 from functools import lru_cache
@@ -47,9 +47,10 @@ PART_WORDS: tuple[tuple[str, str], ...] = (
         r"f?mth?5|fm5|mh5|mtp5|5(th)?.?(meta?|metatarsal|mt|mh|mtp)|5th|vmh?|d5m|fl|(toe|forefoot|foot|ft).?(out|l|lat)|fifth.?met.*|metatarsal.?5",
     ),
     ("met", r"met\d*|mt"),
+    ("big_toe", r"(big|great|1st|first).?toe\d?|(toe|foot).?(tip|end|nail)|hal(lux)?|hlx|dp1|gros.?orteil"),
     (
         "toe",
-        r"toe|(toe|foot).?tip|toe.?base|metatarsal.?[23]|foot.?index|to|toes|big.?toe|hal(lux)?|hlx|f?mth?[23]|fm[23]|mh[23]|[23](nd|rd)?.?(met(atarsal)?|mt|mh|mtp)|2nd|smh?|"
+        r"toe|toe.?base|metatarsal.?[23]|foot.?index|to|toes|f?mth?[23]|fm[23]|mh[23]|[23](nd|rd)?.?(met(atarsal)?|mt|mh|mtp)|2nd|smh?|"
         r"foo\d*|fore.?foot|ball|second.?met.*|orteil",
     ),
     ("foot", r"ft\d*|foot\d*"),
@@ -114,12 +115,12 @@ _TOKENS = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+")
 
 @lru_cache(maxsize=4096)
 def side_and_part(label: str) -> tuple[str, str] | None:
-    """(side, part) that a label says, side empty in the middle; None where it says nothing known."""
+    """(side, part) named by a label; the side is empty in the middle of the body. None for an unknown label."""
     return _said(label) or _said(_NUMBERED.sub("", label))
 
 
 def initials_of(label: str) -> tuple[str, list[str]]:
-    """Side, and the parts for which the letters of a label may stand, the likeliest first."""
+    """Side, and the parts that the letters of a label may stand for, the likeliest first."""
     for side, rest in _sides_at_the_ends(label.lower()):
         if parts := [part for part, words in INITIALS if re.fullmatch(words, rest)]:
             return side, parts
@@ -139,7 +140,7 @@ def _said(label: str) -> tuple[str, str] | None:
 
 
 def _sides_at_the_ends(plain: str) -> list[tuple[str, str]]:
-    """Sides that a label may begin or end with, and the rest: ``lknee``, ``knee_l``, ``left.knee``."""
+    """Side at the beginning or end of a label, and the rest: ``lknee``, ``knee_l``, ``left.knee``."""
     names = [(side, name) for side in SIDE_WORDS for name in (side, side[0])]
     names += [(side, f"{side[0]}t") for side in SIDE_WORDS]
     found = [(side, plain[len(name) :]) for side, name in names if plain.startswith(name)]
@@ -151,7 +152,7 @@ def _sides_at_the_ends(plain: str) -> list[tuple[str, str]]:
 
 
 def _side_within(label: str) -> list[tuple[str, str]]:
-    """A side among words that are joined: ``WaistLFront``, ``pLeftToe``."""
+    """Side among joined words: ``WaistLFront``, ``pLeftToe``."""
     tokens = [token.lower() for token in _TOKENS.findall(label)]
     tokens = tokens[tokens[:1] == ["p"] :]  # Xsens writes p before a point
     at = [place for place, token in enumerate(tokens) if token in ("l", "r", *SIDE_WORDS)]

@@ -1,4 +1,4 @@
-"""MarkerMap: which markers of a set lie at which places of the body."""
+"""MarkerMap: the markers of a set at each position on the body."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -22,7 +22,7 @@ _ARM = ("shoulder", "elbow", "wrist")
 
 @dataclass(frozen=True)
 class MarkerMap:
-    """For each role the labels (without subject) of the markers whose middle stands for it."""
+    """Labels (without subject) of each role's markers; their mean is the position of the role."""
 
     name: str
     markers: Mapping[str, tuple[str, ...]]
@@ -45,11 +45,11 @@ class MarkerMap:
 
     @property
     def labels(self) -> frozenset[str]:
-        """All markers that it names."""
+        """Labels of all markers in the map."""
         return frozenset(label for labels in self.markers.values() for label in labels)
 
     def with_role(self, role: str, labels: Iterable[str]) -> "MarkerMap":
-        """The same map with other markers, or none, for one role."""
+        """Copy with other markers, or none, for one role."""
         return replace(self, markers={**self.markers, role: tuple(labels)})
 
     def among(self, labels: Iterable[str]) -> "MarkerMap":
@@ -72,14 +72,14 @@ class MarkerMap:
         return all(self._has(part) for part in _ARM) or self._has_centres(*_ARM)
 
     def lacking(self) -> tuple[str, ...]:
-        """Words for the places without which not even half a body can be followed."""
+        """Names of the positions without which not even half a body can be tracked."""
         if self.has_legs() or self.has_arms():
             return ()
         needed = [f"{side}_{part}" for part in ("front_hip", "back_hip", *_LEG) for side in SIDE_WORDS]
         return tuple(ROLE[role].words.lower() for role in needed if role not in self.markers)
 
     def _has_cluster(self, part: str) -> bool:
-        """Three markers that turn with a bone tell how it stands."""
+        """True if three markers move with a bone and so show its rotation."""
         return all(len(self.markers.get(f"{side}_{part}", ())) >= 3 for side in SIDE_WORDS)
 
     def _has_centres(self, *joints: str) -> bool:
@@ -90,7 +90,7 @@ class MarkerMap:
 
 
 def seen_labels(trial: Trial, subject: str = "", kinds: tuple[str, ...] = (MARKER_KIND,)) -> dict[str, str]:
-    """Bare label by label of the points that are ever seen; of one subject where ``subject`` names it."""
+    """Labels without subject of the points that are ever seen, by label; only those of ``subject`` if it is given."""
     found: dict[str, str] = {}
     for label, kind, ever in zip(trial.labels, trial.kinds, trial.ever_seen, strict=True):
         if kind in kinds and ever and (not subject or label.startswith(f"{subject}:")):
@@ -108,7 +108,7 @@ def role_markers(trial: Trial, marker_map: MarkerMap, subject: str = "") -> dict
 
 
 def middles(markers: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """The middle (F, 3) of each role's markers, and the toes on the long axis of each foot.
+    """Mean (F, 3) of each role's markers, with the toes moved to the long axis of each foot.
 
     NaN where one of them is not seen.
     """
@@ -117,7 +117,7 @@ def middles(markers: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
 
 
 def stored_centres(trial: Trial, marker_map: MarkerMap, subject: str = "") -> dict[str, FloatArray]:
-    """The joint centres (F, 3) that stand among the points, in metres and the file's axes."""
+    """Joint centres (F, 3) that are among the points, in metres and the file's axes."""
     by_bare = _by_bare(trial, subject)
     centres = marker_map.among(by_bare).centres
     return {joint: trial.metres * trial.track(by_bare[bare]) for joint, bare in centres.items()}

@@ -1,4 +1,4 @@
-"""Measures of the subject of a marker trial: bone widths and places of the hip joints in the pelvis."""
+"""Measures of the subject of a marker trial: bone widths and positions of the hip joints in the pelvis."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -29,7 +29,9 @@ _STORED = {
 
 @dataclass(frozen=True)
 class SideMeasures:
-    """Of one side, in metres: how far each joint lies from its marker (half the bone and the marker's radius)."""
+    """Measures of one side, in metres: distance of each joint from its marker (half the bone and the
+    marker's radius).
+    """
 
     hip: FloatArray
     """(3,) in the axes of the pelvis, from the middle between its front markers."""
@@ -46,7 +48,7 @@ class SideMeasures:
 
 @dataclass(frozen=True)
 class Measures:
-    """Left, right, and the radius of the markers; ``words`` says where they are from."""
+    """Measures of left and right, and the radius of the markers; ``words`` names their source."""
 
     sides: tuple[SideMeasures, SideMeasures]
     radius: float
@@ -54,9 +56,10 @@ class Measures:
 
 
 def hip_in_pelvis(leg: float, mean_leg: float, inter_asis: float, trochanter: float, radius: float) -> FloatArray:
-    """(3,) of the left hip joint in the axes of the pelvis (Davis 1991, as Plug-in-Gait has it); metres.
+    """(3,) left hip joint in the axes of the pelvis, metres (Davis 1991, as in Plug-in-Gait).
 
-    ``trochanter`` is the way from the front of the pelvis back to the trochanter, by default 0.1288 leg - 48.56 mm.
+    ``trochanter`` is the distance from the front of the pelvis back to the trochanter, by default 0.1288 leg - 48.56
+    mm.
     """
     c = 0.115 * mean_leg - 0.0153
     back = (trochanter or 0.1288 * leg - 0.04856) + radius
@@ -70,10 +73,9 @@ def hip_in_pelvis(leg: float, mean_leg: float, inter_asis: float, trochanter: fl
 
 
 def find_measures(stored: Mapping[str, float], metres: float, tracks: Tracks, centres: Tracks) -> Measures:
-    """As the file stores them (``LKNEEWIDTH``, unit ``metres``), else read off the joint centres that it stores, else
-    regressed from the markers.
-
-    ``tracks`` are by role; ``centres`` those joints (``left_knee``) that a model has left in the file.
+    """Measures stored in the file (``LKNEEWIDTH``, unit ``metres``), else taken from the joint centres that it stores,
+    else regressed from the markers. ``tracks`` are by role; ``centres`` are the joints (``left_knee``) that a model
+    has left in the file.
     """
 
     def length(key: str) -> float:
@@ -102,7 +104,7 @@ def find_measures(stored: Mapping[str, float], metres: float, tracks: Tracks, ce
 
 
 def has_pelvis(tracks: Tracks) -> bool:
-    """True if there are markers for ``pelvis_frame``: both in front and one behind."""
+    """True if there are the markers for ``pelvis_frame``: both in front and one behind."""
     fronts = all(role in tracks for role in ("left_front_hip", "right_front_hip"))
     return fronts and ("left_back_hip" in tracks or "right_back_hip" in tracks)
 
@@ -116,14 +118,14 @@ def pelvis_frame(tracks: Tracks) -> tuple[FloatArray, FloatArray]:
 
 
 def frame_of(left: FloatArray, forward: FloatArray) -> FloatArray:
-    """Axes (..., 3, 3) with y along ``left``, x as near to ``forward`` as that allows, z = x cross y."""
+    """Axes (..., 3, 3) with y along ``left``, x as near to ``forward`` as possible, z = x cross y."""
     y = normalized(left)
     x = normalized(forward - np.sum(forward * y, axis=-1, keepdims=True) * y)
     return np.stack([x, y, np.cross(x, y)], axis=-1)
 
 
 def median(values: FloatArray, usual: float) -> float:
-    """Over what was seen; ``usual`` where nothing was."""
+    """Median of the known values; ``usual`` if there are none."""
     seen = values[np.isfinite(values)]
     return float(np.median(seen)) if len(seen) else usual
 
@@ -144,7 +146,7 @@ def _beside(tracks: Tracks, centres: Tracks, role: str, usual: float) -> float:
 
 
 def wand_turn(tracks: Tracks, centres: Tracks, side: str, above: str, joint: str, wand: str) -> float:
-    """Radians by which a stored joint lies beside the plane of its wand, about the bone; 0 where nothing tells."""
+    """Rotation in radians about the bone from the plane of a wand to a stored joint; 0 if it is unknown."""
     near, far = centres.get(f"{side}_{above}"), centres.get(f"{side}_{joint}")
     marker, beside = tracks.get(f"{side}_{joint}"), tracks.get(f"{side}_{wand}")
     if near is None or far is None or marker is None or beside is None:
@@ -157,7 +159,9 @@ def wand_turn(tracks: Tracks, centres: Tracks, side: str, above: str, joint: str
 
 
 def _radius(stored: Mapping[str, float], metres: float, tracks: Tracks, centres: Tracks, knee: float) -> float:
-    """That with which stored joint centres were computed: a knee's marker lies half a knee and a radius beside it."""
+    """Marker radius with which stored joint centres were computed: a knee's marker is half a knee and a radius beside
+    it.
+    """
     if knee:
         within = _beside(tracks, centres, "left_knee", 0.0) - 0.5 * knee
         if 0.0 < within < 0.03:
@@ -167,7 +171,7 @@ def _radius(stored: Mapping[str, float], metres: float, tracks: Tracks, centres:
 
 
 def _leg_of(tracks: Tracks, side: str) -> float:
-    """From the front of the pelvis over the knee to the ankle, as a tape measures it."""
+    """Leg length from the front of the pelvis over the knee to the ankle, as measured by a tape."""
     way = [tracks.get(f"{side}_{part}") for part in ("front_hip", "knee", "ankle")]
     hip, knee, ankle = way
     if hip is None or knee is None or ankle is None:

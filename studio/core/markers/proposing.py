@@ -1,10 +1,11 @@
-"""A marker map proposed for a set that nobody knows: by the words in its labels, then by where the markers are."""
+"""Proposal of a marker map for an unknown set: by the words in its labels, then by the positions of the markers."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.markers.feet import TOES
 from studio.core.markers.label_words import initials_of, side_and_part
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.roles import ROLE, SIDE_WORDS
@@ -74,7 +75,7 @@ def propose_map(trial: Trial, subject: str = "") -> MarkerMap:
 
 
 def _by_words(trial: Trial, subject: str) -> _Found:
-    """Markers of which the labels say the place, in frames spread over the trial."""
+    """Markers whose labels name their positions, in frames spread over the trial."""
     labels = seen_labels(trial, subject)
     if not labels:
         return {}
@@ -103,8 +104,8 @@ def _by_words(trial: Trial, subject: str) -> _Found:
 def _apart_from_centres(found: _Found) -> tuple[dict[str, str], _Found]:
     """Labels of joint centres by joint, and the markers without them.
 
-    A centre is what is called so, or what measures tell where markers of its joint remain or where a whole leg of
-    centres is there.
+    A joint centre is recognised by its label, or by measure if markers of its joint remain or a whole leg of centres is
+    there.
     """
     named = {(s, part.removesuffix(" centre")): own for (s, part), own in found.items() if part.endswith(" centre")}
     told = told_centres(*_labelled(found))
@@ -133,14 +134,14 @@ def _leftward(found: _Found) -> FloatArray:
 
 
 def _mean(tracks: list[FloatArray]) -> FloatArray:
-    """The middle (F, 3) of those that are seen; NaN where none is."""
+    """Mean (F, 3) of the tracks that are seen; NaN if none is."""
     seen = np.array([whole(track) for track in tracks])[..., None]
     count = seen.sum(axis=0)
     return np.asarray(np.where(seen, tracks, 0.0).sum(axis=0) / np.where(count, count, np.nan))
 
 
 def _average(values: FloatArray) -> float:
-    """Over frames in which it is known; 0 where none is."""
+    """Mean over frames in which the value is known; 0 if there are none."""
     known = values[np.isfinite(values)]
     return float(known.mean()) if len(known) else 0.0
 
@@ -151,12 +152,12 @@ def _along(vectors: FloatArray, directions: FloatArray) -> float:
 
 
 def _sorted(markers: list[_Marker], directions: FloatArray) -> list[_Marker]:
-    """The markers from the farthest one along directions (F, 3) to the nearest."""
+    """Markers from the farthest along directions (F, 3) to the nearest."""
     return sorted(markers, key=lambda marker: -_along(marker.track - markers[0].track, directions))
 
 
 def _sort_pair(found: _Found, side: str, joint: str, outward: FloatArray) -> None:
-    """Of several markers at one joint the outer one and the inner one, where two are on either side of it."""
+    """Sort the markers at one joint into the outer and the inner one, if two are on either side of it."""
     own = found.get((side, joint), [])
     if len(own) < 2 or (side, f"inner_{joint}") in found:
         return
@@ -166,7 +167,7 @@ def _sort_pair(found: _Found, side: str, joint: str, outward: FloatArray) -> Non
 
 
 def _sort_elbows(found: _Found, side: str, outward: FloatArray) -> None:
-    """Of two markers at an elbow, square to the arm, the one that is farther from the body as the outer one."""
+    """Sort two markers at an elbow: the one farther from the body, perpendicular to the arm, is the outer one."""
     own, ends = found.get((side, "elbow"), []), found.get((side, "shoulder"), []) + found.get((side, "wrists"), [])
     if len(own) < 2 or (side, "inner_elbow") in found or not ends:
         return
@@ -179,7 +180,7 @@ def _sort_elbows(found: _Found, side: str, outward: FloatArray) -> None:
 
 
 def _sort_pelvis(found: _Found) -> None:
-    """Hips in front of a sacrum are the front of the pelvis; four unnamed markers are its corners."""
+    """Sort the markers of the pelvis: hips in front of a sacrum are its front; four unnamed markers are its corners."""
     hips = [found.get((side, "hip"), []) for side in SIDE_WORDS]
     if all(hips) and ("", "sacrum") in found and ("left", "front_hip") not in found:
         for side in SIDE_WORDS:
@@ -196,7 +197,9 @@ def _sort_pelvis(found: _Found) -> None:
 
 
 def _sort_foot(found: _Found, side: str, outward: FloatArray) -> None:
-    """Tell heels from hands by the ankle beside them; of one metatarsal the fifth is marked, of two the outer one."""
+    """Sort the markers of a foot: a heel is distinguished from a hand by the ankle near it; a single metatarsal is the
+    fifth, of two the outer one is.
+    """
     width = pelvis_width(*_labelled(found))
     ankles = found.get((side, "ankle"), [])
     if ankles and width:
@@ -212,8 +215,8 @@ def _sort_foot(found: _Found, side: str, outward: FloatArray) -> None:
 
 
 def _sort_foot_clusters(found: _Found, forward: FloatArray) -> None:
-    """Of unnamed clusters on the feet the two beside the sole that lie farthest apart along the way the body looks:
-    heel and toe. The same ones on either side, where they are called alike.
+    """Choose heel and toe of unnamed clusters on the feet: the two beside the sole that are farthest apart along the
+    facing direction. Equal labels of both sides give equal choices.
     """
     feet = {side: found.pop((side, "foot"), []) for side in SIDE_WORDS}
     up, width = _upward(found), pelvis_width(*_labelled(found))
@@ -231,7 +234,7 @@ def _sort_foot_clusters(found: _Found, forward: FloatArray) -> None:
     for side, foot in feet.items():
         names = {marker.label: without_side(marker.label, side) for marker in foot}
         low = [marker for marker in foot if not width or np.mean(high[names[marker.label]]) < _LOW * width]
-        if len(low) > 1 and not {(side, part) for part in ("toe", "inner_toe", "outer_toe")} & found.keys():
+        if len(low) > 1 and not {(side, part) for part in TOES} & found.keys():
             low.sort(key=lambda marker: float(np.mean(ahead[names[marker.label]])))
             found[side, "heel"], found[side, "toe"] = [low[0]], [low[-1]]
 
@@ -247,7 +250,7 @@ def _distance(one: _Marker, other: _Marker) -> float:
 
 
 def _upward(found: _Found) -> FloatArray:
-    """The file axis (3,) from shanks to pelvis or thighs; the file's Z where they are not known."""
+    """Axis of the file (3,) that points from shanks to pelvis or thighs; the file's Z if these are unknown."""
     low = [m.track for (_, part), many in found.items() if part in ("shank", "ankle", "toe", "foot") for m in many]
     high = [m.track for (_, part), many in found.items() if part in ("thigh", "front_hip", "shoulder") for m in many]
     if not (low and high):

@@ -1,4 +1,4 @@
-"""Roles: the places on a body where markers are put, whatever a marker set calls them."""
+"""Roles: positions of markers on a body, independent of the labels of a marker set."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ JOINTS = tuple(
 
 @dataclass(frozen=True)
 class MarkerRole:
-    """One place on the body, named by what lies under the skin there."""
+    """Position of a marker on the body, named by the anatomy under the skin there."""
 
     id: str
     words: str
@@ -56,6 +56,7 @@ ROLES: tuple[MarkerRole, ...] = (
     *_pair("heel", "heel", "leg", (0.09, 0.035), "Behind, on the heel"),
     *_pair("toe", "toes", "leg", (0.2, 0.02), "Over the ball of the foot, before the second toe"),
     *_pair("inner_toe", "ball of the big toe", "leg", (0.13, 0.01), "The head of the first metatarsal"),
+    *_pair("big_toe", "tip of the big toe", "leg", (0.165, -0.005), "On the nail or the tip of the big toe"),
     *_pair("outer_toe", "ball of the little toe", "leg", (0.27, 0.01), "The head of the fifth metatarsal"),
 )  # fmt: skip
 

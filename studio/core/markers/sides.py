@@ -1,6 +1,6 @@
-"""Markers that carry the name of the other side of the body all through a take.
+"""Markers labelled with the wrong side of the body through a whole take.
 
-Where the left is, is told without any names of sides: from the back of the body to its front, and up.
+The left side is found without labels of sides: from the front of the body and its up direction.
 """
 
 from collections.abc import Mapping
@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.markers.feet import TOES
 from studio.core.markers.joint_centres import joint_centres
 from studio.core.markers.marker_map import MarkerMap, middles, role_markers, stored_centres
 from studio.core.markers.measures import find_measures
@@ -35,8 +36,8 @@ _LINKS = (
     ("thigh", ("shank",)),
     ("shank", ("heel",)),
     ("ankle", ("heel",)),
-    ("heel", ("toe", "inner_toe", "outer_toe")),
-    ("ankle", ("toe", "inner_toe", "outer_toe")),
+    ("heel", TOES),
+    ("ankle", TOES),
     ("shoulder", ("elbow", "inner_elbow", "upper_arm")),
     ("elbow", ("wrist", "outer_wrist", "forearm")),
     ("wrist", ("hand",)),
@@ -52,7 +53,7 @@ limbs knees and elbows lie beside the other side's ankles and wrists."""
 
 
 def exchanged_places(trial: Trial, marker_map: MarkerMap, subject: str = "") -> tuple[str, ...]:
-    """Places without their side (``knee``) of which left and right are exchanged most of the time."""
+    """Positions without their side (``knee``) whose left and right markers are exchanged most of the time."""
     frames = np.unique(np.linspace(0, trial.frame_count - 1, _MOST_FRAMES).astype(int))
     few = replace(trial, points=trial.points[frames], residuals=trial.residuals[frames])
     markers, centres = role_markers(few, marker_map, subject), stored_centres(few, marker_map, subject)
@@ -83,7 +84,7 @@ def exchanged_places(trial: Trial, marker_map: MarkerMap, subject: str = "") -> 
 
 
 def with_exchanged(marker_map: MarkerMap, names: tuple[str, ...]) -> MarkerMap:
-    """The map with the markers and centres of left and right exchanged at places without their side."""
+    """Map with the markers and centres of left and right exchanged at positions without their side."""
     other = {f"{one}_{name}": f"{two}_{name}" for one, two in (SIDE_WORDS, SIDE_WORDS[::-1]) for name in names}
     markers = {other.get(role, role): labels for role, labels in marker_map.markers.items()}
     centres = {other.get(joint, joint): label for joint, label in marker_map.centres.items()}
@@ -91,21 +92,28 @@ def with_exchanged(marker_map: MarkerMap, names: tuple[str, ...]) -> MarkerMap:
 
 
 def _leftward(tracks: Tracks) -> FloatArray:
-    """Directions (F, 3) to the left of the body: across from its back to its front, and its length."""
+    """Directions (F, 3) to the left of the body, perpendicular to its front and up directions."""
     forward = [
         normalized(front - back)
         for one, other in _FRONT_AND_BACK
-        if (front := _middle(tracks, one)) is not None and (back := _middle(tracks, other)) is not None
+        if (front := middle_of(tracks, one)) is not None and (back := middle_of(tracks, other)) is not None
     ]
-    high = next((each for name in _HIGH if (each := _middle(tracks, name)) is not None), None)
-    low = next((each for name in _LOW if (each := _middle(tracks, name)) is not None), None)
+    high, low = high_and_low(tracks)
     if not forward or high is None or low is None:
         return np.full((1, 3), np.nan)
     return normalized(np.cross(high - low, np.nansum(forward, axis=0)))
 
 
-def _middle(tracks: Tracks, name: str) -> FloatArray | None:
-    """Between left and right, which need no telling apart for it."""
+def high_and_low(tracks: Tracks) -> tuple[FloatArray | None, FloatArray | None]:
+    """Places (F, 3) in the middle of the body, one high and one low on it; None for one that has no markers."""
+    high, low = (
+        next((each for name in names if (each := middle_of(tracks, name)) is not None), None) for names in (_HIGH, _LOW)
+    )
+    return high, low
+
+
+def middle_of(tracks: Tracks, name: str) -> FloatArray | None:
+    """Mean of left and right markers, which does not depend on their order."""
     if name in tracks:
         return tracks[name]
     pair = [tracks[f"{side}_{name}"] for side in SIDE_WORDS if f"{side}_{name}" in tracks]
@@ -113,7 +121,7 @@ def _middle(tracks: Tracks, name: str) -> FloatArray | None:
 
 
 def _is_mirrored(tracks: Tracks, name: str, leftward: FloatArray) -> bool:
-    """True if the left marker lies to the right of the right one most of the time."""
+    """True if the left marker is to the right of the right one most of the time."""
     if any(f"{side}_{name}" not in tracks for side in SIDE_WORDS):
         return False
     apart = np.sum((tracks[f"left_{name}"] - tracks[f"right_{name}"]) * leftward, axis=-1)
@@ -122,7 +130,7 @@ def _is_mirrored(tracks: Tracks, name: str, leftward: FloatArray) -> bool:
 
 
 def _is_crossed(joints: Tracks, joint: str, ends: Tracks, name: str) -> bool:
-    """True if the links from joints to ends are shorter and change less in length towards the other side."""
+    """True if the bones from joints to ends would be shorter and more constant if connected across the sides."""
     if any(f"{side}_{joint}" not in joints for side in SIDE_WORDS):
         return False
     own, across = (

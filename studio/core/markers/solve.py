@@ -1,7 +1,7 @@
-"""From joint centres to a body that can be retargeted: a skeleton of constant bones and its poses.
+"""Solver from joint centres to a body that can be retargeted: a skeleton of constant bones and its poses.
 
-Bones are as long as they are on average and point where the joint centres say; what a trial does not show stands in
-a plain rest: arms beside the body, legs straight down.
+Bones have their mean lengths and the directions of the joint centres; parts that a trial does not show stay in a rest
+pose: arms beside the body, legs straight down.
 """
 
 from collections.abc import Mapping
@@ -66,7 +66,7 @@ _JOINT_OF = {"shoulder": "Arm", "elbow": "ForeArm", "wrist": "Hand", "hip": "UpL
 
 @dataclass(frozen=True)
 class SolvedBody:
-    """Skeleton, poses and map; which joint stands for which centre; what is in a plain rest."""
+    """Skeleton, poses and body map; the joint of each centre; the parts in the rest pose."""
 
     skeleton: Skeleton
     poses: PoseSequence
@@ -84,10 +84,10 @@ def solve_body(
     stature: float | None = None,
     seen: Mapping[str, BoolArray] | None = None,
 ) -> SolvedBody:
-    """The body that moves as ``joints`` (F, 3) and markers by role say; world axes, metres, no gaps.
+    """Body that follows ``joints`` (F, 3) and markers by role; world axes, metres, no gaps.
 
-    ``stature`` helps to size what is not shown; without it legs or arms tell. Lengths are those of the frames (F,) in
-    which their places are ``seen``, where that is told. Needs both legs or both arms.
+    ``stature`` sizes the parts that are not shown; without it legs or arms do. Lengths are measured in the frames (F,)
+    in which their positions are ``seen``, if that is given. Needs both legs or both arms.
     """
     stature = stature or _stature(joints)
     trunk = find_trunk(tracks, joints, stature, radius)
@@ -138,7 +138,7 @@ class _Body:
         return PoseSequence(rotations, translations)
 
     def _lay_trunk(self) -> bool:
-        """Spine, chest, neck and head; whether the head is shown."""
+        """Add spine, chest, neck and head; True if the head is shown."""
         trunk = self.trunk
         shown = self._shown(*(f"{side}_{joint}" for side in SIDE_WORDS for joint in ("hip", "shoulder")))
         length = float(np.median(np.linalg.norm(trunk.neck - trunk.hips, axis=-1)[shown]))
@@ -192,7 +192,7 @@ class _Body:
         self.offsets[f"{name}HandEnd"] = np.array([0.0, out * length, 0.0])
 
     def _rest_arm(self, side: str) -> None:
-        """Hanging at ease from a trunk that is upright."""
+        """Add an arm that hangs at ease from an upright trunk."""
         name, thorax = side.capitalize(), self.trunk.thorax
         out = np.array([1.0, 1.0 if side == "left" else -1.0, 1.0])
         hang = thorax @ shortest_arc(np.array([0.0, out[1], 0.0]), _HANGING * out)
@@ -229,7 +229,7 @@ class _Body:
         self.offsets[f"{name}ToeEnd"] = np.array([0.035 * self.stature, 0.0, 0.0])
 
     def _rest_leg(self, side: str) -> None:
-        """Straight down from a pelvis that is upright."""
+        """Add a leg straight down from an upright pelvis."""
         name, out = side.capitalize(), 1.0 if side == "left" else -1.0
         still = upright(self.trunk.pelvis)
         self.axes |= {f"{name}{bone}": still for bone in ("UpLeg", "Leg", "Foot", "Toe")}
@@ -249,9 +249,9 @@ class _Body:
     def _aim(
         self, joint: str, carrier: FloatArray, child: str, bone: FloatArray, usual: FloatArray, shown: BoolArray
     ) -> None:
-        """Turn ``joint`` from its carrier's axes so that its bone to ``child`` points along ``bone`` (F, 3).
+        """Rotate ``joint`` from its parent's axes so that its bone to ``child`` points along ``bone`` (F, 3).
 
-        ``usual`` (3,) is where it points in them when it has no length, which is that of the frames ``shown`` (F,).
+        ``usual`` (3,) is its direction in them if it has no length; the length is that of the frames ``shown`` (F,).
         """
         local = np.einsum("fji,fj->fi", carrier, bone)
         middle = np.median(local[shown], axis=0)
@@ -264,7 +264,7 @@ class _Body:
         return max(float(np.median(lengths[self._shown(near, far)])), _SHORTEST_BONE)
 
     def _shown(self, *names: str) -> BoolArray:
-        """Frames (F,) in which all of the places are seen; all frames where that is never so, or not told."""
+        """Frames (F,) in which all of the positions are seen; all frames if there are none, or it is unknown."""
         shown = np.ones(len(self.trunk.hips), dtype=bool)
         for name in names:
             shown &= self.seen.get(name, True)
@@ -308,14 +308,14 @@ def _body_map(skeleton: Skeleton) -> BodyMap:
 
 
 def _half(rotations: FloatArray) -> FloatArray:
-    """Half of each turn (F, 3, 3): the sum with no turn at all, made a rotation again."""
+    """Half of each rotation (F, 3, 3): its sum with the identity, orthonormalised."""
     u, _, v = np.linalg.svd(rotations + np.eye(3))
     u[..., 2] *= np.sign(np.linalg.det(u @ v))[..., None]  # half of a half turn may come out as a mirror
     return np.asarray(u @ v)
 
 
 def _mended(axes: FloatArray) -> FloatArray:
-    """The axes (F, 3, 3); as in the nearest frame where markers that lie on one another span none."""
+    """Axes (F, 3, 3); those of the nearest valid frame where markers coincide and define none."""
     whole = np.flatnonzero(np.abs((axes * axes).sum(axis=(1, 2)) - 3.0) < 1e-6)
     if len(whole) == len(axes):
         return axes

@@ -1,4 +1,4 @@
-"""Subjects of a trial by the labels of its points: ``Ann_LASI`` and ``Ben_LASI`` are one marker of two people."""
+"""Subjects of a trial by the labels of its points: ``Ann_LASI`` and ``Ben_LASI`` are the same marker of two people."""
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -23,11 +23,11 @@ _Owned = dict[str, dict[str, str]]
 
 
 def with_subjects(labels: Sequence[str]) -> tuple[str, ...]:
-    """The labels with each subject before a colon, ``Ann:LASI``, wherever the file has its name; else unchanged.
+    """Labels with each subject before a colon, ``Ann:LASI``, wherever in the label its name is; else unchanged.
 
-    Two beginnings before a sign name subjects when what follows them is largely the same and has sides of its own:
-    ``L.Knee`` and ``R.Knee`` are sides of one body. Names behind a label, or without any sign between, need a body that
-    is told only without them.
+    Two prefixes before a sign name subjects if the rests are largely the same and have sides of their own: ``L.Knee``
+    and ``R.Knee`` are sides of one body. Names after a label, or without a sign, are accepted only if a body is
+    recognised without them and not with them.
     """
     named = {label.partition(":")[::2] for label in labels if ":" in label}
     if named and len({name for name, _ in named}) <= len({rest for _, rest in named}):
@@ -40,7 +40,7 @@ def with_subjects(labels: Sequence[str]) -> tuple[str, ...]:
 
 
 def shared_beginning(labels: Sequence[str]) -> str:
-    """The beginning with its sign, ``Skeleton_``, that nine tenths of the labels share; empty where they share none."""
+    """Prefix with its sign, ``Skeleton_``, shared by nine tenths of the labels; empty if there is none."""
     found = _by_name(labels, _before_a_sign)
     beginning = max(found, key=lambda each: len(found[each]), default="")
     own = found.get(beginning, {})
@@ -50,13 +50,13 @@ def shared_beginning(labels: Sequence[str]) -> str:
 
 
 def _subjects(found: _Owned) -> _Owned:
-    """Those that are followed alike by markers of both sides."""
+    """Subjects whose labels have the same rests with markers of both sides."""
     found = {name: own for name, own in found.items() if _pairs(own.values()) >= _FEWEST}
     return {name: own for name, own in found.items() if _is_like_another(name, found, 0.5)}
 
 
 def _bodies(labels: Sequence[str], found: _Owned) -> _Owned:
-    """Those whose labels say the places of a whole body, and say them only once their names are taken away."""
+    """Subjects whose labels name a whole body only after their names are removed."""
     large = {name: own for name, own in found.items() if len(own) >= _BODY and _pairs(own.values()) >= _FEWEST}
     bodies = {name: own for name, own in large.items() if len(_places(own.values())) >= _BODY}
     if len(bodies) > 1:
@@ -70,19 +70,19 @@ def _bodies(labels: Sequence[str], found: _Owned) -> _Owned:
 
 
 def _places(labels: Iterable[str]) -> set[tuple[str, str]]:
-    """Places that the labels say, where a set has one marker each."""
+    """Positions named by the labels of a set with one marker each."""
     return {said for label in labels if (said := side_and_part(label)) is not None and said[1] not in _CLUSTERS}
 
 
 def _is_like_another(name: str, found: _Owned, share: float) -> bool:
-    """True if more than a ``share`` of the fewer rests are those of another subject too."""
+    """True if another subject has more than the fraction ``share`` of the rests, relative to the smaller set."""
     own = set(found[name].values())
     others = [set(rests.values()) for other, rests in found.items() if other != name]
     return any(len(own & other) > share * min(len(own), len(other)) for other in others)
 
 
 def _by_name(labels: Sequence[str], splits: _Splits) -> _Owned:
-    """By everything in a label that may be a name: what is left, by label."""
+    """Rest of each label, by all parts of it that may be a subject's name."""
     found: _Owned = {}
     for label in labels:
         for name, rest in splits(label):
@@ -112,7 +112,7 @@ def _at_the_end(label: str) -> Iterator[tuple[str, str]]:
 
 
 def _pairs(rests: Iterable[str]) -> int:
-    """Count of the labels with a left side at either end that have a fellow on the right."""
+    """Number of labels with a left side at either end that have a counterpart on the right."""
     there = {rest.lower() for rest in rests}
     return sum(
         f"{right}{rest.removeprefix(left)}" in there or f"{rest.removesuffix(left)}{right}" in there

@@ -1,4 +1,4 @@
-"""Swaps: two markers that take each other's name while they are tracked."""
+"""Swaps: two markers that exchange their labels during tracking."""
 
 from dataclasses import dataclass
 from itertools import combinations
@@ -20,7 +20,7 @@ _LONGEST = 0.5
 
 @dataclass(frozen=True)
 class Swap:
-    """From ``frame`` on two markers carry each other's places."""
+    """Exchange of the labels of two markers from ``frame`` on."""
 
     first: int
     second: int
@@ -28,10 +28,10 @@ class Swap:
 
 
 def find_swaps(points: FloatArray, places: tuple[int, ...], frame_rate: float, metres: float) -> list[Swap]:
-    """Frames from which two tracks of ``points`` (F, P, 3) go on smoothly only when they are exchanged.
+    """Swaps of two tracks of ``points`` (F, P, 3) that continue smoothly only when exchanged.
 
-    Each marker is expected where its last velocity leads, through gaps as well. Swaps are found one after another:
-    a pair that changes back is found twice.
+    The expected position of a marker extrapolates its last velocity, through gaps as well. Swaps are found one after
+    another: a pair that changes back is found twice.
     """
     track = metres * points[:, places]
     swaps: list[Swap] = []
@@ -50,7 +50,7 @@ def find_swaps(points: FloatArray, places: tuple[int, ...], frame_rate: float, m
 
 
 def swapped(points: FloatArray, swaps: list[Swap]) -> FloatArray:
-    """The points with the swaps undone."""
+    """Points with the swaps undone."""
     mended = points.copy()
     for swap in swaps:
         mended[swap.frame :, [swap.first, swap.second]] = mended[swap.frame :, [swap.second, swap.first]]
@@ -58,7 +58,7 @@ def swapped(points: FloatArray, swaps: list[Swap]) -> FloatArray:
 
 
 def _suspects(track: FloatArray) -> list[int]:
-    """Frames in which two markers at least are not where they were heading, or come back from a gap."""
+    """Frames in which at least two markers are off their expected positions, or return from a gap."""
     seen = whole(track)
     heading = 2.0 * track[1:-1] - track[:-2]
     off = np.linalg.norm(track[2:] - heading, axis=-1) > _JUMP
@@ -67,7 +67,9 @@ def _suspects(track: FloatArray) -> list[int]:
 
 
 def _expected(track: FloatArray, frame: int, frame_rate: float) -> FloatArray:
-    """(P, 3) where each marker should be, by the last two frames in which it was seen; NaN where too long ago."""
+    """(P, 3) expected position of each marker by the last two frames in which it was seen; NaN if these are too long
+    ago.
+    """
     expected = np.full(track.shape[1:], np.nan)
     start = max(0, frame - int(_LONGEST * frame_rate) - 2)
     window = track[start:frame]

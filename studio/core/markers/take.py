@@ -1,4 +1,4 @@
-"""MarkerTake: a trial, which marker is what, and how it is cleaned: all that a body is solved from."""
+"""MarkerTake: a trial, its marker map and its cleaning steps: everything from which a body is solved."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -36,17 +36,19 @@ class MarkerTake:
     """Prefix of the labels that are read, where the trial holds several subjects."""
 
     def with_map(self, marker_map: MarkerMap) -> "MarkerTake":
-        """The same take with other places for its markers."""
+        """Copy with another marker map."""
         return replace(self, marker_map=marker_map)
 
     def with_steps(self, steps: tuple[Step, ...]) -> "MarkerTake":
-        """The same take cleaned otherwise."""
+        """Copy with other cleaning steps."""
         return replace(self, steps=steps)
 
 
 @dataclass(frozen=True)
 class FollowedBody:
-    """Joint centres (F, 3) and places by role: no gaps, metres, file axes, frames 0 to the last one with a body."""
+    """Joint centres (F, 3) and positions by role: no gaps, metres, file axes, from frame 0 to the last
+    one with a body.
+    """
 
     joints: Mapping[str, FloatArray]
     tracks: Mapping[str, FloatArray]
@@ -63,7 +65,9 @@ class FollowedBody:
 
 
 def follow(take: MarkerTake) -> FollowedBody:
-    """Clean, find the joint centres, close what is still open. Raises StudioError where no body can be followed."""
+    """Tracked body: points cleaned, joint centres found, remaining gaps closed. Raises StudioError if
+    there is no body.
+    """
     trial, reports = clean(take.trial.only(mapped_labels(take)), take.steps)
     markers = role_markers(trial, take.marker_map, take.subject)
     stored = stored_centres(trial, take.marker_map, take.subject)
@@ -103,9 +107,8 @@ def follow(take: MarkerTake) -> FollowedBody:
 
 
 def centre_errors(take: MarkerTake) -> dict[str, float]:
-    """By joint: metres at worst from the joint centre found to the one that a model left in the trial, where both are.
-
-    Of the trial as it was recorded, before any step.
+    """Greatest distance in metres, by joint, between the joint centre found and the one that a model left in the trial,
+    of the trial as recorded.
     """
     markers = role_markers(take.trial, take.marker_map, take.subject)
     stored = stored_centres(take.trial, take.marker_map, take.subject)
@@ -120,14 +123,14 @@ def centre_errors(take: MarkerTake) -> dict[str, float]:
 
 
 def mapped_labels(take: MarkerTake) -> tuple[str, ...]:
-    """Labels, with subject, of the points that the map names."""
+    """Labels, with subject, of the points in the map."""
     named = take.marker_map.labels | set(take.marker_map.centres.values())
     there = seen_labels(take.trial, take.subject, (MARKER_KIND, VIRTUAL_KIND))
     return tuple(label for label, bare in there.items() if bare in named)
 
 
 def _seen(tracks: Mapping[str, FloatArray]) -> tuple[NDArray[np.bool_], tuple[str, ...]]:
-    """Frames in which the body's carrier is seen, and which places that is."""
+    """Frames in which the reference segment of the body is seen, and its roles."""
     best: tuple[NDArray[np.bool_], tuple[str, ...]] = (np.zeros(1, dtype=bool), ())
     for roles in _CARRIERS:
         if all(role in tracks for role in roles):
@@ -138,7 +141,7 @@ def _seen(tracks: Mapping[str, FloatArray]) -> tuple[NDArray[np.bool_], tuple[st
 
 
 def _carrier_axes(tracks: Mapping[str, FloatArray], roles: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
-    """Origin (F, 3) and axes (F, 3, 3) of what carries the body, held where it is not seen."""
+    """Origin (F, 3) and axes (F, 3, 3) of the reference segment of the body, held where it is not seen."""
     held = {role: _held(tracks[role]) for role in roles}
     if "left_front_hip" in roles:
         return pelvis_frame(held)
@@ -147,7 +150,7 @@ def _carrier_axes(tracks: Mapping[str, FloatArray], roles: tuple[str, ...]) -> t
 
 
 def _whole_pairs(joints: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """Limbs of which all joints are known on both sides; half a limb would have no bones."""
+    """Limbs whose joints are all known on both sides; half a limb would have no bones."""
     whole: dict[str, FloatArray] = {}
     for limb in (("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist")):
         names = [f"{side}_{joint}" for side in ("left", "right") for joint in limb]
@@ -162,7 +165,7 @@ def _closed_cluster(markers: FloatArray, origin: FloatArray, axes: FloatArray) -
 
 
 def _closed(track: FloatArray, origin: FloatArray, axes: FloatArray) -> FloatArray:
-    """The track (F, 3) without gaps: straight from side to side, at the ends at rest, as seen from the pelvis."""
+    """Track (F, 3) without gaps, relative to the pelvis: interpolated linearly, constant at both ends."""
     if whole(track).all():
         return track
     local = np.einsum("fji,fj->fi", axes, track - origin)

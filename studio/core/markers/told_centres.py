@@ -1,7 +1,7 @@
-"""Points that are called knee or ankle and lie inside it: joint centres of a model, told from markers by measure.
+"""Joint centres of a model among points that are labelled knee or ankle, distinguished from markers by measure.
 
-Two knees are not one inside the other: markers on their outer sides lie, at the nearest, farther apart than those on
-the front of the pelvis (1.05 to 1.4 times in walks), joint centres nearer (0.57 to 0.82 times).
+Markers on the outer sides of two knees are, at the nearest, farther apart than those on the front of the pelvis (1.05
+to 1.4 times in walks), joint centres nearer (0.57 to 0.82 times).
 """
 
 import re
@@ -27,7 +27,7 @@ DEEP = {"hip": 1.0, "knee": 0.4, "ankle": 0.27}
 
 
 def told_centres(labels: Labels, tracks: Mapping[str, FloatArray]) -> dict[str, str]:
-    """By joint (``left_knee``) the label of its centre, as far as measures tell; ``tracks`` (F, 3) by label, metres."""
+    """Label of each joint's centre (``left_knee``) as far as it can be measured; ``tracks`` (F, 3) by label, metres."""
     keypoints = _are_keypoints(labels, tracks)
     width = pelvis_width(labels, tracks) * (PELVIS_OF_HIPS if keypoints else 1.0)
     centres: dict[str, str] = {}
@@ -49,7 +49,7 @@ def told_centres(labels: Labels, tracks: Mapping[str, FloatArray]) -> dict[str, 
 
 
 def _are_keypoints(labels: Labels, tracks: Mapping[str, FloatArray]) -> bool:
-    """True if the points are joints that an image or a model shows: one a joint, and hips too near for markers."""
+    """True if the points are joints from an image or a model: one for each joint, and hips too near for markers."""
     if ("left", "front_hip") in labels or not all(_is_alone(labels, part) for part in ("hip", "knee", "ankle")):
         return False
     hips, knees, ankles = ([tracks[labels[side, part][0]] for side in SIDE_WORDS] for part in ("hip", "knee", "ankle"))
@@ -66,7 +66,9 @@ def _is_alone(labels: Labels, part: str) -> bool:
 
 
 def pelvis_width(labels: Labels, tracks: Mapping[str, FloatArray]) -> float:
-    """Metres between the front markers of the pelvis or else its sides; 0, so that nothing is narrower, without any."""
+    """Distance in metres of the front markers of the pelvis, else of its sides; 0 without any, so that nothing is
+    narrower.
+    """
     for part in ("front_hip", "hip"):
         sides = [labels.get((side, part), ()) for side in SIDE_WORDS]
         if all(sides):
@@ -76,18 +78,20 @@ def pelvis_width(labels: Labels, tracks: Mapping[str, FloatArray]) -> float:
 
 
 def _pairs(labels: Labels, part: str) -> list[tuple[str, str]]:
-    """Left and right labels that are the same but for their side."""
+    """Left and right labels that differ only in their side."""
     right = {without_side(label, "right"): label for label in labels.get(("right", part), ())}
     left = ((without_side(label, "left"), label) for label in labels.get(("left", part), ()))
     return [(label, right[plain]) for plain, label in left if plain in right]
 
 
 def without_side(label: str, side: str) -> str:
-    """``knee`` of ``L.Knee``, whatever stands between."""
+    """Label without its side: ``knee`` of ``L.Knee``, whatever sign is between."""
     return re.sub(rf"^({side}|{side[0]})|({side}|{side[0]})$", "", label.lower(), count=1).strip(" ._-")
 
 
 def _nearest(one: FloatArray, other: FloatArray) -> float:
-    """Metres between two tracks in the twentieth of the frames in which they are nearest; 0 if never seen at once."""
+    """Distance in metres of two tracks in the twentieth of the frames in which they are nearest; 0 if never seen
+    together.
+    """
     seen = whole(one) & whole(other)
     return float(np.percentile(np.linalg.norm(one[seen] - other[seen], axis=1), 5)) if seen.any() else 0.0

@@ -1,4 +1,4 @@
-"""Trial: what an optical capture system recorded: points over time, analog signals, force plates, events."""
+"""Trial: the recording of an optical capture system: points over time, analog signals, force plates, events."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -35,7 +35,7 @@ def _freeze(value: object, name: str, shape: tuple[int | None, ...]) -> None:
 
 @dataclass(frozen=True)
 class TrialEvent:
-    """Something that an operator or a program marked in time: ``Foot Strike`` of the side ``Right``."""
+    """Event in time, marked by an operator or a program: ``Foot Strike`` of the side ``Right``."""
 
     label: str
     context: str
@@ -60,7 +60,7 @@ class AnalogSignals:
 
 @dataclass(frozen=True, eq=False)
 class ForcePlate:
-    """A plate in the floor and the analog channels that it feeds."""
+    """Force plate in the floor, and its analog channels."""
 
     kind: int
     """1 to 4 as C3D counts them: 1 force and centre of pressure, 2 force and moment, 3 eight sensors, 4 calibrated."""
@@ -85,9 +85,9 @@ NO_SIGNALS = AnalogSignals((), (), 1.0, np.zeros((0, 0)))
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """P points over F frames in the file's own unit and axes; what was not seen is NaN.
+    """P points over F frames in the file's own unit and axes; NaN where a point was not seen.
 
-    Raises StudioError when the parts do not fit each other.
+    Raises StudioError if the parts do not fit each other.
     """
 
     name: str
@@ -135,17 +135,17 @@ class Trial:
 
     @cached_property
     def ever_seen(self) -> tuple[bool, ...]:
-        """(P,) whether each point is seen in any frame."""
+        """(P,) true if a point is seen in any frame."""
         return tuple(np.asarray(whole(self.points).any(axis=0)).tolist())
 
     @property
     def metres(self) -> float:
-        """Metres a unit."""
+        """Metres per unit."""
         return METRES[self.unit]
 
     @cached_property
     def metres_of_plates(self) -> float:
-        """Metres a unit of the plates' corners: that of the points, unless it makes their sides no plate's."""
+        """Metres per unit of the plates' corners: that of the points, unless the plates would have impossible sizes."""
         corners = np.array([plate.corners for plate in self.plates]).reshape(-1, 4, 3)
         sides = np.linalg.norm(corners[:, [1, 3]] - corners[:, :1], axis=2)
         side = float(np.median(sides[sides > 0.0])) if sides.any() else 0.0
@@ -154,7 +154,7 @@ class Trial:
 
     @property
     def markers(self) -> tuple[str, ...]:
-        """Labels of the points that cameras saw."""
+        """Labels of the points seen by cameras."""
         return tuple(label for label, kind in zip(self.labels, self.kinds, strict=True) if kind == MARKER_KIND)
 
     def track(self, label: str) -> FloatArray:
@@ -162,11 +162,11 @@ class Trial:
         return np.asarray(self.points[:, self.labels.index(label)])
 
     def event_frame(self, event: TrialEvent) -> float:
-        """Frames, with a fraction, from frame 0 of this trial to an event."""
+        """Frame of an event, with a fraction, from frame 0 of this trial."""
         return event.time * self.frame_rate - (self.first_frame - 1)
 
     def only(self, labels: Iterable[str]) -> "Trial":
-        """The same trial with some of its points, in their order."""
+        """Copy with some of its points, in their order."""
         wanted = set(labels)
         kept = [place for place, label in enumerate(self.labels) if label in wanted]
         return replace(
@@ -178,20 +178,20 @@ class Trial:
         )
 
     def with_points(self, points: FloatArray) -> "Trial":
-        """The same trial with other coordinates (F, P, 3)."""
+        """Copy with other coordinates (F, P, 3)."""
         return replace(self, points=points)
 
 
 def whole(points: FloatArray) -> BoolArray:
-    """True (...) for each of points (..., 3) that was seen: one sum is several times faster than three tests."""
+    """True (...) for each of points (..., 3) that was seen; one sum is several times faster than three tests."""
     return np.asarray(np.isfinite(points[..., 0] + points[..., 1] + points[..., 2]))
 
 
 def bare_label(label: str) -> str:
-    """``LASI`` of ``Anna:LASI``."""
+    """Label without its subject: ``LASI`` of ``Anna:LASI``."""
     return label.rpartition(":")[2].strip()
 
 
 def subject_of(label: str) -> str:
-    """``Anna`` of ``Anna:LASI``; empty where a label says no subject."""
+    """Subject of a label: ``Anna`` of ``Anna:LASI``; empty if there is none."""
     return label.rpartition(":")[0].strip()

@@ -1,1 +1,1 @@
-"""Meshes: skins, their looks and hands, the room they take up, and how far away they are."""
+"""Meshes: skins, their appearance and hands, and collision volumes."""

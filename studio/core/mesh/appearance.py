@@ -1,4 +1,4 @@
-"""Appearance of a skin: the colours and textures of its materials, and its texture coordinates."""
+"""Appearance of a skin: colours and textures of its materials, and texture coordinates."""
 
 import re
 from dataclasses import dataclass
@@ -12,9 +12,9 @@ _COLOUR = re.compile(r"#[0-9A-Fa-f]{6}")
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """One kind of surface: ``colour`` is ``#RRGGBB`` and tints the texture where there is one.
+    """Material: ``colour`` is ``#RRGGBB`` and tints the texture if there is one.
 
-    Raises ValueError when the colour is none or the texture no row of bytes.
+    Raises ValueError if the colour is invalid or the texture is not a row of bytes.
     """
 
     name: str
@@ -45,9 +45,9 @@ class Material:
 
 @dataclass(frozen=True, eq=False)
 class Appearance:
-    """The materials of a mesh of V vertices and T triangles.
+    """Materials of a mesh of V vertices and T triangles.
 
-    Raises ValueError when a shape is wrong or a triangle's material is not there.
+    Raises ValueError if a shape is wrong or a triangle's material does not exist.
     """
 
     materials: tuple[Material, ...]

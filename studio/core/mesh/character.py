@@ -6,15 +6,17 @@ from functools import cached_property
 
 from studio.core.body.growth import KeyedProportions, grown
 from studio.core.body.morphology import AnyMorphology, Morphology, Proportions
+from studio.core.curves.tangents import SPARSE
 from studio.core.mesh.skin import Blending, SkinnedMesh, gripping
 from studio.core.mesh.volume import BodyVolume, fitted_volume
 
 
 @dataclass(frozen=True)
 class Character:
-    """A body that can perform. ``skin`` is bound to ``build``; ``colour`` is ``#RRGGBB``.
+    """Body that can perform.
 
-    Raises ValueError when the skin does not fit the build, or the colour is none.
+    ``skin`` is bound to ``build``; ``colour`` is ``#RRGGBB``. Raises ValueError if the skin does not fit the build, or
+    the colour is invalid.
     """
 
     name: str
@@ -26,6 +28,8 @@ class Character:
     blending: Blending = Blending.LINEAR
     grip: float = 0.0
     """Hands from open (-1) over at ease (0) to fists (1)."""
+    tags: tuple[str, ...] = field(default=(), metadata=SPARSE)
+    """Words of the user by which the library finds it."""
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"#[0-9A-Fa-f]{6}", self.colour):
@@ -37,13 +41,13 @@ class Character:
 
     @cached_property
     def morphology(self) -> Morphology:
-        """The measures in force: the build with its proportions, of one that grows those of its first key."""
+        """Current measures: the build with its proportions; for a growing body those of its first key."""
         keyed = self.proportions
         first = keyed.values[0] if isinstance(keyed, KeyedProportions) else keyed
         return first.applied_to(self.build)
 
     def body_over(self, begin: float, frame_rate: float, count: int) -> AnyMorphology:
-        """The measures in ``count`` frames of which the first is at ``begin`` seconds of the stage."""
+        """Measures in ``count`` frames, the first at ``begin`` seconds of the stage."""
         if isinstance(self.proportions, KeyedProportions):
             return grown(self.build, self.proportions, begin, frame_rate, count)
         return self.morphology
@@ -55,7 +59,7 @@ class Character:
 
     @property
     def shown_skin(self) -> SkinnedMesh:
-        """The skin with its hands as ``grip`` says."""
+        """Skin with the hands shaped by ``grip``."""
         return gripping(self.skin, self.grip)
 
     @cached_property

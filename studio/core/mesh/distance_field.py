@@ -1,4 +1,4 @@
-"""The signed distance field of a mesh: built once, asked at every frame."""
+"""Signed distance field of a mesh: built once, evaluated in every frame."""
 
 import math
 
@@ -24,7 +24,7 @@ FIELD_NEAR_CELLS = 3
 
 @project_cache(maxsize=8)
 def distance_field(mesh: TriangleMesh) -> FloatArray:
-    """The field of ``mesh`` as ``kernels.tasks.mesh_distance_field`` takes it: a grid in the mesh's own space."""
+    """Field of ``mesh`` for ``kernels.tasks.mesh_distance_field``: a grid in the mesh's own space."""
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     cell = _cell(high - low)
     counts = np.ceil((high - low) / cell).astype(int) + 2 * FIELD_MARGIN_CELLS + 1

@@ -12,9 +12,9 @@ STORED_GRIPS = (OPEN_GRIP, HALF_CLOSED_GRIP, FIST_GRIP)
 
 @dataclass(frozen=True, eq=False)
 class HandShapes:
-    """Places and normals (3, G, 3) of the last G vertices of a mesh with its hands open, half closed and as fists.
+    """Positions and normals (3, G, 3) of the last G vertices of a mesh with its hands open, half closed and as fists.
 
-    Raises ValueError when the arrays do not fit each other.
+    Raises ValueError if the arrays do not fit each other.
     """
 
     vertices: NDArray[np.float32]
@@ -42,7 +42,7 @@ class HandShapes:
     def shaped(
         self, vertices: NDArray[np.float32], normals: NDArray[np.float32], grip: float
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Vertices and normals (V, 3) of the mesh with its hands as ``grip`` says: -1 open, 0 at ease, 1 fists."""
+        """Vertices and normals (V, 3) of the mesh with its hands shaped by ``grip``: -1 open, 0 at ease, 1 fists."""
         grips = (OPEN_GRIP, RELAXED_GRIP, HALF_CLOSED_GRIP, FIST_GRIP)
         found = []
         for eased, stored in ((vertices, self.vertices), (normals, self.normals)):

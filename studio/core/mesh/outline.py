@@ -1,4 +1,4 @@
-"""Horizontal cross-section of a mesh: the outline of a body at some height."""
+"""Outline of a body at some height: a horizontal cross-section of its mesh."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,10 @@ _SAME = 4
 
 
 def outline_at(height: float, mesh: SkinnedMesh, vertices: FloatArray, shares: FloatArray) -> FloatArray:
-    """(N, 2) places x, y at which edges of ``mesh``, with its ``vertices`` (V, 3), go through a ``height``.
+    """(N, 2) x, y of the points at which edges of ``mesh``, with its ``vertices`` (V, 3), cross ``height``.
 
-    Those of the largest closed or open line alone, so that capes, sleeves and hanging arms are none of it; and of that
-    but where ``shares`` (V,) are over a half. Edges are cut, however few vertices a mesh has.
+    Only the largest closed or open line counts, so that capes, sleeves and hanging arms are left out, and only its
+    vertices with ``shares`` (V,) over a half. Edges are cut, because a mesh may have few vertices.
     """
     above = vertices[:, 2] > height
     a, b, c = (np.take(above, corner) for corner in _corners(mesh))
@@ -37,9 +37,9 @@ def outline_at(height: float, mesh: SkinnedMesh, vertices: FloatArray, shares: F
 
 
 def _lines(begin: NDArray[np.int64], end: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """(2 T,) the line that each cut edge of ``count`` triangles T is on: one edge of each, then the other of each.
+    """(2 T,) the line of each cut edge of ``count`` triangles T: one edge of each, then the other.
 
-    Connected components by the least node of each: a graph library takes longer to load than all outlines to find.
+    Connected components by their least node; importing a graph library would take longer than finding all outlines.
     """
     edges = (np.minimum(begin, end) << 32) + np.maximum(begin, end)
     nodes = np.unique(edges, return_inverse=True)[1].ravel()
@@ -58,11 +58,11 @@ def _lines(begin: NDArray[np.int64], end: NDArray[np.int64], count: int) -> NDAr
 
 @project_cache(maxsize=64)
 def _corners(mesh: SkinnedMesh) -> NDArray[np.intp]:
-    """(3, T) vertices of all triangles, corner by corner, as they are taken by fastest."""
+    """(3, T) vertices of all triangles, corner by corner, the layout that is gathered fastest."""
     return np.ascontiguousarray(mesh.triangles.T, dtype=np.intp)
 
 
 @project_cache(maxsize=64)
 def _welded(mesh: SkinnedMesh) -> NDArray[np.int64]:
-    """(V,) the same number for vertices that lie on one another."""
+    """(V,) index of each vertex, equal for coincident vertices."""
     return np.unique(np.round(mesh.vertices, _SAME), axis=0, return_inverse=True)[1].ravel()

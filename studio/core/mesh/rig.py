@@ -1,4 +1,4 @@
-"""Rig: the joints that a character's file has, with their names and axes, and the skin as it hangs from them."""
+"""Rig: the joints of a character's file, with their names and axes, and the skin bound to them."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -24,7 +24,7 @@ _COLUMNS: tuple[tuple[str, type, tuple[int, ...]], ...] = (
 
 @dataclass(frozen=True, eq=False)
 class Rig:
-    """J joints, parents before children, standing among the vertices of a mesh as they were bound.
+    """J joints, parents before children, at their bind positions in the space of the mesh.
 
     Raises ValueError naming a member whose shape or content is wrong.
     """
@@ -72,7 +72,7 @@ class Rig:
 
 
 def rig_body_map(rig: Rig, spine_count: int) -> BodyMap:
-    """Body map: for each part the first joint that moves with its segment."""
+    """Body map: the first joint that moves with the segment of each part."""
     first = {int(segment): int(np.argmax(rig.segments == segment)) for segment in np.unique(rig.segments)}
     spine = tuple(first[segment] for segment in range(spine_count) if segment in first)
     layout = BodyLayout(spine_count)

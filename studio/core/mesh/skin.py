@@ -1,4 +1,4 @@
-"""A skin: a mesh bound to the segments of a body, fitted to other bodies and carried by their poses."""
+"""A skin: a mesh bound to the segments of a body, fitted to other bodies and deformed by their poses."""
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -41,13 +41,12 @@ class Blending(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class SkinnedMesh:
-    """A triangle mesh around its build, each vertex bound to up to four segments.
+    """Triangle mesh of a build, each vertex bound to up to four segments.
 
-    ``vertices`` (V, 3) in metres and unit ``normals`` (V, 3) stand in the world space of the pose in which they
-    were bound; ``triangles`` (T, 3) run counter-clockwise seen from outside; ``segments`` (V, 4) are indices in
-    the canonical layout; ``weights`` (V, 4) fall along each row, which sums to 1; ``centres`` (V, 3) are points
-    about which the blended rotation of each vertex turns, the vertices themselves for plain linear blending.
-    Raises ValueError naming a member whose shape or index is wrong.
+    ``vertices`` (V, 3) in metres and unit ``normals`` (V, 3) are in the world space of the bind pose; ``triangles`` (T,
+    3) are counter-clockwise seen from outside; ``segments`` (V, 4) are indices in the canonical layout; ``weights`` (V,
+    4) decrease along each row, which sums to 1; ``centres`` (V, 3) are the centres of rotation of the vertices, the
+    vertices themselves for plain linear blending. Raises ValueError naming a member whose shape or index is wrong.
     """
 
     vertices: NDArray[np.float32]
@@ -97,7 +96,7 @@ class SkinnedMesh:
             raise ValueError("rig: does not fit the mesh.")
 
     def fits(self, segment_count: int) -> bool:
-        """True if a body with ``segment_count`` segments can carry the skin."""
+        """True if a body with ``segment_count`` segments can wear the skin."""
         stands = self.stance is None or len(self.stance) == segment_count
         hangs = self.rig is None or int(self.rig.segments.max()) < segment_count
         return int(self.segments.max()) < segment_count and stands and hangs
@@ -121,10 +120,10 @@ def skin_vertices(
     out_normals: NDArray[np.float32] | None = None,
     blending: Blending = Blending.LINEAR,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """World vertices and normals (V, 3) of one frame, written in place where ``out_`` arrays are given.
+    """World vertices and normals (V, 3) of one frame, written in place if ``out_`` arrays are given.
 
     ``positions`` (K+23, 3) and ``rotations`` (K+18, 3, 3) pose a body of ``morphology``; ``mesh`` is bound to
-    ``build``. The mesh fitted to ``morphology`` is remembered, so only a moved slider pays for it.
+    ``build``. The mesh fitted to ``morphology`` is cached.
     """
     from studio.core.kernels.body import dual_quaternions, skinning  # late: numba takes longer than a window
 
@@ -145,7 +144,9 @@ def skin_vertices(
 
 @project_cache(maxsize=64)
 def gripping(mesh: SkinnedMesh, grip: float) -> SkinnedMesh:
-    """``mesh`` with its hands from open (-1) over at ease (0) to fists (1); one whose hands have one shape as it is."""
+    """``mesh`` with its hands from open (-1) over at ease (0) to fists (1); unchanged if its hands
+    have only one shape.
+    """
     if mesh.hands is None or grip == 0.0:
         return mesh
     vertices, normals = mesh.hands.shaped(mesh.vertices, mesh.normals, grip)
@@ -159,10 +160,10 @@ def bound_pose(mesh: SkinnedMesh, morphology: Morphology) -> tuple[FloatArray, F
 
 @project_cache(maxsize=64)
 def fit_skin(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> SkinnedMesh:
-    """``mesh``, bound to ``build``, reshaped to stand around ``morphology`` as it stood around ``build``.
+    """``mesh``, bound to ``build``, reshaped to fit ``morphology``.
 
-    Each segment stretches with its bone and thickens with the body; a body scaled as a whole gives the mesh
-    scaled as a whole. Raises ValueError when the two bodies have not the same number of spine segments.
+    Each segment stretches with its bone and thickens with the body; a uniformly scaled body gives a uniformly scaled
+    mesh. Raises ValueError if the two bodies differ in the number of spine segments.
     """
     if build == morphology:
         return mesh
@@ -185,7 +186,7 @@ def fit_skin(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> Sk
 
 
 def fit_vertices(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> NDArray[np.float32]:
-    """The vertices (V, 3) of ``fit_skin`` alone, in a third of its time."""
+    """Vertices (V, 3) of ``fit_skin`` alone, in a third of its time."""
     if build == morphology:
         return mesh.vertices
     form, shift = _forms(mesh, build, morphology)
@@ -193,7 +194,7 @@ def fit_vertices(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -
 
 
 def _forms(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> tuple[FloatArray, FloatArray]:
-    """(V, 3, 3) and (V, 3) how each vertex is stretched and turned, then moved, from ``build`` to ``morphology``."""
+    """(V, 3, 3) linear map and (V, 3) translation of each vertex from ``build`` to ``morphology``."""
     forms, shifts = segment_forms(mesh, build, morphology)
     rows = np.concatenate([forms.reshape(-1, 9), shifts], axis=1)
     blended = np.zeros((len(mesh.vertices), rows.shape[1]))
@@ -204,7 +205,7 @@ def _forms(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> tupl
 
 
 def segment_forms(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> tuple[FloatArray, FloatArray]:
-    """(S, 3, 3) and (S, 3) how what hangs from each segment is stretched and turned, then moved, from ``build`` to
+    """(S, 3, 3) linear map and (S, 3) translation of whatever is bound to each segment, from ``build`` to
     ``morphology``.
     """
     if build.layout != morphology.layout:
@@ -220,9 +221,9 @@ def segment_forms(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) 
 def segment_scales(build: Morphology, morphology: Morphology) -> FloatArray:
     """(K+18, 3) stretch of each segment along its own axes, from ``build`` to ``morphology``.
 
-    Girth follows the ratio that most measures share, and a quarter of the segment's own lengthening beyond
-    it; head and hands keep their form; feet grow with their length and reach down to the ground; the trunk widens with
-    hips and shoulders.
+    Girth follows the ratio that most measures share, and a quarter of the segment's own lengthening beyond it; head and
+    hands keep their form; feet grow with their length and reach down to the ground; the trunk widens with hips and
+    shoulders.
     """
     layout, spine_count = build.layout, build.layout.spine_count
     lengths = np.stack([_bone_lengths(body) for body in (build, morphology)])
@@ -244,7 +245,8 @@ def segment_scales(build: Morphology, morphology: Morphology) -> FloatArray:
 def _foot_scales(build: Morphology, morphology: Morphology, side: int, shared: float) -> FloatArray:
     """(2, 3) stretch of foot and toe: horizontally by their lengths, vertically so that the sole stays on the ground.
 
-    Kept near the ratio that most measures share, for a captured foot may have no length or no height at all.
+    Limited to the neighbourhood of the ratio that most measures share, because a captured foot may have zero length or
+    height.
     """
     measures = [
         [(np.linalg.norm(body.foot[side, :2]), body.ankle_height[side]),

@@ -1,4 +1,4 @@
-"""A triangle mesh: a surface made elsewhere, in metres."""
+"""Triangle mesh: an imported surface, in metres."""
 
 import hashlib
 from dataclasses import dataclass
@@ -16,8 +16,8 @@ MOST_TRIANGLES = 2_000_000
 class TriangleMesh:
     """``vertices`` (V, 3) metres and ``triangles`` (T, 3) of them, counter-clockwise seen from outside.
 
-    Vertices at one place become one, triangles without an area are dropped. Raises ValueError for a mesh without a
-    triangle, with a corner that is no vertex, or with a number that is not finite.
+    Coincident vertices are merged, triangles without an area are dropped. Raises ValueError for a mesh without a
+    triangle, with the index of a missing vertex, or with a number that is not finite.
     """
 
     vertices: NDArray[np.float64]
@@ -54,7 +54,7 @@ class TriangleMesh:
 def _welded(
     vertices: NDArray[np.float64], triangles: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """One vertex a place (to a millionth of the mesh's size), and only triangles that have an area."""
+    """Vertices merged within a millionth of the mesh's size, and only triangles that have an area."""
     if not len(triangles):
         return vertices, triangles
     size = max(float(np.ptp(vertices, axis=0).max()), 1e-9)

@@ -1,7 +1,7 @@
 """Collision volume of a body: tapered capsules for trunk, head and thighs, spheres along its arms.
 
-What keeps an arm out of its own body needs a form of the body that is measured in nanoseconds. Every body has the
-same capsules in the same order, so that one body's can be set beside another's.
+Self-collision needs a shape of the body that is evaluated in nanoseconds. Every body has the same capsules in the same
+order, so that those of two bodies can be compared.
 """
 
 from collections.abc import Sequence
@@ -49,9 +49,9 @@ arm, in parts of the length of leg and spine together: means of two bundled char
 class BodyVolume:
     """Capsules and spheres of one body, fixed to its segments.
 
-    ``segments`` (N, 2) carry the two ends of each capsule, ``places`` (N, 2, 3) say where in the segment's axes
-    from its origin, ``radii`` (N, 2) how thick it is there, all metres. ``girths`` (P,) are the radii of the spheres
-    along each arm, at ``PROBES``.
+    ``segments`` (N, 2) are the parents of the two ends of each capsule, ``places`` (N, 2, 3) their positions in the
+    segment's axes from its origin, ``radii`` (N, 2) the radii there, all metres. ``girths`` (P,) are the radii of the
+    spheres along each arm, at ``PROBES``.
     """
 
     segments: NDArray[np.int64]
@@ -77,9 +77,9 @@ class BodyVolume:
 
 @project_cache(maxsize=64)
 def fitted_volume(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> BodyVolume:
-    """The volume of a skin of ``build`` fitted to ``morphology``, as it is bound there (``skin.bound_pose``).
+    """Volume of a skin of ``build`` fitted to ``morphology``, in its bind pose (``skin.bound_pose``).
 
-    Where the mesh has nothing to measure, or but a rod, the body's proportions say what is usual.
+    Where the mesh has no vertices, or is only a rod, the body's proportions give typical values.
     """
     positions, rotations = bound_pose(mesh, morphology)
     vertices = np.asarray(fit_vertices(mesh, build, morphology), dtype=np.float64)
@@ -88,7 +88,7 @@ def fitted_volume(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) 
 
 @lru_cache(maxsize=64)
 def usual_volume(morphology: Morphology) -> BodyVolume:
-    """The volume of a body of which only the measures are known: as thick as bodies of its length usually are."""
+    """Typical volume of a body of which only the measures are known."""
     return _assembled(morphology, *rest_pose(morphology), _Usual(morphology))
 
 
@@ -101,7 +101,7 @@ class _Girths(Protocol):
     def thigh(self, end: int) -> float: ...
 
     def head(self) -> tuple[float, float, float, float]:
-        """Radius, how far forward it lies, and where it begins and ends in head lengths."""
+        """Radius, forward offset, and begin and end in head lengths."""
 
     def arm(self, probe: int) -> float: ...
 
@@ -130,7 +130,7 @@ class _Usual(_Girths):
 
 @dataclass(frozen=True, eq=False)
 class _Measured(_Girths):
-    """Girths of a mesh whose ``vertices`` (V, 3) stand round a body that is posed so; what it has not is usual."""
+    """Girths of a mesh with ``vertices`` (V, 3) round a posed body; typical ones for parts without vertices."""
 
     morphology: Morphology
     mesh: SkinnedMesh
@@ -174,8 +174,7 @@ class _Measured(_Girths):
         return float(np.fmax(least, 0.5 * np.ptp(self._rings(part, (PROBES[probe][1],)), axis=0).min()))
 
     def _girth(self, part: BodyPart, band: tuple[float, float], share: float, otherwise: float) -> float:
-        """Distance from the bone within which a ``share`` of the vertices lie, in a ``band`` of the bone's length.
-
+        """Distance from the bone that contains a ``share`` of the vertices in a ``band`` of the bone's length;
         ``otherwise`` if the band has fewer than four vertices.
         """
         own = self._in_bone(part, self._main(part))
@@ -183,13 +182,13 @@ class _Measured(_Girths):
         return float(np.quantile(np.hypot(near[:, 0], near[:, 1]), share)) if len(near) >= 4 else otherwise
 
     def _rings(self, part: BodyPart, heights: Sequence[float]) -> FloatArray:
-        """(2, 2) least and greatest x, y of the outlines across a part, at parts of its length; or NaN."""
+        """(2, 2) least and greatest x, y of the outlines across a part, at fractions of its length; or NaN."""
         own, shares = self._in_bone(part), self._shares(self.mesh.segments == self.morphology.layout.segment(part))
         found = np.concatenate([outline_at(height, self.mesh, own, shares) for height in heights])
         return np.stack([found.min(axis=0), found.max(axis=0)]) if len(found) >= _FEWEST else np.full((2, 2), np.nan)
 
     def _in_bone(self, part: BodyPart, rows: slice | NDArray[np.intp] = slice(None)) -> FloatArray:
-        """Vertices (N, 3) in the axes of a segment, z in parts of its length."""
+        """Vertices (N, 3) in the axes of a segment, z as a fraction of its length."""
         layout = self.morphology.layout
         segment = layout.segment(part)
         begin, end = (self.positions[points[segment]] for points in (layout.proximal_points(), layout.distal_points()))
@@ -197,7 +196,7 @@ class _Measured(_Girths):
         return np.asarray(local / [1.0, 1.0, float(np.linalg.norm(end - begin))])
 
     def _main(self, part: BodyPart) -> NDArray[np.intp]:
-        """Vertices that move with a part more than with any other."""
+        """Vertices whose heaviest weight is that of a part."""
         return np.flatnonzero(self.mesh.segments[:, 0] == self.morphology.layout.segment(part))
 
     def _shares(self, counted: NDArray[np.bool_]) -> FloatArray:
@@ -221,7 +220,7 @@ def _assembled(
     rotations: FloatArray,
     girths: _Girths,
 ) -> BodyVolume:
-    """Two capsules side by side from each level of the trunk to the next, then the head and both thighs.
+    """Capsules of a body: two side by side between neighbouring levels of the trunk, then the head and both thighs.
 
     ``positions`` and ``rotations`` are those in which the trunk's sections were measured.
     """

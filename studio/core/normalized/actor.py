@@ -1,4 +1,4 @@
-"""The actor of a capture: its measures, and how its own joints correspond to the canonical segments."""
+"""The actor of a capture: its measures, and the relation of its own joints to the canonical segments."""
 
 from dataclasses import dataclass
 
@@ -14,12 +14,12 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class SourceRig:
-    """Everything in a capture except its motion: with it the capture can be restored from its normalised motion.
+    """Everything in a capture except its motion; with it the capture can be restored from its normalised motion.
 
-    ``segment_joints`` (S,) the source joint whose rotation moves each canonical segment, -1 where the capture has
-    none and the segment goes with the one that carries it; ``alignments`` (S, 3, 3) with R_canonical = R_joint A;
-    ``origin`` (3,) where the motion's space lies in the capture's; ``pass_through`` the source's local poses, of
-    which only joints that play no segment (fingers, eyes, twist bones) are used.
+    ``segment_joints`` (S,) the source joint whose rotation moves each canonical segment, -1 if the capture has none and
+    the segment moves with its parent; ``alignments`` (S, 3, 3) with R_canonical = R_joint A; ``origin`` (3,) of the
+    motion's space in the capture's; ``pass_through`` the source's local poses, of which only joints without a segment
+    (fingers, eyes, twist bones) are used.
     """
 
     skeleton: Skeleton

@@ -1,7 +1,7 @@
-"""Constant rotations between a capture's joint axes and the canonical segment axes, one a segment.
+"""Constant rotations between a capture's joint axes and the canonical segment axes, one for each segment.
 
-The rotations of pelvis, trunk, head and feet come from the reference pose. Those of the limbs come from the bones and
-from the axis about which elbow and knee bend in the motion, because reference poses often bend the wrong way.
+Those of pelvis, trunk, head and feet come from the reference pose. Those of the limbs come from the bones and from the
+axis about which elbow and knee bend in the motion, because reference poses often bend the wrong way.
 """
 
 from collections.abc import Sequence
@@ -56,9 +56,9 @@ def find_alignments(marks: Landmarks) -> FloatArray:
 
 
 def trunk_lean(marks: Landmarks) -> FloatArray:
-    """Turn (3, 3) from upright to how the line from hips to neck lies in the reference pose.
+    """Rotation (3, 3) from upright to the line from hips to neck in the reference pose.
 
-    A reference taken from the motion is hardly ever upright: a fighter's guard leans, and so must the body in it.
+    A reference taken from the motion is seldom upright: a fighter's guard leans, and so does its reference.
     """
     layout, reference = marks.layout, marks.reference
     line = reference[layout.neck_base] - 0.5 * (reference[layout.hip(0)] + reference[layout.hip(1)])
@@ -66,7 +66,7 @@ def trunk_lean(marks: Landmarks) -> FloatArray:
 
 
 def anatomical_frame(leftward: FloatArray) -> FloatArray:
-    """Axes (columns) x forward, y left, z up of an upright body whose left lies ``leftward`` (3,)."""
+    """Axes (columns) x forward, y left, z up of an upright body whose left is in the direction ``leftward`` (3,)."""
     y = normalized(leftward - leftward @ ALIGNED_UP * ALIGNED_UP)
     return np.stack([np.cross(y, ALIGNED_UP), y, ALIGNED_UP], axis=1)
 
@@ -79,10 +79,10 @@ def foot_frame(bone: FloatArray, body: FloatArray) -> FloatArray:
 
 
 def limb_hinge(marks: Landmarks, upper: int, is_leg: bool, body: FloatArray) -> FloatArray:
-    """The axis about which a limb bends, (3,) in the world of the reference pose.
+    """Axis (3,) about which a limb bends, in the world of the reference pose.
 
-    The normalised sum of u x f over frames bent by more than 15 degrees, in the upper segment's axes; its natural
-    sign is right, so samples are not turned towards a guess. Anatomy decides where no frame is bent.
+    It is the normalised sum of u x f over frames bent by more than 15 degrees, in the upper segment's axes; its natural
+    sign is right, so samples are not flipped towards a guess. Anatomy decides if no frame is bent.
     """
     root = marks.layout.proximal_points()[upper]
     seen = spread(len(marks.points))
@@ -97,12 +97,13 @@ def limb_hinge(marks: Landmarks, upper: int, is_leg: bool, body: FloatArray) -> 
 
 
 def align_soles(marks: Landmarks, alignments: FloatArray, standing: BoolArray) -> None:
-    """Turn the alignments of feet and toes in place so that soles are level, on average, while they stand.
+    """Rotate the alignments of feet and toes in place so that soles are level, on average, while they stand.
 
     The reference pose of many files stands on tiptoe or heel; the frames (F, 2) of ``standing``, left and right, in
-    which a foot rests do not. Needs 5 frames and a tilt below 45 degrees. Where the reference pose is that of all
-    frames, feet turn about their hinge alone: how far one stands on its edge differs from take to take. A guard's
-    rear heel, which is raised all the time, shows by a bone steeper than that of the other foot.
+    which a foot rests do not. Needs 5 frames and a tilt below 45 degrees. If the reference pose is that of all frames,
+    feet rotate about their hinge alone, because the angle of a foot that stands on its edge differs between takes. A
+    guard's rear heel, which is raised all the time, is recognised by a bone that is steeper than that of the other
+    foot.
     """
     layout = marks.layout
     feet = [layout.foot(side) for side in (0, 1)]
@@ -127,9 +128,8 @@ def align_soles(marks: Landmarks, alignments: FloatArray, standing: BoolArray) -
 
 
 def _flat_slope(standing: Sequence[FloatArray], neutral: float | None) -> float:
-    """Radians by which the bone of a flat foot points down, from those of each foot in the frames in which it stands.
-
-    That of most frames, or, where a ``neutral`` slope is given, that of the foot which is most like it.
+    """Downward slope in radians of the bone of a flat foot, from the slopes of each foot in the frames in which it
+    stands. It is that of most frames or, if a ``neutral`` slope is given, that of the foot nearest to it.
     """
     slopes = np.concatenate(standing)
     if neutral is None:
@@ -140,6 +140,6 @@ def _flat_slope(standing: Sequence[FloatArray], neutral: float | None) -> float:
 
 
 def _level(alignments: FloatArray, segment: int, up: FloatArray) -> None:
-    """Turn one alignment in place until its ``up`` (3,) is Z, unless it tilts by more than 45 degrees."""
+    """Rotate one alignment in place until its ``up`` (3,) is Z, unless it tilts by more than 45 degrees."""
     if up[2] > np.cos(np.deg2rad(45.0)):
         alignments[segment] = alignments[segment] @ shortest_arc(ALIGNED_UP, up)

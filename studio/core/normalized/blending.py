@@ -1,8 +1,8 @@
-"""A row whose clips fade into each other where channels hold no lengths, before any body is known.
+"""Row of clips that fade into each other in channels, which hold no lengths, before any body is known.
 
-So do those of bodies that are carried by more than their feet, and layers. Where two clips overlap one fades into the
-other; where they meet, or where nothing plays between them, what was different dies away (``transition``). What stands
-in both clips stands through their blend as one contact, so it is one footprint.
+It is used for bodies supported by more than their feet, and for layers. Overlapping clips are cross-faded; at other
+changes the difference decays (``transition``). A contact in both clips lasts through their blend as one contact, so it
+has one footprint.
 """
 
 from collections.abc import Sequence
@@ -32,8 +32,10 @@ STEP_HEIGHT, STEP_HEIGHTS = 0.25, (0.04, 0.12)
 
 @dataclass
 class BlendedRow(AssembledRow):
-    """``peaks`` are ``joint_peaks`` of what is there before frame ``measured``; at first of what the first piece does
-    not show.
+    """Row with blended changes.
+
+    ``peaks`` are the ``joint_peaks`` of what was assembled before frame ``measured``; at first those of the hidden part
+    of the first piece.
     """
 
     peaks: FloatArray | None = None
@@ -78,8 +80,8 @@ class BlendedRow(AssembledRow):
         found: ClipAlignment,
         seconds: float = 0.0,
     ) -> None:
-        """Let a piece take over at ``first``, the end of the assembled frames; the difference decays in ``seconds``, or
-        if 0 in as many as it needs.
+        """Change to a piece at ``first``, the end of the assembled frames; the difference decays in ``seconds`` or, if
+        that is 0, in the time that it needs.
         """
         rate, frames = self.timing.frame_rate, np.arange(first, last + 1)
         seconds = seconds or max(transition.seconds, step_seconds(found))
@@ -90,7 +92,7 @@ class BlendedRow(AssembledRow):
         self._go_on(channels, source.stands(frames), first, fading, found)
 
     def _transition(self, source: ChannelSource, first: int, last: int) -> Inertialisation:
-        """Inertialisation from the assembled frames to a piece that takes over at ``first``."""
+        """Inertialisation from the assembled frames to a piece that begins at ``first``."""
         rate, before = self.timing.frame_rate, np.arange(max(first - 2, 0), first)
         gaps = difference(source.channels(before), self.channels[before])
         new = joint_peaks(self.channels[max(self.measured - 2, 0) : first], rate)
@@ -102,7 +104,7 @@ class BlendedRow(AssembledRow):
         return Inertialisation.of(gaps[-1], (gaps[-1] - gaps[0]) * rate, peaks)
 
     def _fades(self, transition: Inertialisation, first: int, last: int, found: ClipAlignment) -> bool:
-        """True if a piece overlaps the assembled frames for as long as a blend needs."""
+        """True if a piece overlaps the assembled frames by the time that a blend needs."""
         if first > self.end - 2:
             return False
         needed = max(transition.seconds, step_seconds(found))
@@ -155,7 +157,7 @@ class Flight:
 
 
 def planned_steps(steps: Sequence[FootStep], first: int, last: int) -> list[Flight]:
-    """Steps between two frames, one after the other, all as long."""
+    """Steps between two frames, one after the other, of equal duration."""
     ends = np.rint(np.linspace(first, last, len(steps) + 1)).astype(int).tolist()
     return [Flight(step, *between) for step, *between in zip(steps, ends, ends[1:], strict=False)]
 

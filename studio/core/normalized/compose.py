@@ -1,8 +1,8 @@
-"""A row of clips as one motion: trimmed, retimed, mirrored and placed where channels hold no lengths.
+"""Row of clips as one motion: trimmed, retimed, mirrored and placed in channels, which hold no lengths.
 
-What comes out is a motion like any other, scaled, set on the ground and solved for any body. Where one clip takes over
-from another the body is led on the ground (``row``); one that is carried by more than its feet is blended before it
-stands (``blending``).
+The result is a motion like any other, scaled, grounded and solved for any body. Where one clip takes over from another
+the body is inertialised after it is grounded (``row``); one that is supported by more than its feet is blended before
+(``blending``).
 """
 
 from collections.abc import Sequence
@@ -39,11 +39,11 @@ class Composite:
 
     @property
     def is_plain(self) -> bool:
-        """True if it is a single motion with its frames unchanged, apart from layers over them."""
+        """True if it is a single unchanged motion, apart from layers over it."""
         return len(self.played) == 1 and self.played[0].piece.is_plain
 
     def at(self, frame: int) -> "Composite":
-        """Still composite of one frame, which becomes frame 0."""
+        """Composite of a single frame, which becomes frame 0."""
         motion, timing = self.motion, self.timing
         still = NormalizedMotion(
             motion.name, motion.frame_rate, motion.channels[frame : frame + 1], motion.spine_places, motion.girdle
@@ -52,17 +52,17 @@ class Composite:
         return Composite(still, (), Timing(timing.stage_time(frame), timing.frame_rate, 0, 0), played)
 
     def playing(self, frame: int) -> Played:
-        """The piece that plays in a frame: of two the one that takes over."""
+        """Piece that plays in a frame; of two the later one."""
         begun = [each for each in self.played if each.first <= frame]
         return begun[-1] if begun else self.played[0]
 
 
 @project_cache(maxsize=64)
 def compose_pieces(pieces: tuple[MotionPiece, ...], blends: bool = False) -> Composite:
-    """One motion out of pieces, in the order of their start; the same pieces give the same value.
+    """One motion made of pieces, in the order of their start; equal pieces give the same cached value.
 
-    A single piece that plays a motion as it is gives that motion itself, whole. The frame rate is the highest. One that
-    ``blends`` has no changes: it may be mixed with others.
+    A single unchanged piece gives its motion itself, whole. The frame rate is the highest. One that ``blends`` has no
+    changes: it may be mixed with others.
     """
     ordered = sorted(pieces, key=lambda piece: piece.start)
     first = ordered[0]
@@ -78,7 +78,7 @@ def compose_pieces(pieces: tuple[MotionPiece, ...], blends: bool = False) -> Com
 def go_on(shown: MotionPiece, played: NormalizedMotion, pieces: Sequence[MotionPiece]) -> Composite:
     """Row of ``pieces`` blended from ``shown``, a short piece of the latest frames.
 
-    The acceleration that is allowed is that of the recent motion ``played``.
+    The allowed acceleration is that of the recent motion ``played``.
     """
     ordered = [shown, *pieces]
     row = BlendedRow(*_empty(ordered))
@@ -96,7 +96,7 @@ def continued_by(shown: MotionPiece, pieces: Sequence[MotionPiece]) -> Composite
 
 
 def _empty(pieces: Sequence[MotionPiece]) -> tuple[FloatArray, Timing]:
-    """Spine places and timing of a row of ``pieces``."""
+    """Row without pieces, with the spine positions and timing for ``pieces``."""
     return common_spine([piece.motion for piece in pieces]), timing_of_pieces(pieces)
 
 
@@ -115,7 +115,7 @@ def _filled(row: AssembledRow, pieces: Sequence[MotionPiece]) -> Composite:
 
 
 def timing_of_pieces(pieces: Sequence[MotionPiece]) -> Timing:
-    """Timing of a row, at the highest frame rate among its pieces; StudioError where that is far too long."""
+    """Timing of a row, at the highest frame rate among its pieces; StudioError if it is far too long."""
     rate = max(piece.motion.frame_rate for piece in pieces)
     begin, end = min(piece.start for piece in pieces), max(piece.end for piece in pieces)
     last = round((end - begin) * rate)

@@ -1,7 +1,7 @@
-"""Frames of channels as points that have differences: what blends and transitions are made of.
+"""Differences between frames of channels, from which blends and transitions are made.
 
-Angles and lengths differ by numbers, rotations by the rotation vector that leads from one to the other. How far a limb
-is folded and to which side is one vector: elbows and knees of blended slacks and signs would snap where limbs are
+Angles and lengths differ by numbers, rotations by the rotation vector from one to the other. The amount and direction
+of a limb's fold form one vector: with separate slacks and signs, blended elbows and knees would snap where limbs are
 nearly straight.
 """
 
@@ -21,26 +21,26 @@ BENDS = slice(at.LIMB_BEND, at.LIMB_TWIST)
 
 
 def turn_columns(width: int) -> NDArray[np.int64]:
-    """(T,) where quaternions begin in channels of ``width`` columns."""
+    """(T,) first columns of the quaternions in channels of ``width`` columns."""
     return np.array([*at.QUATERNION_COLUMNS, *range(at.SPINE, width, 4)])
 
 
 def turns_of(channels: FloatArray) -> FloatArray:
-    """(..., T, 4) the quaternions of channels (..., C)."""
+    """(..., T, 4) quaternions of channels (..., C)."""
     return np.asarray(channels[..., turn_columns(channels.shape[-1])[:, None] + np.arange(4)])
 
 
 def put_turns(channels: FloatArray, turns: FloatArray) -> None:
-    """Write quaternions (..., T, 4) where they belong in channels (..., C)."""
+    """Write quaternions (..., T, 4) into their columns of channels (..., C)."""
     channels[..., turn_columns(channels.shape[-1])[:, None] + np.arange(4)] = turns
 
 
 def difference(start: FloatArray, end: FloatArray) -> FloatArray:
-    """(..., C) what leads from channels ``start`` to ``end``: ``moved(start, difference(start, end))`` is ``end``.
+    """(..., C) difference from channels ``start`` to ``end``: ``moved(start, difference(start, end))`` is ``end``.
 
-    Rotation vectors stand in the first three columns of their quaternions, folds in those of slacks and off-planes,
-    what is beyond a limb's length in those of bends. The shorter way round is taken, in the first of frames (F, C)
-    only: from there on it goes on, or a blend would whirl where two ways are as long.
+    Rotation vectors are in the first three columns of their quaternions, folds in those of slacks and off-planes,
+    lengths beyond a limb's own in those of bends. The shorter arc is taken, in the first of frames (F, C) only; the
+    others continue it, or a blend would whirl where both arcs are equally long.
     """
     between = end - start
     for columns, a, b in zip(_FOLDS, _folds(start), _folds(end), strict=True):
@@ -72,7 +72,7 @@ def moved(channels: FloatArray, by: FloatArray) -> FloatArray:
 
 
 def blended(first: FloatArray, second: FloatArray, shares: FloatArray) -> FloatArray:
-    """(F, C) from channels ``first`` (share 0) to ``second`` (share 1), ``shares`` (F,) of the way."""
+    """(F, C) interpolation from channels ``first`` to ``second`` by the fractions ``shares`` (F,)."""
     return moved(first, shares[:, None] * difference(first, second))
 
 
@@ -81,7 +81,7 @@ def _continuous(angles: FloatArray) -> FloatArray:
 
 
 def rotation_vectors(turns: FloatArray) -> FloatArray:
-    """(..., 3) of quaternions (..., 4): more than half a turn where w is below 0."""
+    """(..., 3) rotation vectors of quaternions (..., 4), longer than pi where w is negative."""
     sine = np.linalg.norm(turns[..., :3], axis=-1, keepdims=True)
     scale = np.where(sine > 1e-12, 2.0 * np.arctan2(sine, turns[..., 3:]) / np.maximum(sine, 1e-12), 2.0)
     return np.asarray(scale * turns[..., :3])

@@ -1,4 +1,4 @@
-"""From a posed body of known measures back to its channels: the way from a solved pose into another body."""
+"""Encoding of a posed body of known measures as channels, so that a solved pose can be moved to another body."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +17,9 @@ BODY_FORWARD = np.array([1.0, 0.0, 0.0])
 def encode(
     positions: FloatArray, rotations: FloatArray, body: Morphology, frame_rate: float, name: str = ""
 ) -> NormalizedMotion:
-    """The motion that ``realize`` gives back on ``body`` as positions (F, K+23, 3) and rotations (F, K+18, 3, 3).
+    """Motion whose ``realize`` on ``body`` gives positions (F, K+23, 3) and rotations (F, K+18, 3, 3) back.
 
-    Exact where the bones have the body's lengths; what a pose has beyond that (a stray of the hips) is kept as play.
+    Exact if the bones have the body's lengths; other displacements (of the hips) are kept as play.
     """
     layout = body.layout
     actor = actor_sizes(body, np.concatenate([body.arm.sum(axis=1), body.leg.sum(axis=1)]))
@@ -32,7 +32,7 @@ def encode(
 
 
 def actor_sizes(body: Morphology, limbs: FloatArray) -> ActorSizes:
-    """Sizes of a body that the channels do not contain; its arms and legs are ``limbs`` (4,) metres long."""
+    """Sizes of a body that channels do not contain, for arms and legs of ``limbs`` (4,) metres."""
     rests = np.array([frame_along(rest, BODY_FORWARD) for rest in (body.neck_rest, *body.clavicle_rest)])
     ankle_height, leg, neck = float(body.ankle_height.mean()), float(body.leg_length), float(body.neck)
     return ActorSizes(rests, body.hip_offset, limbs, ankle_height, leg, neck)

@@ -1,4 +1,4 @@
-"""Place of a motion at which it goes on where another one is (Kovar et al. 2002, equation 1)."""
+"""Alignment of a motion with the end of another (Kovar et al. 2002, equation 1)."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -30,7 +30,7 @@ class Planar:
     offset: tuple[float, float] = (0.0, 0.0)
 
     def after(self, first: "Planar") -> "Planar":
-        """This one done after ``first``."""
+        """Composition: this transform applied after ``first``."""
         c, s = np.cos(self.turn), np.sin(self.turn)
         x, y = first.offset
         moved = float(c * x - s * y + self.offset[0]), float(s * x + c * y + self.offset[1])
@@ -39,7 +39,7 @@ class Planar:
 
 @dataclass(frozen=True)
 class FootStep:
-    """Step of the foot of a ``side`` (0 left, 1 right) over ``way`` leg lengths."""
+    """Step of the foot of a ``side`` (0 left, 1 right) by the displacement ``way`` in leg lengths."""
 
     side: int
     way: float
@@ -47,7 +47,7 @@ class FootStep:
 
 @dataclass(frozen=True)
 class ClipAlignment:
-    """Placement of the new motion on the ground, and the steps of the feet that it needs, in their order."""
+    """Placement of the new motion on the ground, and the steps that it needs, in their order."""
 
     placement: Planar
     steps: tuple[FootStep, ...] = ()
@@ -81,7 +81,9 @@ def stepping_there(
     spine_places: FloatArray,
     placement: Planar,
 ) -> ClipAlignment:
-    """Join with a given ``placement``: feet step there, unless one has to go farther than ``FOOT_STEP_LIMIT``."""
+    """Alignment with a given ``placement``: feet step there, unless one has to move farther than
+    ``FOOT_STEP_LIMIT``.
+    """
     old, new = (_points(channels, spine_places) for channels in (first, second))
     ways = [_foot_distance(old, new, placement, both_stand, side) for side in range(2)]
     steps = tuple(FootStep(side, way) for side, way in enumerate(ways) if way >= SAME_PLACE)
@@ -138,7 +140,7 @@ def _turned(places: FloatArray, turn: float) -> FloatArray:
 
 @cache
 def average_body() -> Morphology:
-    """A body of usual proportions: motions are laid on each other by where its points are."""
+    """Body of average proportions, on whose points motions are aligned."""
     both, sides = np.ones(2), np.array([[1.0, 1.0, 1.0], [1.0, -1.0, 1.0]])
     return Morphology(
         spine=np.tile([0.0, 0.0, 0.16], (3, 1)),

@@ -1,4 +1,4 @@
-"""Places of the canonical points in a capture's own skeleton, in its reference pose and in every frame."""
+"""Positions of the canonical points in a capture's own skeleton, in its reference pose and in every frame."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -25,11 +25,11 @@ _NECK = 0.15
 
 @dataclass(frozen=True, eq=False)
 class Landmarks:
-    """Canonical points and the joints that stand for the segments, of one capture.
+    """Canonical points of one capture, and the joints that move its segments.
 
     ``points`` (F, P, 3) metres in capture space, ``reference`` (P, 3) the same in the reference pose;
     ``segment_joints`` (S,) as in ``SourceRig``; ``rotations`` (F, S, 3, 3) in the world of the joint that moves each
-    segment, its own or its carrier's, ``reference_rotations`` (S, 3, 3) the same in the reference pose;
+    segment, its own or its parent's, ``reference_rotations`` (S, 3, 3) the same in the reference pose;
     ``reference_is_rest`` is True if the reference is the skeleton's own zero pose, not a frame of its motion.
     """
 
@@ -42,9 +42,9 @@ class Landmarks:
     reference_is_rest: bool
 
     def align_rotations(self, alignments: FloatArray) -> FloatArray:
-        """Turn ``rotations`` in place into canonical ones R_joint A, A as ``find_alignments`` has it; returns them.
+        """Rotate ``rotations`` in place into canonical ones R_joint A, A from ``find_alignments``; returns them.
 
-        Those of a long capture fill much memory, and nothing reads a joint's own afterwards.
+        Those of a long capture need much memory, and nothing reads a joint's own afterwards.
         """
         from studio.core.kernels.body.encode_channels import align_segments  # late: it loads numba
 
@@ -58,12 +58,12 @@ class Landmarks:
 
 
 def spread(frame_count: int, first: int = 0) -> slice:
-    """Frames from ``first`` on in which bones are measured: of a long capture as many as are enough, evenly spread."""
+    """Frames from ``first`` on in which bones are measured: evenly spread, and enough of them in a long capture."""
     return slice(first, None, max(1, (frame_count - first) // _ENOUGH))
 
 
 def find_landmarks(capture: Capture, body_map: BodyMap) -> Landmarks:
-    """Read all canonical points of a mapped capture; what a skeleton lacks is placed by its neighbours."""
+    """Landmarks of a mapped capture; points that a skeleton lacks are placed by their neighbours."""
     layout = BodyLayout(len(body_map.spine))
     joints = _segment_joints(layout, body_map)
     moving, skeleton = _carried(layout, joints), capture.skeleton
@@ -97,7 +97,7 @@ def _segment_joints(layout: BodyLayout, body_map: BodyMap) -> IntArray:
 
 
 def _carried(layout: BodyLayout, joints: IntArray) -> IntArray:
-    """For each segment the joint that moves it, its own or its carrier's."""
+    """Joint that moves each segment, its own or its parent's."""
     moving = joints.copy()
     for segment, parent in enumerate(layout.parent_segments()):
         if moving[segment] < 0:
@@ -187,7 +187,7 @@ def _place_foot_end(
 
 
 def _far_child(skeleton: Skeleton, joint: int, carries_none_of: Collection[int] = ()) -> int | None:
-    """The child that lies farthest from ``joint``: the end of its bone."""
+    """Child that is farthest from ``joint``: the end of its bone."""
     children = [
         child for child in skeleton.children[joint] if not {child, *skeleton.descendants(child)} & set(carries_none_of)
     ]

@@ -1,7 +1,7 @@
-"""Layers over a row of clips: a part of the body plays another clip, or what a clip differs by is added.
+"""Layers over a row of clips: a part of the body plays another clip, or a clip's difference from a reference is added.
 
 All of it happens in channels, which hold no lengths: the trunk in the pelvis, head and arms in the thorax, legs with
-the hips in the world. What stands is asked of whoever has the limb that stands.
+the hips in the world. Contacts of a limb are those of the layer that moves it.
 """
 
 from collections.abc import Sequence
@@ -48,7 +48,9 @@ class PlayedLayer:
 
 @project_cache(maxsize=64)
 def layered(pieces: tuple[MotionPiece, ...], overlays: tuple[PlayedLayer, ...]) -> Composite:
-    """A row as ``compose`` has it, layers over it, the later over the earlier; the same ones give the same value."""
+    """Row from ``compose`` with layers over it, the later over the earlier; equal arguments give the
+    same cached value.
+    """
     row = compose_pieces(pieces, blends=any(piece.is_carried for overlay in overlays for piece in overlay.pieces))
     for overlay in overlays:
         if overlay.weight > 0.0:
@@ -57,7 +59,7 @@ def layered(pieces: tuple[MotionPiece, ...], overlays: tuple[PlayedLayer, ...]) 
 
 
 class _Over:
-    """One layer over what plays, in the frames of the row in which it plays."""
+    """One layer over a row, in the frames in which it plays."""
 
     def __init__(self, row: Composite, overlay: PlayedLayer) -> None:
         self._row, self._overlay = row, overlay
@@ -196,14 +198,14 @@ class _Over:
         return tuple(contacts)
 
     def _stands(self, row: Composite) -> Mask:
-        """(P, F) what stands in a row, in its frames."""
+        """(P, F) contact mask of a row, in its frames."""
         standing = np.zeros((len(PIECE_CONTACT_POINTS), row.motion.frame_count), dtype=bool)
         for contact in row.contacts:
             standing[PIECE_CONTACT_POINTS.index(contact.point), contact.first : contact.last + 1] = True
         return standing
 
     def _own_stands(self) -> Mask:
-        """(P, F) what stands in the layer, in the row's frames; nothing where it does not play."""
+        """(P, F) contact mask of the layer, in the row's frames; false where it does not play."""
         standing = np.zeros((len(PIECE_CONTACT_POINTS), self._row.motion.frame_count), dtype=bool)
         rows = np.rint(self._own.timing.frames_at(self._times)).astype(np.int64)
         standing[:, self._frames] = self._stands(self._own)[:, rows]
@@ -211,7 +213,7 @@ class _Over:
 
 
 def columns_of(region: Region, width: int) -> Mask:
-    """(C,) which of ``width`` columns of channels are of a region."""
+    """(C,) true for those of ``width`` columns of channels that belong to a region."""
     mask = np.zeros(width, dtype=bool)
     for part in region.parts:
         for first, count in _columns(part, width):

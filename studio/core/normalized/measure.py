@@ -1,4 +1,4 @@
-"""The actor's measures, read off the landmarks of a capture."""
+"""The actor's measures, from the landmarks of a capture."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,7 @@ def measure_actor(
     first_frame: int,
     floor: FloatArray | float,
 ) -> Morphology:
-    """Medians over the motion of all bones, in canonical axes; sole heights where feet stand.
+    """Measures of the actor: medians over the motion of all bones, in canonical axes; sole heights where feet stand.
 
     ``alignments`` (S, 3, 3), ``rotations`` (F, S, 3, 3) canonical; ``floor`` (F, 2) metres, ground under the ankles.
     """
@@ -85,7 +85,7 @@ def _at_ease(rotations: FloatArray, thorax: int, clavicle: int) -> FloatArray:
 
 
 def _head_length(marks: Landmarks, points: FloatArray) -> float:
-    """From the head joint up to the crown; captures end at the eyes as often, so never less than a usual head."""
+    """Length from the head joint to the crown; many captures end at the eyes, so it is at least a typical one."""
     layout = marks.layout
     bones = points[:, layout.head_end] - points[:, layout.head_joint]
     trunk = np.linalg.norm(marks.reference[layout.neck_base] - marks.reference[0])
@@ -95,7 +95,9 @@ def _head_length(marks: Landmarks, points: FloatArray) -> float:
 def _ankle_heights(
     heights: FloatArray, contacts: dict[ContactPoint, list[tuple[int, int]]], leg_length: float
 ) -> FloatArray:
-    """Median of each ankle's ``heights`` (F, 2) while its heel stands; alike where only one does, a usual one else."""
+    """Median of each ankle's ``heights`` (F, 2) while its heel stands; the same for both if only one does, else a
+    typical one.
+    """
     standing_at: list[float] = []
     for side, heel in enumerate((ContactPoint.LEFT_HEEL, ContactPoint.RIGHT_HEEL)):
         standing = contact_mask(contacts[heel], len(heights))

@@ -1,4 +1,4 @@
-"""Left for right: a motion seen in the plane through the middle of the body."""
+"""Mirror image of a motion in the median plane of the body."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -26,10 +26,10 @@ _HANDS = (at.HAND, at.HAND + 4)
 
 @project_cache(maxsize=32)
 def mirrored(motion: NormalizedMotion) -> NormalizedMotion:
-    """The motion with left and right exchanged: y becomes -y.
+    """Motion with left and right exchanged: y becomes -y.
 
     With M = diag(1, -1, 1) a rotation R between anatomical axes becomes M R M; axes whose x is a hinge have D =
-    diag(-1, 1, 1) on their side instead, because the product of two mirrored vectors points the other way.
+    diag(-1, 1, 1) on their side instead, because the cross product of two mirrored vectors is reversed.
     """
     channels = np.array(motion.channels)
     for left, count in _SIDED:
@@ -53,12 +53,12 @@ def mirrored(motion: NormalizedMotion) -> NormalizedMotion:
 
 
 def mirrored_contacts(contacts: Sequence[ContactInterval]) -> tuple[ContactInterval, ...]:
-    """The contacts of the other side; the seat's stay, and those of both hands."""
+    """Contacts of the other side; those of the seat, and of both hands, are unchanged."""
     return tuple(replace(each, point=mirrored_point(each.point)) for each in contacts)
 
 
 def mirrored_point(point: ContactPoint | Touch) -> ContactPoint | Touch:
-    """The same of the other side."""
+    """Contact point of the other side."""
     swaps = {"left": "right", "right": "left"}
     side, _, member = point.value.partition("_")
     return contact_point(f"{swaps[side]}_{member}") if side in swaps else point

@@ -1,4 +1,4 @@
-"""The morphology-independent motion: numbers without any body's measures."""
+"""The morphology-independent motion: channels without any body's measures."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,8 +20,10 @@ HEADING_SMOOTHING = 0.25
 
 @dataclass(frozen=True, eq=False)
 class Girdle:
-    """The actor's shoulders, hips and limbs: a motion holds how clavicles, pelvis and limbs turn, and what that does
-    depends on how they lie at rest, how broad they are, and how bones share their limb's length.
+    """Proportions of the actor's shoulders, hips and limbs.
+
+    A motion holds rotations of clavicles, pelvis and limbs, whose effect depends on their rest directions, their
+    breadth, and the ratio of a limb's bones.
     """
 
     length: float
@@ -40,9 +42,9 @@ class Girdle:
 
 @dataclass(frozen=True)
 class Change:
-    """Another clip takes over in frame ``first``: it goes on from where the body is then, in ``seconds``, 0 in as many
-    as it needs; where it is ``cut`` it is where it is at once. Where it is ``planned``, feet in the air step over the
-    ground to where they land; one that comes by chance, or in seconds that are given, has no time for that.
+    """Change of clips in frame ``first``: the new clip continues from the pose of the body, in ``seconds``, or in the
+    time that it needs if that is 0; if it is ``cut`` it plays at once. In a ``planned`` change feet in the air step
+    over the ground to where they land; an unplanned one, or one of given seconds, has no time for that.
     """
 
     first: int
@@ -53,11 +55,11 @@ class Change:
 
 @dataclass(frozen=True, eq=False)
 class NormalizedMotion:
-    """A motion free of any body's measures: angles, and lengths as parts of the body's own.
+    """Motion without any body's measures: angles, and lengths as fractions of the body's own.
 
-    ``channels`` (F, 89 + 4 K) are laid out in ``kernels.layout``; ``spine_places`` (K,) says where along the trunk
-    each of the K spine segments begins, 0 the pelvis to 1 the thorax. The motion's space has its origin on the
-    ground under the root of the first frame.
+    ``channels`` (F, 89 + 4 K) have the columns of ``kernels.layout``; ``spine_places`` (K,) is the begin of each of the
+    K spine segments along the trunk, 0 the pelvis to 1 the thorax. The motion's space has its origin on the ground
+    under the root of the first frame.
     """
 
     name: str
@@ -90,9 +92,9 @@ class NormalizedMotion:
 
     @cached_property
     def across(self) -> FloatArray:
-        """(F, 2) how the feet lie across, to the left, in the motion's space: what of both is level, added, low-passed.
+        """(F, 2) horizontal leftward axis of the feet in the motion's space: the sum of both, low-passed.
 
-        A pelvis turns over feet that stand; this says where it would be if it did not.
+        A pelvis rotates over standing feet; this is its heading if it did not.
         """
         yaw, pelvis = self.channels[:, layout.YAW], self.channels[:, layout.PELVIS : layout.PELVIS + 4]
         feet = self.channels[:, layout.FOOT : layout.FOOT + 8].reshape(-1, 2, 4)
@@ -102,7 +104,7 @@ class NormalizedMotion:
 
     @property
     def parts(self) -> tuple[slice, ...]:
-        """Its frames from change to change."""
+        """Frames of the motion between its changes."""
         ends = [0, *(each.first for each in self.changes), self.frame_count]
         return tuple(slice(*each) for each in pairwise(ends))
 

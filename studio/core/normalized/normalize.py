@@ -1,4 +1,4 @@
-"""From a capture to its morphology-independent motion (K05 section 4; METHOD 2)."""
+"""Conversion of a capture to its morphology-independent motion (K05 section 4; METHOD 2)."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -62,10 +62,10 @@ LOWEST = 0.05
 def normalize(
     capture: Capture, progress: Callable[[float], object] = lambda share: None
 ) -> tuple[NormalizedMotion, SourceRig]:
-    """The capture's motion without its actor's measures, and the actor.
+    """Motion of the capture without its actor's measures, and the actor.
 
-    ``progress`` hears a share from 0 to 1 and may raise to cancel. Raises StudioError when the capture has no body map:
-    there is no telling what its joints are.
+    ``progress`` is called with a fraction from 0 to 1 and may raise to cancel. Raises StudioError if the capture has no
+    body map, so that its joints are unknown.
     """
     return _NORMALIZED(capture, progress)
 
@@ -117,12 +117,12 @@ def capture_contacts(capture: Capture) -> Contacts:
 
 
 def sole_heights(capture: Capture) -> list[list[float]]:
-    """Metres at which the ankle of each foot stands, one a contact of its heel, of a mapped capture."""
+    """Height in metres of the ankle of each foot, one for each contact of its heel, of a mapped capture."""
     return _FOUND(capture).sole_heights
 
 
 def detected_contacts(capture: Capture, motion_id: str) -> tuple[ContactInterval, ...]:
-    """``capture_contacts`` as those of a motion, and what its hands touch (``touching``)."""
+    """``capture_contacts`` as those of a motion, and the touches of its hands (``touching``)."""
     from studio.core.normalized.touching import find_touches  # it needs a body, which is measured here
 
     if capture.body_map is None:
@@ -161,7 +161,7 @@ def _find(capture: Capture, marks: Landmarks | None = None) -> _Found:
 
 
 def _terms(capture: Capture) -> object:
-    """All of a capture, besides its poses, that its contacts depend on."""
+    """All of a capture, except its poses, on which its contacts depend."""
     offsets, reference = capture.skeleton.offsets.tobytes(), capture.reference_rotations.tobytes()
     begin = capture.frame_rate, capture.floor, capture.first_frame
     return offsets, reference, capture.body_map, *begin, capture.plate_loads
@@ -172,10 +172,10 @@ _FOUND: Shared[Capture, _Found] = Shared(_find, owner=lambda capture: capture.po
 
 
 def _risen(marks: Landmarks, heels: Sequence[NDArray[np.bool_]], leg_length: float) -> FloatArray:
-    """(F,) metres by which the floor is higher than at its lowest, as the ``heels`` (F,) show it that legs stand on.
+    """(F,) height in metres of the floor over its lowest, from the ``heels`` (F,) of standing legs.
 
-    Hands stand on the same floor: captured ones are tilted, and drift by centimetres. It says less of knees and seats,
-    which come down long after a leg has stood.
+    Captured floors are tilted, and drift by centimetres, also under the hands. Knees and seats follow it less, because
+    they come down long after a leg has stood.
     """
     frames, shown = np.arange(len(marks.points)), []
     for side, stands in enumerate(heels):
@@ -232,7 +232,7 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> tuple[Contacts, FloorSlo
 
 
 def _standing_feet(contacts: Contacts, frame_count: int) -> BoolArray:
-    """(F, 2) frames in which heel and toe of the left and the right foot both rest."""
+    """(F, 2) true where heel and toe of the left and the right foot both rest."""
     points = [[ContactPoint(f"{side}_{end}") for end in ("heel", "toe")] for side in ("left", "right")]
     return np.stack([np.all([contact_mask(contacts[p], frame_count) for p in foot], axis=0) for foot in points], axis=1)
 

@@ -1,4 +1,4 @@
-"""Pieces of motions: what is to be played of each, and how, in the frames of a row."""
+"""Pieces of motions: the frames of each that play in a row, and their speed and placement."""
 
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -26,10 +26,10 @@ AS_IT_IS = Planar()
 
 @dataclass(frozen=True)
 class MotionPiece:
-    """Frames ``first`` to ``last`` of a motion from ``start`` seconds on, ``speed`` times as fast.
+    """Frames ``first`` to ``last`` of a motion from ``start`` seconds on, at ``speed``.
 
-    ``own`` turns it about where its root begins, then moves it; ``joined`` begins it where what came before is.
-    ``ease`` is the seconds of a transition where it does not overlap what came before; 0 as many as it needs.
+    ``own`` rotates it about where its root begins, then moves it; ``joined`` begins it at the end of the piece before.
+    ``ease`` is the seconds of a transition without overlap; 0 as many as it needs.
     """
 
     motion: NormalizedMotion
@@ -47,7 +47,7 @@ class MotionPiece:
 
     @property
     def end(self) -> float:
-        """Seconds at which its last frame plays."""
+        """Time in seconds of its last frame."""
         rate = self.motion.frame_rate
         if not isinstance(self.speed, KeyedNumber):
             return self.start + (self.last - self.first) / (rate * self.speed)
@@ -55,7 +55,7 @@ class MotionPiece:
         return float(self.start + last - first)
 
     def frames_after(self, seconds: FloatArray) -> FloatArray:
-        """(N,) frames of the motion, not rounded, that play ``seconds`` (N,) after the start."""
+        """(N,) frames of the motion, with fractions, ``seconds`` (N,) after the start."""
         rate = self.motion.frame_rate
         if not isinstance(self.speed, KeyedNumber):
             return np.asarray(self.first + seconds * self.speed * rate)
@@ -75,7 +75,7 @@ class MotionPiece:
 
 @dataclass(frozen=True)
 class Played:
-    """Place of a piece in the motion made of a row: frames ``first`` to ``last``, placed by ``placement``."""
+    """Frames ``first`` to ``last`` of a row in which a piece plays, and its ``placement``."""
 
     piece: MotionPiece
     first: int
@@ -83,7 +83,7 @@ class Played:
     placement: Planar
 
     def motion_frames(self, frames: NDArray[Any], timing: Timing) -> FloatArray:
-        """(N,) the piece's own frames, not rounded, that play in ``frames`` (N,) of the whole."""
+        """(N,) the piece's own frames, with fractions, that play in ``frames`` (N,) of the row."""
         return self.piece.frames_after(timing.begin + frames / timing.frame_rate - self.piece.start)
 
 
@@ -123,7 +123,7 @@ class PieceSource(ChannelSource):
         self._motion_frames = Played(piece, 0, 0, placement).motion_frames
 
     def placed(self, placement: Planar) -> "PieceSource":
-        """The same, placed."""
+        """Copy with another placement."""
         return PieceSource(self.piece, self._places, self._timing, placement)
 
     def channels(self, frames: NDArray[np.int64]) -> FloatArray:
@@ -139,7 +139,7 @@ class PieceSource(ChannelSource):
         return standing
 
     def around(self, frame: int, own: Planar, first: Planar = AS_IT_IS) -> Planar:
-        """``first``, then turned about the root as it is then in ``frame`` and moved, as ``own`` says."""
+        """Placement ``first``, then rotated about the position of the root in ``frame`` and moved, by ``own``."""
         channels = placed(self.channels(np.array([frame])), first.turn, np.array(first.offset))
         place = channels[0, at.HIPS : at.HIPS + 2]
         c, s = np.cos(own.turn), np.sin(own.turn)

@@ -1,4 +1,4 @@
-"""From a morphology-independent motion to a body, and back to the capture it was taken from."""
+"""Conversion of a morphology-independent motion to the poses of a body, and back to the capture it was taken from."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,8 @@ def realize(
 ) -> tuple[FloatArray, FloatArray]:
     """Positions (F, K + 23, 3) and rotations (F, K + 18, 3, 3) of ``motion`` on a body, in the motion's space.
 
-    ``play`` keeps the actor's own stray of hips and head (as far as the capture's extra joints moved them); a
-    character with rigid bones drops it.
+    ``play`` keeps the actor's own displacements of hips and head (those of the capture's extra joints); a character
+    with rigid bones drops them.
     """
     from studio.core.kernels.body import pose_from_channels as kernel  # late: it takes longer than a window
 
@@ -40,14 +40,16 @@ def realize(
 
 
 def girdle_of(body: Morphology) -> Girdle:
-    """Shoulders, hips and limbs of a body that is taken for the actor."""
+    """Proportions of shoulders, hips and limbs of a body that stands for the actor."""
     bones = np.concatenate([body.arm, body.leg])
     limbs = bones[:, 0] / bones.sum(axis=1)
     return Girdle(float(girdles(body)[0]), body.clavicle_rest, float(hip_breadths(body)[0]), limbs)
 
 
 def girdles(body: AnyMorphology) -> FloatArray:
-    """(F or 1,) lengths of the clavicles in parts of half the breadth of the shoulders: how far these go by a turn."""
+    """(F or 1,) lengths of the clavicles relative to half the breadth of the shoulders, which scales
+    their rotations.
+    """
     rows = body.rows
     lengths = rows[:, at.M_CLAVICLE : at.M_CLAVICLE + 2]
     bases, rests = (np.abs(rows[:, [m + 1, m + 4]]) for m in (at.M_COLLAR_BASE, at.M_CLAVICLE_REST))
@@ -55,16 +57,16 @@ def girdles(body: AnyMorphology) -> FloatArray:
 
 
 def hip_breadths(body: AnyMorphology) -> FloatArray:
-    """(F or 1,) distance of the hip joints from each other, in leg lengths."""
+    """(F or 1,) distance between the hip joints, in leg lengths."""
     rows = body.rows
     apart = np.abs(rows[:, at.M_HIP_OFFSET + 1] - rows[:, at.M_HIP_OFFSET + 4])
     return np.asarray(np.maximum(apart, 1e-9) / (rows[:, at.M_LEG : at.M_FOOT].sum(axis=1) / 2.0))
 
 
 def _drift(hips: FloatArray, morphology: AnyMorphology) -> FloatArray:
-    """(F, 2) metres by which ``hips`` (F, 2), in leg lengths, go astray only because the legs change their length.
+    """(F, 2) error in metres of ``hips`` (F, 2), in leg lengths, that comes only from the changing length of the legs.
 
-    A body that grows goes L dx, not d(L x): else where it stands would depend on how far the origin is.
+    A growing body moves by L dx and not d(L x), or its position would depend on its distance from the origin.
     """
     legs = morphology.rows[:, at.M_LEG : at.M_FOOT].sum(axis=1) / 2
     steps = (hips[1:] + hips[:-1]) / 2 * np.diff(legs)[:, None]
@@ -72,7 +74,7 @@ def _drift(hips: FloatArray, morphology: AnyMorphology) -> FloatArray:
 
 
 def trunk_places(spine: FloatArray) -> FloatArray:
-    """Begin of each of the spine segments (K, 3) along the trunk, (K,): 0 for the pelvis, 1 for the thorax."""
+    """(K,) begin of each spine segment (K, 3) along the trunk: 0 for the pelvis, 1 for the thorax."""
     places = np.concatenate([[0.0], np.cumsum(np.linalg.norm(spine[:-1], axis=1))])
     return np.asarray(places / places[-1])
 
@@ -83,8 +85,8 @@ def restore(motion: NormalizedMotion, actor: SourceRig) -> PoseSequence:
 
 
 def own_poses(actor: SourceRig, positions: FloatArray, rotations: FloatArray, first_frame: int = 0) -> PoseSequence:
-    """Poses of the actor's own joints that put its segments at ``positions`` and ``rotations`` (as ``realize`` gives
-    them, from ``first_frame`` of the capture on); joints that play no segment turn and lie as they were captured.
+    """Poses of the actor's own joints with its segments at ``positions`` and ``rotations`` (from ``realize``, beginning
+    with ``first_frame`` of the capture); joints without a segment keep their captured poses.
     """
     skeleton, frames = actor.skeleton, slice(first_frame, first_frame + len(positions))
     local = to_matrix(actor.pass_through.local_rotations[frames])

@@ -1,4 +1,4 @@
-"""Resampling of a motion between its frames, at another speed, and a little beyond its ends."""
+"""Resampling of a motion between its frames, at another speed, and slightly beyond its ends."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,16 +19,16 @@ SPLINE_MARGIN = 8
 
 @dataclass(frozen=True, eq=False)
 class Resampled:
-    """A motion whose spine has its joints at ``spine_places`` (K,), to be had at any frame."""
+    """Motion with spine joints at ``spine_places`` (K,) that can be sampled at any frame."""
 
     motion: NormalizedMotion
     spine_places: FloatArray
 
     def at(self, frames: FloatArray) -> FloatArray:
-        """(N, C) channels at ``frames`` (N,), not rounded; beyond the ends it goes on as fast as it did there.
+        """(N, C) channels at ``frames`` (N,), which need not be whole; extrapolated at constant speed beyond the ends.
 
-        Frames of its own come back to the bit; between them a cubic spline leads through every channel, so that
-        neither place nor speed nor acceleration jumps.
+        Whole frames are returned to the bit; between them a cubic spline interpolates every channel, with continuous
+        speed and acceleration.
         """
         last = self.motion.frame_count - 1
         within = np.clip(frames, 0, last)
@@ -75,6 +75,6 @@ def _splined(channels: FloatArray, rows: FloatArray) -> FloatArray:
 
 
 def common_spine(motions: Sequence[NormalizedMotion]) -> FloatArray:
-    """Positions along the trunk, (K,), of all spine joints that any of the motions has."""
+    """Positions along the trunk, (K,), of the spine joints of all motions."""
     places = np.unique(np.concatenate([motion.spine_places for motion in motions]))
     return np.asarray(places[np.concatenate([[True], np.diff(places) > 1e-6])])

@@ -1,9 +1,9 @@
-"""A row of clips, filled from left to right: each takes over from the one before, placed where that leaves the body.
+"""Row of clips, filled from left to right: each takes over from the one before, placed where that leaves the body.
 
-A clip takes over in one frame, and channels jump there: who stands is led from one to the other on the ground
-(``solver.standing.inertialisation``), where feet are known. Where clips overlap it is the frame in which they are most
-alike, of
-the first second: so the same feet stand, and no hit, step or touch comes at another time than in its clip.
+A clip takes over in one frame, and channels jump there; later the body is inertialised on the ground
+(``solver.standing.inertialisation``), where feet are known. Of overlapping frames, up to the first second, the change
+is where both clips are most alike, so that the same feet stand, and every hit, step or touch keeps its time in its
+clip.
 """
 
 from dataclasses import dataclass, field, replace
@@ -43,7 +43,7 @@ SAME_FRAME = 0.01
 
 @dataclass
 class AssembledRow:
-    """``channels`` (F, C) and what ``stands`` (9, F), as far as ``end``, not included."""
+    """``channels`` (F, C) and the contact mask ``stands`` (9, F), up to ``end``, not included."""
 
     spine_places: FloatArray
     timing: Timing
@@ -151,7 +151,7 @@ class AssembledRow:
         return first
 
     def _goes_on(self, source: PieceSource, frame: int) -> bool:
-        """True if a piece plays in a frame what the piece before it would, as the parts of a split clip do."""
+        """True if a piece continues the piece before it in a frame, as the parts of a split clip do."""
         piece, before = source.piece, self.played[-1]
         alike = piece.motion is before.piece.motion and piece.mirrored == before.piece.mirrored
         if not alike or not piece.joined or piece.own != AS_IT_IS or piece.speed != before.piece.speed:

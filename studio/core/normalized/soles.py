@@ -1,4 +1,4 @@
-"""Places of heels, balls and tips of feet, for their contacts: captures have an ankle and a ball, seldom a heel."""
+"""Positions of heels, balls and tips of feet, for their contacts: captures have an ankle and a ball, seldom a heel."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +15,8 @@ FLAT_FOOT_HEIGHT = 0.03
 def sole_points(marks: Landmarks, leg_length: float, first_frame: int) -> FloatArray:
     """(F, 2, 3, 3) metres: heel, ball and tip of the toes of left and right foot.
 
-    The heel is where it must be when the foot lies flat, and turns with the foot; frames before ``first_frame`` do not
-    tell when that is. On a foot that never lies flat it stays at the ankle.
+    The heel is fixed to the foot at its position on the ground under a flat foot; frames before ``first_frame`` are not
+    used to find it. On a foot that never is flat it is at the ankle.
     """
     layout, points = marks.layout, marks.points
     soles = np.empty((len(points), 2, 3, 3))

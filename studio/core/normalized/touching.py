@@ -1,7 +1,7 @@
-"""Hands that touch or hold: each other, a thing between them, their own body. Where a motion's actor does so.
+"""Touches of the hands: each other, a thing between them, their own body, as the motion's actor does.
 
-Wrists as near to each other as a hand is long, or nearly, are *together*; wrists before the chest whose distance stays
-the same for long hold a *thing*; a palm that rests on a capsule of the body's volume lies on that part of it.
+Wrists whose distance is about the length of a hand are *together*; wrists before the chest at a constant distance hold
+a *thing*; a palm that rests on a capsule of the body's volume touches that part of it.
 """
 
 from collections.abc import Iterator
@@ -56,7 +56,7 @@ RESTS_FOR = 0.6
 class PalmPositions:
     """Position of a palm relative to one capsule of its body, in every frame.
 
-    ``along`` (F,) part of the capsule's length, ``ways`` (F, 3) out of it in the axes of the segment that carries its
+    ``along`` (F,) fraction of the capsule's length, ``ways`` (F, 3) outward direction in the axes of the segment at its
     begin, ``clearances`` (F,) metres from surface to surface.
     """
 
@@ -66,7 +66,7 @@ class PalmPositions:
 
 
 def palm(side: int, body: Morphology, positions: FloatArray) -> FloatArray:
-    """(F, 3) the middle of a hand's palm."""
+    """(F, 3) centre of a hand's palm."""
     wrist = body.layout.wrist(side)
     return np.asarray(positions[:, wrist] + PALM_SURFACE_PROBE * (positions[:, wrist + 1] - positions[:, wrist]))
 
@@ -74,7 +74,7 @@ def palm(side: int, body: Morphology, positions: FloatArray) -> FloatArray:
 def palm_positions(
     side: int, capsule: int, body: Morphology, volume: BodyVolume, positions: FloatArray, rotations: FloatArray
 ) -> PalmPositions:
-    """A palm beside a capsule of ``volume``, of posed bodies (F, P, 3), (F, S, 3, 3)."""
+    """``PalmPositions`` beside a capsule of ``volume``, of posed bodies (F, P, 3), (F, S, 3, 3)."""
     begin, end = (_end(volume, capsule, end, body, positions, rotations) for end in range(2))
     axis, way = end - begin, palm(side, body, positions) - begin
     along = np.clip((axis * way).sum(axis=1) / (axis * axis).sum(axis=1), 0.0, 1.0)
@@ -144,7 +144,7 @@ def hands_together_or_holding(
 
 
 def _hanging(side: int, actor: Morphology, positions: FloatArray, rotations: FloatArray) -> Mask:
-    """(F,) where an arm hangs down."""
+    """(F,) true where an arm hangs down."""
     wrist = actor.layout.wrist(side)
     arm = positions[:, wrist] - positions[:, wrist - 2]
     length = np.linalg.norm(arm, axis=1)
@@ -153,14 +153,14 @@ def _hanging(side: int, actor: Morphology, positions: FloatArray, rotations: Flo
 
 
 def _resting(near: list[PalmPositions], leg: float, rate: float) -> tuple[Mask, FloatArray]:
-    """(F,) where a palm rests beside any of some capsules, and how far it is from the nearest."""
+    """(F,) true where a palm rests beside one of some capsules, and its distance from the nearest."""
     clearances = np.min([each.clearances for each in near], axis=0)
     speeds = np.min([_speed(each, rate) for each in near], axis=0)
     return _between(clearances / leg, *HAND_REST_DISTANCE) & (speeds < LYING_STILL * leg), clearances
 
 
 def _speed(spot: PalmPositions, rate: float) -> FloatArray:
-    """(F,) metres a second at which a palm goes round a capsule or away from it."""
+    """(F,) speed of a palm round a capsule or away from it, metres a second."""
     return _speed_of(spot.ways * (spot.clearances + 0.1)[:, None], rate)
 
 
@@ -173,7 +173,7 @@ def _speed_of(track: FloatArray, rate: float) -> FloatArray:
 
 
 def _nearest(parts: dict[str, tuple[Mask, FloatArray]]) -> dict[str, Mask]:
-    """Resting places of a hand on each part: through one rest it is on the part that is nearest to it all in all."""
+    """Rests of a hand on each part; each rest belongs to the part that is nearest to it overall."""
     anywhere = np.any([mask for mask, _ in parts.values()], axis=0)
     found = {part: np.zeros_like(anywhere) for part in parts}
     for first, last in spans_of(anywhere):
@@ -184,7 +184,7 @@ def _nearest(parts: dict[str, tuple[Mask, FloatArray]]) -> dict[str, Mask]:
 
 
 def _between(track: FloatArray, begins: float, ends: float) -> Mask:
-    """(F,) the stretches in which ``track`` (F,) stays below ``ends`` and falls below ``begins``."""
+    """(F,) true in runs in which ``track`` (F,) stays below ``ends`` and falls below ``begins``."""
     found = np.zeros(len(track), dtype=np.bool_)
     for first, last in spans_of(track < ends):
         if (track[first : last + 1] < begins).any():
@@ -193,7 +193,7 @@ def _between(track: FloatArray, begins: float, ends: float) -> Mask:
 
 
 def _joined(mask: Mask, gap: int) -> list[Span]:
-    """The stretches of a mask (F,), those within ``gap`` frames of each other as one."""
+    """Mask (F,) with gaps of up to ``gap`` frames between its runs closed."""
     joined: list[Span] = []
     for first, last in spans_of(mask):
         if joined and first - joined[-1][1] - 1 <= gap:

@@ -1,7 +1,7 @@
 """Transition between motions: their difference at the change decays, so that neither position nor speed jumps.
 
-Inertialisation (Bollo 2018): the new motion plays at once, and the difference to the old one, with its speed, is added
-to it and eased to nothing. Only the moment of the change has to be known, so it may be decided at any frame.
+Inertialisation (Bollo 2018): the new motion plays at once, and the decaying difference to the old one, with its speed,
+is added to it. It only needs the moment of the change, so that this may be decided at any frame.
 """
 
 from dataclasses import dataclass
@@ -44,7 +44,7 @@ class Inertialisation:
 
     @classmethod
     def of(cls, offset: FloatArray, speed: FloatArray, peaks: FloatArray) -> "Inertialisation":
-        """Inertialisation just long enough to add no more acceleration to any joint than ``ADDED`` allows."""
+        """Shortest inertialisation that adds no more acceleration to any joint than ``ADDED`` allows."""
         return cls(offset, speed, peaks, seconds_of(np.linalg.norm(joint_vectors(offset), axis=-1), peaks))
 
     @cached_property
@@ -83,19 +83,23 @@ def place_left(times: FloatArray, seconds: float) -> FloatArray:
 
 
 def pace_left(times: FloatArray, seconds: float | FloatArray) -> FloatArray:
-    """The offset that a speed of 1 makes while it dies away: T (s - 6 s^3 + 8 s^4 - 3 s^5)."""
+    """Offset from a decaying speed of 1 after ``times``: T (s - 6 s^3 + 8 s^4 - 3 s^5), s = t / T."""
     s = np.clip(times / seconds, 0.0, 1.0)
     return np.asarray((s - s**3 * (6.0 - s * (8.0 - 3.0 * s))) * seconds)
 
 
 def fade_seconds(differences: FloatArray, peaks: FloatArray) -> float:
-    """Seconds that a fade takes to add no more to any joint than it may, where two differ by (N, C) meanwhile."""
+    """Seconds of a cross-fade that adds no more acceleration to any joint than allowed, for differences (N, C)
+    meanwhile.
+    """
     places = np.linalg.norm(joint_vectors(differences), axis=-1).max(axis=0)
     return seconds_of(places, peaks)
 
 
 def joint_peaks(channels: FloatArray, frame_rate: float) -> FloatArray:
-    """(T + 4,) radians a second squared: the greatest acceleration of each turn of channels (F, C), and each fold."""
+    """(T + 4,) greatest acceleration of each rotation of channels (F, C), and of each fold, radians a
+    second squared.
+    """
     if len(channels) < 3:
         return np.zeros(len(turn_columns(channels.shape[1])) + 4)
     speeds = joint_vectors(difference(channels[:-1], channels[1:]))
@@ -103,14 +107,14 @@ def joint_peaks(channels: FloatArray, frame_rate: float) -> FloatArray:
 
 
 def joint_vectors(between: FloatArray) -> FloatArray:
-    """(..., T + 4, 3) the rotation vectors in a ``difference`` (..., C), and how far elbows and knees are bent."""
+    """(..., T + 4, 3) rotation vectors in a ``difference`` (..., C), and the bends of elbows and knees."""
     turns = between[..., turn_columns(between.shape[-1])[:, None] + np.arange(3)]
     folds = 2.0 * np.stack([between[..., OFF_PLANES], between[..., SLACKS], 0.0 * between[..., SLACKS]], axis=-1)
     return np.concatenate([turns, folds], axis=-2)
 
 
 def placed(channels: FloatArray, turn: float, offset: FloatArray) -> FloatArray:
-    """(F, C) channels turned by ``turn`` radians about Z, then moved by ``offset`` (2,) leg lengths."""
+    """(F, C) channels rotated by ``turn`` radians about Z, then moved by ``offset`` (2,) leg lengths."""
     c, s = np.cos(turn), np.sin(turn)
     moved = np.array(channels)
     x, y = channels[:, at.HIPS], channels[:, at.HIPS + 1]

@@ -26,8 +26,8 @@ STEEP = 0.5
 
 @dataclass(frozen=True, eq=False)
 class _Stances:
-    """The K contacts of a point, one after the other: the ``frames`` (n,) in which it stands, which contact each is
-    ``of`` (n,), and the rows among these where contacts begin and are halfway, (K,).
+    """The K contacts of a point, one after the other: their ``frames`` (n,), the contact ``of`` each frame (n,), and
+    the rows at which contacts begin and are halfway, (K,).
     """
 
     frames: IntArray
@@ -46,10 +46,10 @@ class _Stances:
 def contact_tracks(
     adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground
 ) -> tuple[FloatArray, FloatArray]:
-    """Slides and heights above the ground (9, F) in metres, NaN where a point does not stand.
+    """Slides and heights above the ground (9, F) in metres, NaN without contact.
 
-    A row each of ``ContactPoint``; a slide is how far a heel, or what of a toe stands, has moved since its contact
-    began. ``contacts`` count frames in the whole motion.
+    A row for each ``ContactPoint``; a slide is the distance of a heel, or of the supporting end of a toe, from where
+    its contact began. ``contacts`` count frames in the whole motion.
     """
     slides, heights = np.full((2, len(ContactPoint), adapted.frame_count), np.nan)
     for row, point in enumerate(ContactPoint):
@@ -82,18 +82,20 @@ def _standing_joint(
 
 
 def _slide(track: FloatArray, normals: FloatArray, stances: _Stances) -> FloatArray:
-    """Distances (n,) of a track (n, 3) from the beginning of its contact, along the ground."""
+    """Distances (n,) along the ground of a track (n, 3) from the beginning of its contact."""
     way = track - track[stances.begins][stances.of]
     return np.asarray(np.linalg.norm(_along(way, normals), axis=1))
 
 
 def _along(ways: FloatArray, normals: FloatArray) -> FloatArray:
-    """Components of vectors (n, 3) along planes of ``normals`` (n, 3)."""
+    """Components of vectors (n, 3) in the planes of ``normals`` (n, 3)."""
     return np.asarray(ways - np.einsum("nk,nk->n", ways, normals)[:, None] * normals)
 
 
 def _stood_on(ball: FloatArray, tip: FloatArray, normals: FloatArray, stances: _Stances) -> FloatArray:
-    """(n, 3) how toes go along planes of ``normals`` (n, 3): as their balls, or as the tips over which they roll."""
+    """(n, 3) displacement of toes in the planes of ``normals`` (n, 3): that of their balls, or of the tips over which
+    they roll.
+    """
     of_ball, of_tip = (_along(np.diff(each, axis=0, prepend=each[:1]), normals) for each in (ball, tip))
     rolls = np.linalg.norm(of_tip, axis=1) < ROLLING_TIP_PART * np.linalg.norm(of_ball, axis=1)
     return np.cumsum(np.where(rolls[:, None], of_tip, of_ball), axis=0)

@@ -48,7 +48,7 @@ class ContactQuality:
 
 
 def contact_quality(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground) -> ContactQuality:
-    """Slide, float and penetration of what stands during ``contacts`` (frames counted in the whole motion)."""
+    """Slide, float and penetration of the contact points during ``contacts`` (frames counted in the whole motion)."""
     return worst_of(*contact_tracks(adapted, contacts, ground))
 
 
@@ -75,22 +75,24 @@ def swing_depths(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], gr
 
 
 def body_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
-    """Heights (F,) in metres of the lowest point of the body, of its joints and soles, above the ground along its
-    normal; negative below it, whatever stands.
+    """Heights (F,) in metres of the lowest point of the body (``point_heights``)."""
+    return np.asarray(point_heights(adapted, ground).min(axis=1))
+
+
+def point_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
+    """Heights (F, N) in metres of the joints of the body, then of its soles, above the ground along its normal;
+    negative below it, whatever stands.
 
     Within 5 mm of a riser or an edge a point counts as beside it.
     """
     soles = np.concatenate(_sole_points(adapted), axis=1)
     points = np.concatenate([adapted.positions[:], soles], axis=1)
-    heights = (points[..., 2] - worn_height(ground, points)) * ground.normal_at(points)[..., 2]
-    return np.asarray(heights.min(axis=1))
+    return np.asarray((points[..., 2] - worn_height(ground, points)) * ground.normal_at(points)[..., 2])
 
 
 def skate_distances(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
-    """Distances (2, F) in metres that each foot has gone along the ground since it came near it, whether or not a
-    contact says that it stands; 0 in the air.
-
-    The lowest point of the sole counts, so that a foot may roll.
+    """Distances (2, F) in metres that each foot has moved along the ground since it came near it, with or without a
+    contact; 0 in the air. The lowest point of the sole counts, so that a foot may roll.
     """
     points, heights = _sole_points(adapted), _sole_heights(adapted, ground)
     lowest = heights.argmin(axis=2)[:, :-1, None]
@@ -144,7 +146,7 @@ def angular_acceleration(rotations: FloatArray, frame_rate: float) -> FloatArray
 
 
 def acceleration_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
-    """Worst peak angular acceleration of an upper or lower arm or leg, beside the same segment's peak in the source.
+    """Greatest ratio of a limb segment's peak angular acceleration to that of the same segment in the source.
 
     About 1 is as smooth as the capture; a popping knee or elbow shows as 5 and more. 1 for fewer than three frames.
     """
@@ -155,7 +157,9 @@ def acceleration_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
 
 
 def speed_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
-    """Worst peak speed of any segment's turning, beside the same segment's peak in the source; 1 for a single frame."""
+    """Greatest ratio of any segment's peak angular speed to that of the same segment in the source; 1 for a single
+    frame.
+    """
     if adapted.frame_count < 2:
         return 1.0
     ours, theirs = (np.maximum(peaks[:, 0], SLOW) for peaks in _both_peaks(adapted, source))

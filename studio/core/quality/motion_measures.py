@@ -19,7 +19,7 @@ class MotionMeasure:
     """``(adapted: AdaptedMotion) -> (F,)`` in ``unit``, one for each of its frames."""
 
     def of(self, adapted: Any) -> NDArray[np.float64]:
-        """Values (F,) of an adapted motion; ValueError that names the measure, whatever its package raises."""
+        """Values (F,) of an adapted motion; errors of its package are raised as a ValueError that names the measure."""
         try:
             values = np.asarray(self.values(adapted), dtype=np.float64)
         except Exception as error:  # another's code may raise anything
@@ -37,7 +37,7 @@ ADDED_MEASURES: dict[str, MotionMeasure] = {}
 
 
 def add_measure(measure: MotionMeasure) -> MotionMeasure:
-    """Register a measure; raises ValueError where there is another one of that title."""
+    """Register a measure; raises ValueError if its title is taken."""
     if ADDED_MEASURES.get(measure.title, measure) != measure:
         raise ValueError(f"there is already a measure called '{measure.title}'.")
     ADDED_MEASURES[measure.title] = measure

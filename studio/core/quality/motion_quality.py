@@ -70,7 +70,7 @@ class MotionQuality:
 
     @property
     def peak(self) -> float:
-        """The greatest of the peaks."""
+        """Greatest of the peaks."""
         return max(self.peaks.values())
 
 
@@ -112,7 +112,7 @@ def _from(first_frame: int, motion: AdaptedMotion) -> AdaptedMotion:
 
 
 def _steady(standing: NDArray[np.bool_], frame_rate: float) -> NDArray[np.bool_]:
-    """(2, F) without the first and last moments of each stance."""
+    """(2, F) contact mask without the first and last moments of each stance."""
     edge = max(1, round(STANCE_MARGIN * frame_rate))
     inner = standing.copy()
     for step in range(1, edge + 1):
@@ -147,7 +147,7 @@ def _bob(motion: AdaptedMotion) -> float:
 
 
 def rises(motion: AdaptedMotion) -> FloatArray:
-    """(F, 9) radians above level of the trunk and of both bones of left arm, right arm, left leg and right leg."""
+    """(F, 9) elevation in radians of the trunk and of both bones of left arm, right arm, left leg and right leg."""
     layout = motion.morphology.layout
     roots = [layout.collar(0) + 1, layout.collar(1) + 1, layout.hip(0), layout.hip(1)]
     bones = [(0, layout.neck_base), *((root + k, root + k + 1) for root in roots for k in (0, 1))]
@@ -163,7 +163,7 @@ def _least_shoulders(motion: AdaptedMotion) -> float:
 
 
 def _hands(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
-    """Nothing between the source's own distance and that scaled by the arms counts as an error."""
+    """Error of the hands; distances between the source's own and that scaled by the arms count as right."""
     own, theirs = (
         np.linalg.norm(
             m.positions[:, m.morphology.layout.wrist(0)] - m.positions[:, m.morphology.layout.wrist(1)], axis=1
@@ -179,7 +179,10 @@ def _hands(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
 
 
 def _jump(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
-    """Joints count from the middle of the hips along the bones that carry them, which are as long as the source's."""
+    """Greatest step relative to that of the source.
+
+    Joints are measured from the middle of the hips along the chain of bones, scaled to the source's.
+    """
     reaches = _reaches(source.morphology) * (COMMON_LEG / source.morphology.leg_length)
     mine, theirs = (_steps(motion, reaches) for motion in (adapted, source))
     return float((mine / np.maximum(theirs, LEAST_STEP)).max())
@@ -206,14 +209,14 @@ def _reaches(body: Morphology) -> FloatArray:
 
 
 def _inside(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
-    """Sleeves, skirts and thick arms that are in each other at rest may be so as deep in motion."""
+    """Penetration of the body by itself beyond that at rest, where sleeves, skirts and thick arms may overlap."""
     body, volume = adapted.morphology, adapted.volume or usual_volume(adapted.morphology)
     allowed = np.minimum(rest_clearances(body, volume), min(0.0, float(clearances(source).min())))
     return max(0.0, float((allowed - clearances(adapted)).max()))
 
 
 def _segments(adapted: AdaptedMotion, source: AdaptedMotion) -> list[tuple[int, int]]:
-    """Segments of both bodies that play the same part: the pelvis and thorax and all beyond."""
+    """Segments of both bodies that correspond: the pelvis and thorax and all beyond."""
     own, theirs = adapted.morphology.layout.spine_count, source.morphology.layout.spine_count
     return [(0, 0), *((own + k, theirs + k) for k in range(-1, 18))]
 

@@ -36,10 +36,10 @@ Mask = NDArray[np.bool_]
 
 BLOCKED_BY_NOTHING, BLOCKED_BY_CONTACTS, BLOCKED_BY_LIMITS, BLOCKED_BY_REACH, BLOCKED_BY_SMOOTHING = -1, -2, -3, -4, -5
 BLOCKED_BY_TOUCHES, BLOCKED_BY_CLEARANCE, BLOCKED_BY_TOLERANCE = -6, -7, -8
-BLOCKED_BY_CORRECTIONS, BLOCKED_BY_FOLLOWED = -9, -10
+BLOCKED_BY_CORRECTIONS, BLOCKED_BY_FOLLOWED, BLOCKED_BY_GROUND = -9, -10, -11
 """Blockers of a constraint other than the row of another one: none (met, or inactive), contacts with the ground, joint
 limits, the reach of body and chain, smoothing in time, hands that touch, arms that stay out of the body, the solver's
-own tolerance, manual corrections above it, and characters who follow this one in turn.
+own tolerance, manual corrections above it, characters who follow this one in turn, and the ground over its target.
 """
 MET_BY_UNIT = {"m": PRIORITY_TOLERANCE, "rad": float(np.radians(0.1))}
 """Greatest residual of a constraint that counts as met, by unit."""
@@ -56,10 +56,10 @@ class Report:
     ``residuals`` (C, F) metres or radians, NaN where inactive; ``misses`` (C, F) the same measured on the poses, at
     full activation, active or not (``measured_residuals.full_residuals``); ``winners`` (C, F) the blocker of each
     constraint: the row of a constraint, or one of the constants above; ``slides`` and ``heights`` (9, F) metres, a row
-    a ``ContactPoint``, NaN without contact; ``lowest`` (F,) and ``skates`` (2, F) metres, the lowest point of the body
-    above the ground and the way of each foot along it, contact or not (``quality.metrics``); ``knee_speeds`` (2, F)
-    rad/s; ``mass_margins`` (F,) metres from the centre of mass to the edge of the support polygon, negative outside,
-    NaN in flight.
+    for each ``ContactPoint``, NaN without contact; ``lowest`` (F,) and ``skates`` (2, F) metres, the height of the
+    lowest point of the body and the travel of each foot along the ground, with or without contact
+    (``quality.metrics``); ``knee_speeds`` (2, F) rad/s; ``mass_margins`` (F,) metres from the centre of mass to the
+    edge of the support polygon, negative outside, NaN in flight.
     """
 
     residuals: FloatArray
@@ -127,14 +127,13 @@ def winners(
 
 
 def fully_active(constraints: Sequence[Constraint], times: FloatArray) -> Mask:
-    """(C, F) True where the curve of a constraint asks for it fully, with or without contacts."""
+    """(C, F) True where the activation of a constraint is 1, with or without contacts."""
     return np.array([each.activation.at(times) >= FULLY_ACTIVE for each in constraints]).reshape(-1, len(times))
 
 
 def samples(state: Mask, apart: int) -> tuple[IntArray, IntArray]:
-    """Sampled frames (n,), at most ``apart`` frames from each other, and the index (F,) of the sample for each frame.
-
-    A sample has the same ``state`` (S, F) as its frames.
+    """Sampled frames (n,), at most ``apart`` frames from each other, and the index (F,) of the sample that stands for
+    each frame. A sample has the same ``state`` (S, F) as its frames.
     """
     changes = np.flatnonzero((state[:, 1:] != state[:, :-1]).any(axis=0)) + 1
     runs = np.split(np.arange(state.shape[1]), changes)
@@ -148,7 +147,7 @@ def _window_of(adapted: AdaptedMotion) -> slice:
 
 @dataclass(frozen=True, eq=False)
 class _Problem:
-    """C constraints on a grounded motion, with the tracks of what they follow."""
+    """C constraints on a grounded motion, with the tracks that they follow."""
 
     standing: Standing
     constraints: Sequence[Constraint]
@@ -201,6 +200,7 @@ class _BlockerSearch:
         acting, always = np.isfinite(self._residuals), always[: len(self._frames)]
         self._weigh(BLOCKED_BY_CONTACTS, every, every, always, Bound(by_contacts=False))
         self._weigh(BLOCKED_BY_LIMITS, every, every, always, Bound(by_limits=False))
+        self._weigh(BLOCKED_BY_GROUND, every, every, always, Bound(by_ground=False))
         for row in every.tolist():
             others = every[every != row]
             self._weigh(row, others, others[self._ranks[others] >= self._ranks[row]], acting[row])
@@ -211,7 +211,7 @@ class _BlockerSearch:
         return found
 
     def _waiting(self) -> Mask:
-        """(C, F) True where a limb with constraints gives way to its own contacts."""
+        """(C, F) True where the contacts of a limb move it although it has constraints."""
         problem, standing = self._problem, self._problem.standing
         target = [each.activation.at(standing.motion.times[self._window]) for each in problem.constraints]
         released = contact_release(problem.constraints, standing, self._window)
@@ -227,8 +227,8 @@ class _BlockerSearch:
         return sample_of
 
     def _weigh_posing(self) -> None:
-        """Name what poses arms after the solver, where the poses miss more than the solver left: of several the one
-        whose absence alone helps most.
+        """Note the steps that pose arms after the solver, where the poses miss more than the solver left; of several
+        the one whose absence alone helps most.
         """
         standing, apart = self._problem.standing, self._misses - self._residuals
         absent = _posed_without(standing)
@@ -239,14 +239,14 @@ class _BlockerSearch:
             self._note(names, np.arange(len(self._found)), np.arange(len(self._frames)), whole)
 
     def _gain_of(self, standing: Standing) -> FloatArray:
-        """Gain (C, F) on another grounded motion, where a constraint is fully active: how much less it is missed."""
+        """Gain (C, F) on another grounded motion where a constraint is fully active: the decrease of its residual."""
         problem, first, last = self._problem, self._window.start, self._window.stop - 1
         posed = hold(standing, problem.constraints, first, last, problem.tracks, eased=self._eased)
         return np.where(self._full, self._misses - problem.misses(posed), 0.0)
 
     def _weigh(self, name: int, asked: IntArray, rows: IntArray, acts: Mask, bound: Bound = BOUND) -> None:
-        """Note ``name`` where what it leaves out ``acts`` (n,), and those ``asked`` alone miss less of ``rows`` than in
-        any answer so far.
+        """Note ``name`` as blocker where it acts (``acts``, (n,)) and the constraints ``asked`` alone leave smaller
+        residuals of ``rows`` than any candidate so far.
         """
         numbers = np.flatnonzero(acts & (self._found[rows] != BLOCKED_BY_NOTHING).any(axis=0))
         if len(numbers):
@@ -261,9 +261,8 @@ class _BlockerSearch:
         self._best[here] = np.where(better, gain, self._best[here])
 
     def _weigh_together(self, row: int) -> None:
-        """Name, if nothing helps alone, the first that helps when it goes too: other constraints, contacts, limits.
-
-        Where a free body misses the target as well, its reach is named.
+        """Note, if nothing helps alone, the first that helps when removed together with the others before it:
+        constraints, contacts, limits. If a free body misses the target as well, its reach is named.
         """
         for name, bound in (
             (None, BOUND),
@@ -290,7 +289,7 @@ class _BlockerSearch:
 
 
 def _posed_without(standing: Standing) -> dict[int, Standing]:
-    """The grounded motion without each of what poses arms after the solver, by its name among the blockers."""
+    """Grounded motion without each step that poses arms after the solver, by its name among the blockers."""
     absent, contact = dict[int, Standing](), standing.self_contact
     if standing.arms is not None:
         absent[BLOCKED_BY_CONTACTS] = replace(standing, arms=None)

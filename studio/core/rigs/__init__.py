@@ -1,1 +1,1 @@
-"""Bodies as skeletons of other programs: joints, zero poses, root motion, skins bound anew."""
+"""Bodies as skeletons of other programs: joints, zero poses, root motion, bound skins."""

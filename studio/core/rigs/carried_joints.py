@@ -1,8 +1,8 @@
-"""Joints of a capture that play no part of the body (fingers, eyes, twist bones, props), carried along by a character.
-
-What hangs from the capture's joint of a segment stands in that joint's axes R A^T, A its alignment. The character's
-joint of the same segment has the axes R T^T, T its T-pose. With C = T A^T a captured rotation L thus becomes C L C^T,
-the same turn about the same line of the body, and a translation t becomes s C t, s the ratio of lengths.
+"""Extra joints of a capture that belong to no body part (fingers, eyes, twist bones, props), transferred to a
+character. A child of the capture's joint of a segment is given in that joint's axes R A^T, A its alignment. The
+character's joint of the same segment has the axes R T^T, T its T-pose. With C = T A^T a captured rotation L thus
+becomes C L C^T, the same rotation about the same line of the body, and a translation t becomes s C t, s the ratio of
+lengths.
 """
 
 from collections.abc import Sequence
@@ -25,8 +25,8 @@ FloatArray = NDArray[np.float64]
 
 
 def carried_joints(skeleton: Skeleton, body: BodyMap) -> tuple[int, ...]:
-    """The joints of a capture that a character carries along, parents first: all that play no part of the body, but
-    for what the body itself hangs from and the ends of its own bones.
+    """Extra joints of a capture that are transferred to a character, parents first: all that belong to no body part,
+    except the ancestors of the body and the ends of its own bones.
     """
     played = {*body.parts.values(), *body.spine, *skeleton.path(0, body.spine[0])}
     carried: list[int] = []
@@ -39,11 +39,10 @@ def carried_joints(skeleton: Skeleton, body: BodyMap) -> tuple[int, ...]:
 def with_carried_joints(
     skeleton: Skeleton, poses: PoseSequence, adapted: AdaptedMotion, actor: SourceRig, carried: Sequence[int]
 ) -> tuple[Skeleton, PoseSequence]:
-    """``character_skeleton`` and ``character_poses`` of ``adapted``, behind whose joints the ``carried_joints`` of the
-    capture are put.
+    """``character_skeleton`` and ``character_poses`` of ``adapted``, followed by the ``carried_joints`` of the capture.
 
-    Each hangs from the joint of the segment that carried it, turned as captured, as far away as the segment is longer
-    or shorter. What hung from nothing of the body stays where it was recorded.
+    Each is a child of the joint of its segment, rotated as captured, and its offset is scaled with the segment. Joints
+    outside the body stay where they were recorded.
     """
     source = actor.skeleton
     frames = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
@@ -82,7 +81,7 @@ def with_carried_joints(
 
 
 def _carriers(body: Morphology, actor: SourceRig) -> tuple[list[int], FloatArray, FloatArray]:
-    """For each segment of the actor: the character's joint that carries in its place, C (S, 3, 3), and s (S,)."""
+    """For each segment of the actor: the character's joint in its place, C (S, 3, 3), and s (S,)."""
     theirs = body.layout
     away = np.abs(trunk_places(actor.morphology.spine)[:, None] - trunk_places(body.spine))
     after = range(theirs.spine_count, theirs.segment_count)
@@ -94,10 +93,10 @@ def _carriers(body: Morphology, actor: SourceRig) -> tuple[list[int], FloatArray
 
 
 def _lengths(body: Morphology) -> FloatArray:
-    """(S,) the length by which what each segment carries is scaled.
+    """(S,) lengths that scale the children of each segment.
 
-    Hands, feet and heads end where each capture likes (at the wrist, the knuckles, the finger tips): theirs is that of
-    the limb, and that of the trunk.
+    Hands, feet and heads of captures end at different points (the wrist, the knuckles, the finger tips): theirs is that
+    of the limb, and that of the trunk.
     """
     trunk = body.spine_length + body.neck
     arms = [[trunk, upper, lower, upper + lower] for upper, lower in body.arm.tolist()]
@@ -106,7 +105,7 @@ def _lengths(body: Morphology) -> FloatArray:
 
 
 def _segment_above(actor: SourceRig, joint: int) -> int:
-    """The segment of the nearest joint above that has one, -1 where there is none."""
+    """Segment of the nearest ancestor that has one, -1 if there is none."""
     segments = actor.segment_joints.tolist()
     while joint >= 0 and joint not in segments:
         joint = int(actor.skeleton.parents[joint])
@@ -116,7 +115,9 @@ def _segment_above(actor: SourceRig, joint: int) -> int:
 def _as_seen_from_the_root(
     actor: SourceRig, captured: PoseSequence, joint: int, poses: PoseSequence
 ) -> tuple[FloatArray, FloatArray]:
-    """Rotations (F, 4) and translations (F, 3) below the character's root that leave a joint where it was recorded."""
+    """Rotations (F, 4) and translations (F, 3) relative to the character's root that leave a joint where it was
+    recorded.
+    """
     positions, rotations = joint_world(actor.skeleton, captured)
     root = poses.local_rotations[:, 0]
     away = positions[:, joint] - actor.origin - poses.local_translations[:, 0]

@@ -1,7 +1,7 @@
-"""A body as an ordinary skeleton: joints, bones and poses as other programs know them.
+"""A body as an ordinary skeleton: joints, bones and poses for other programs.
 
-The zero pose is a T-pose (arms level, legs straight, soles flat, every joint's axes those of the world), the names
-are those of HumanIK and Mixamo, and bones have the character's own lengths, so nothing is lost on the way.
+The zero pose is a T-pose (arms level, legs straight, soles flat, every joint's axes those of the world), the names are
+those of HumanIK and Mixamo, and bones have the character's own lengths, so that nothing is lost.
 """
 
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ _DOWN = np.array([0.0, 0.0, -1.0])
 
 @dataclass(frozen=True)
 class _Joints:
-    """The joints of a character, depth first: canonical ``points``, ``segments`` they move (-1 for end sites)."""
+    """Joints of a character, depth first: canonical ``points``, the ``segments`` that they move (-1 for end sites)."""
 
     names: tuple[str, ...]
     parents: tuple[int, ...]
@@ -38,7 +38,7 @@ class _Joints:
 
 
 def character_skeleton(morphology: Morphology) -> Skeleton:
-    """The joints and bones of a body, whose zero pose is a T-pose facing +X with the soles on z = 0."""
+    """Skeleton of a body; its zero pose is a T-pose facing +X with the soles on z = 0."""
     joints = _joints(morphology.layout)
     places = standing_points(morphology, t_pose_rotations(morphology))[list(joints.points)]
     offsets = places - places[np.maximum(joints.parents, 0)]
@@ -55,9 +55,9 @@ def character_body_map(layout: BodyLayout) -> BodyMap:
 
 
 def character_poses(adapted: AdaptedMotion) -> PoseSequence:
-    """An adapted motion as local rotations and translations of its body's ``character_skeleton``, exactly.
+    """Adapted motion as local rotations and translations of its body's ``character_skeleton``, exactly.
 
-    Bones of a body whose measures change are carried by their translations.
+    The bones of a body whose measures change are animated by translations.
     """
     joints = _joints(adapted.morphology.layout)
     skeleton = character_skeleton(adapted.morphology)
@@ -82,17 +82,17 @@ def character_poses(adapted: AdaptedMotion) -> PoseSequence:
 
 
 def joint_points(layout: BodyLayout) -> tuple[int, ...]:
-    """For each joint of ``character_skeleton`` the canonical point where it lies."""
+    """Canonical point of each joint of ``character_skeleton``."""
     return _joints(layout).points
 
 
 def joint_segments(layout: BodyLayout) -> tuple[int, ...]:
-    """For each joint of ``character_skeleton`` the canonical segment that it moves, -1 for the ends of bones."""
+    """Canonical segment that each joint of ``character_skeleton`` moves, -1 for the ends of bones."""
     return _joints(layout).segments
 
 
 def t_pose_rotations(morphology: Morphology) -> FloatArray:
-    """(S, 3, 3) world rotations of the canonical segments in the T-pose; neck and clavicles lie as at ease."""
+    """(S, 3, 3) world rotations of the canonical segments in the T-pose; neck and clavicles are as at ease."""
     layout = morphology.layout
     rotations = np.tile(np.eye(3), (layout.segment_count, 1, 1))
     rotations[layout.neck_base] = frame_along(morphology.neck_rest, REST_FORWARD)

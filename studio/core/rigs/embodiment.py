@@ -1,4 +1,4 @@
-"""Character made of a standing skeleton and a mesh: measures, stance and weights on canonical segments."""
+"""Character from a standing skeleton and a mesh: measures, bind pose and weights on canonical segments."""
 
 from dataclasses import replace
 
@@ -30,9 +30,8 @@ _LEAST_BALL, _USUAL_BALL, _BENDS_OVER = 0.5, 0.72, 0.2
 
 
 def measured(skeleton: Skeleton, body_map: BodyMap) -> tuple[Morphology, FloatArray]:
-    """The measures of a body that stands on z = 0 with all its joints at ``skeleton``'s zero pose, facing +X.
-
-    Also its stance: the rotations (S, 3, 3) of the canonical segments as it stands.
+    """Measures of a body that stands on z = 0 with all its joints at ``skeleton``'s zero pose, facing +X, and its bind
+    pose: the rotations (S, 3, 3) of the canonical segments as it stands.
     """
     still = np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))
     poses = rest_poses(skeleton, still)
@@ -44,7 +43,7 @@ def measured(skeleton: Skeleton, body_map: BodyMap) -> tuple[Morphology, FloatAr
 
 
 def segments_of_joints(skeleton: Skeleton, body_map: BodyMap) -> IntArray:
-    """(J,) the canonical segment that each joint moves: its own, or that of the nearest joint above with one."""
+    """(J,) canonical segment that each joint moves: its own, or that of its nearest ancestor with one."""
     layout = BodyLayout(len(body_map.spine))
     own = {joint: place for place, joint in enumerate(body_map.spine)}
     own |= {joint: layout.segment(part) for part, joint in body_map.parts.items() if joint not in own}
@@ -55,7 +54,7 @@ def segments_of_joints(skeleton: Skeleton, body_map: BodyMap) -> IntArray:
 
 
 def segment_weights(joints: IntArray, weights: FloatArray, segments: IntArray, count: int) -> FloatArray:
-    """(V, count) share of each segment in each vertex, out of joints (V, n) and their weights (V, n)."""
+    """(V, count) weight of each segment in each vertex, from joints (V, n) and their weights (V, n)."""
     total = np.zeros((len(joints), count))
     rows = np.arange(len(joints))
     for column in range(joints.shape[1]):
@@ -81,7 +80,9 @@ def bound_mesh(
     weights: FloatArray,
     appearance: Appearance | None,
 ) -> SkinnedMesh:
-    """A mesh (V, 3) round a body in its stance; ``root`` (3,) is where the body's root stands among the vertices."""
+    """Mesh (V, 3) bound to a body in its bind pose ``stance``; ``root`` (3,) is the position of the body's root among
+    the vertices.
+    """
     shift = standing_points(body, stance)[0] - root
     segments, chosen = strongest(weights)
     moved = vertices + shift
@@ -100,9 +101,9 @@ def bound_mesh(
 def measured_by_mesh(
     body: Morphology, stance: FloatArray, points: FloatArray, vertices: FloatArray, weights: FloatArray
 ) -> Morphology:
-    """The body with crown, finger tips, toe tips, heels and soles where its mesh (V, 3) has them.
+    """Body with the crown, finger tips, toe tips, heels and soles of its mesh (V, 3).
 
-    ``points`` (P, 3) are the canonical points among the vertices; ``weights`` (V, S) say which vertex belongs where.
+    ``points`` (P, 3) are the canonical points among the vertices; ``weights`` (V, S) assign the vertices.
     """
     layout = body.layout
     head = vertices[weights[:, layout.segment(BodyPart.HEAD)] > 0.5]
@@ -133,10 +134,10 @@ def measured_by_mesh(
 def rolling_on_balls(
     body: Morphology, stance: FloatArray, points: FloatArray, vertices: FloatArray, weights: FloatArray
 ) -> tuple[Morphology, FloatArray]:
-    """The body, ``measured_by_mesh``, and weights (V, S) so that a foot bends at its ball.
+    """Body of ``measured_by_mesh``, and weights (V, S) with which a foot bends at its ball.
 
-    A toe joint under the ankle carries the whole front of a foot: who rolled over that would not rise on its toes. Then
-    the foot bends where feet usually do.
+    A toe joint under the ankle moves the whole front of a foot, so that the foot could not rise on its toes. Such a
+    foot is bent at the usual fraction of its length.
     """
     layout, foot, toe, weights = body.layout, body.foot.copy(), body.toe.copy(), weights.copy()
     for side in range(2):

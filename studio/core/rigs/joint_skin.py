@@ -1,4 +1,4 @@
-"""A skin bound to the joints of an ordinary skeleton, as formats for other programs want it."""
+"""Skin bound to the joints of an ordinary skeleton, as formats for other programs need it."""
 
 from dataclasses import dataclass, replace
 
@@ -24,11 +24,11 @@ _UP = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True, eq=False)
 class JointSkin:
-    """A mesh in the world space (metres, Z up) of the pose in which its joints carry it without moving it.
+    """Mesh in the world space (metres, Z up) of its bind pose.
 
     ``vertices`` and unit ``normals`` (V, 3), ``triangles`` (T, 3) counter-clockwise from outside, ``joints`` and
-    ``weights`` (V, 4), 0 where there is no influence; ``bind_positions`` (J, 3) and ``bind_rotations`` (J, 3, 3) of
-    the joints in that world.
+    ``weights`` (V, 4), 0 where there is no influence; ``bind_positions`` (J, 3) and ``bind_rotations`` (J, 3, 3) of the
+    joints in that world.
     """
 
     vertices: FloatArray
@@ -41,7 +41,7 @@ class JointSkin:
     appearance: Appearance | None = None
 
     def with_joint_above(self) -> "JointSkin":
-        """The same on joints behind a new one, which stands at the origin and carries nothing."""
+        """Copy for a skeleton with a new first joint at the origin, without influence."""
         return replace(
             self,
             joints=np.where(self.weights > 0.0, self.joints + 1, 0).astype(np.int32),
@@ -50,15 +50,15 @@ class JointSkin:
         )
 
     def counted_from(self, rotations: FloatArray) -> "JointSkin":
-        """The same on joints whose axes are the world's when they stand in world ``rotations`` (J, 3, 3)."""
+        """Copy for joints whose axes are the world's when they have the world ``rotations`` (J, 3, 3)."""
         return replace(self, bind_rotations=self.bind_rotations @ np.swapaxes(rotations, 1, 2))
 
 
 def character_skin(character: Character, skeleton: Skeleton | None = None) -> JointSkin:
-    """The character's own skin on the joints of its ``character_skeleton``.
+    """Character's own skin on the joints of its ``character_skeleton``.
 
-    Joints that ``skeleton`` has behind those are bound as they hang and carry nothing of the skin. Plain linear
-    blending of what it gives is within the elbows' and knees' creases what the studio shows.
+    Further joints of ``skeleton`` are bound at rest, without influence. Plain linear blending of it equals the studio's
+    skinning except within the creases of elbows and knees.
     """
     body = character.morphology
     mesh = fit_skin(character.shown_skin, character.build, body)
@@ -99,7 +99,7 @@ def _with_those_behind(
 
 
 def bone_skin(skeleton: Skeleton) -> JointSkin:
-    """A figure of bones, one solid from each joint to each that hangs from it, for a skeleton that has no skin."""
+    """Figure of bones, one solid from each joint to each of its children, for a skeleton that has no skin."""
     rest = PoseSequence(np.tile(IDENTITY_QUATERNION, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
     positions, rotations = (array[0] for array in joint_world(skeleton, rest))
     bones = [
@@ -122,7 +122,7 @@ def bone_skin(skeleton: Skeleton) -> JointSkin:
 
 
 def _bone(start: FloatArray, end: FloatArray) -> FloatArray:
-    """(8, 3, 3) corners of the triangles of an octahedron, thickest a sixth of the way."""
+    """(8, 3, 3) corners of the triangles of an octahedron, thickest at a sixth of its length."""
     length = float(np.linalg.norm(end - start))
     frame = frame_along(end - start, _UP)
     ring = (

@@ -20,10 +20,10 @@ ROOT_JOINT = "root"
 
 
 def with_root_joint(capture: Capture) -> Capture:
-    """The same motion with its root joint on the floor below the hips and turned as they head.
+    """Copy whose root joint is on the floor below the hips and has their heading.
 
-    That is the root which the hips hang from, or else a joint above all others that stands at the origin at rest.
-    Without a body map it keeps its heading.
+    It is the root of the hips, or a new joint above all others that is at the origin at rest. Without a body map it
+    keeps its heading.
     """
     skeleton, poses = capture.skeleton, capture.poses
     if capture.body_map and capture.body_map.spine[0] > 0:
@@ -53,7 +53,7 @@ def with_root_joint(capture: Capture) -> Capture:
 
 
 def _with_moving_root(capture: Capture) -> Capture:
-    """The same motion whose own root goes with the hips, and all others stay where they are."""
+    """Copy whose own root moves with the hips, while all other joints keep their world positions."""
     rotations, translations = np.array(capture.poses.local_rotations), np.array(capture.poses.local_translations)
     root, turned = (each[:, 0].copy() for each in (translations, rotations))
     rotations[:, 0] = multiply(_headings(capture), capture.reference_rotations[0])
@@ -75,7 +75,7 @@ def in_place(capture: Capture) -> Capture:
 
 
 def _travel(capture: Capture) -> FloatArray:
-    """(F, 3) the floor below the hips, or below the root of what has none; metres."""
+    """(F, 3) floor position below the hips, or below the root if there are no hips; metres."""
     joint = capture.body_map.spine[0] if capture.body_map else 0
     chain = capture.skeleton.path(0, joint)
     above = Skeleton(
@@ -92,7 +92,7 @@ def _travel(capture: Capture) -> FloatArray:
 
 
 def _headings(capture: Capture) -> FloatArray:
-    """(F, 4) smoothed rotations about Z by which the pelvis has left its reference pose."""
+    """(F, 4) smoothed rotations about Z of the pelvis from its reference pose."""
     turns = np.zeros((capture.frame_count, 4))
     if capture.body_map is None:
         turns[:, 3] = 1.0

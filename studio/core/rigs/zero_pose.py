@@ -1,4 +1,4 @@
-"""Change of zero pose of a motion: the pose of its joints when every angle in a file is 0."""
+"""Change of zero pose of a motion: the pose of its joints if every angle in a file is 0."""
 
 from dataclasses import replace
 
@@ -15,10 +15,10 @@ FloatArray = NDArray[np.float64]
 
 
 def with_zero_pose(capture: Capture, rotations: FloatArray) -> Capture:
-    """The same motion on joints whose axes are the world's when the body stands in world ``rotations`` (J, 3, 3).
+    """Copy for joints whose axes are the world's when the body has the world ``rotations`` (J, 3, 3).
 
-    World rotations become W' = W R^T, so local ones R_p L R^T and translations R_p t, p the parent. The ends of
-    bones are turned with the bone that they end.
+    World rotations become W' = W R^T, so local ones R_p L R^T and translations R_p t, p the parent. The ends of bones
+    are rotated with their bone.
     """
     skeleton = capture.skeleton
     turns = from_matrix(rotations)
@@ -43,9 +43,9 @@ def with_zero_pose(capture: Capture, rotations: FloatArray) -> Capture:
 
 
 def t_pose(capture: Capture) -> FloatArray:
-    """(J, 3, 3) world rotations of a human capture's joints when its body stands in a T-pose facing +X.
+    """(J, 3, 3) world rotations of a human capture's joints with its body in a T-pose facing +X.
 
-    Joints that play no part of the body are turned with the joint that carries them.
+    Joints that belong to no body part are rotated with their parent.
     """
     actor = normalize(capture)[1]
     targets = t_pose_rotations(actor.morphology) @ np.swapaxes(actor.alignments, 1, 2)

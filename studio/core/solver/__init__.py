@@ -1,1 +1,1 @@
-"""From a motion, a character and constraints to an adapted pose sequence."""
+"""Adaptation of a motion to a character with constraints."""

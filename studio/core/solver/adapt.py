@@ -12,7 +12,8 @@ from studio.core.body.morphology import AnimatedMorphology
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.runs import runs_in
 from studio.core.single import PoseArray, part_of
-from studio.core.solver.asking.lifted_ends import constrained_ends, lift_ends
+from studio.core.solver.asking.lifted_ends import constrained_ends, constrained_limbs, lift_ends
+from studio.core.solver.asking.lifted_limbs import lift_limbs
 from studio.core.solver.asking.measured_residuals import measured_again
 from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.releasing import constraint_activations
@@ -34,7 +35,9 @@ def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> Ada
 
 
 def grounded(request: AdaptRequest, standing: Standing | None = None) -> Standing:
-    """Grounded motion of ``request`` with its corrections below the constraints; ``standing`` is without, if known."""
+    """Grounded motion of ``request`` with its corrections below the constraints; ``standing`` is the same without
+    corrections, if known.
+    """
     standing = standing or standing_of(request)
     if not request.corrections:
         return standing
@@ -65,10 +68,10 @@ def hold(
 ) -> AdaptedMotion:
     """Solve ``constraints`` on a grounded motion, frames ``first`` to ``last`` (both included) (K05 section 9).
 
-    ``tracks`` cover the whole motion for all targets beyond the body itself; StudioError where one is missing.
-    ``bound`` lets a report solve without contacts or joint limits. Every frame is solved from its own pose alone; with
-    ``eased``, frames around acceleration peaks are smoothed in time (METHOD (36)). Frames without active constraints
-    nearby stay as they are.
+    ``tracks`` cover the whole motion for all targets outside the body; StudioError if one is missing. ``bound`` lets a
+    report solve without contacts or joint limits. Every frame is solved from its own pose alone; with ``eased``, frames
+    around acceleration peaks are smoothed in time (METHOD (36)). Frames without active constraints nearby are
+    unchanged.
     """
     count = standing.motion.frame_count
     window = slice(first, count if last is None else min(last + 1, count))
@@ -84,6 +87,7 @@ def hold(
     asked = [constraint for constraint, active in zip(constraints, acting, strict=True) if active]
     window_of = partial(SolvedWindow, standing, asked, activations[acting], tracks, bound)
     free_ends = 1.0 - constrained_ends(constraints, activations)
+    held_limbs = constrained_limbs(constraints, activations)
     for run in runs_in(window, acts, math.ceil(2.0 * SMOOTHING_HORIZON * standing.motion.frame_rate)):
         touched = self_contact.around(run) if self_contact else run
         solved = _solved(window_of, standing, touched, eased)
@@ -91,7 +95,10 @@ def hold(
         if self_contact:
             free = pushed[touched, None, None] * (1.0 - solved.arms_asked(touched))
             self_contact.push_out(touched, free, *posed[:2])
+        before = solved.constrained_points(*posed[:2])
         lift_ends(standing, touched, free_ends[:, touched], *posed[:2])
+        lift_limbs(standing, touched, held_limbs[:, touched], *posed[:2])
+        solved.add_lift(touched, before, solved.constrained_points(*posed[:2]), posed[2])
         rows, own = (slice(run.start - frames.start, run.stop - frames.start) for frames in (window, touched))
         positions[rows], rotations[rows], residuals[acting, rows] = posed[0][own], posed[1][own], posed[2][:, own]
     return _answer(standing, first, positions, rotations, residuals)
@@ -114,7 +121,7 @@ def _solved(
 
 
 def are_among(frames: slice, others: slice) -> bool:
-    """True if some frames are all among others."""
+    """True if all of some frames are among others."""
     return bool(others.start <= frames.start and frames.stop <= others.stop)
 
 

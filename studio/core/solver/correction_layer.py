@@ -2,8 +2,8 @@
 
 A correction rotates segments about their joints by forward kinematics: with local rotations L of the motion, offsets Q
 and weights w in time, L' = L exp(w log Q). Below the constraints planted feet keep their footprints: ankles follow the
-corrected pose only as far as their contacts release them, the root comes down where a planted leg would be too short,
-and the legs are placed on their ankles as those of the motion were.
+corrected pose only as far as their contacts release them, the root is lowered where a planted leg would be too short,
+and the legs are placed on their ankles like those of the motion.
 """
 
 from collections.abc import Mapping, Sequence
@@ -49,7 +49,7 @@ LIMB_CHANNELS = slice(at.CLAVICLE, at.HEAD_SHIFT)
 
 @project_cache(maxsize=4)
 def corrected(standing: Standing, corrections: tuple[Correction, ...]) -> Standing:
-    """Grounded motion with those ``corrections`` that lie below the constraints; the same one without any."""
+    """Grounded motion with those ``corrections`` that are below the constraints; the same object if there are none."""
     below = tuple(each for each in corrections if not each.above)
     times = standing.motion.times
     acting = np.zeros(len(times), dtype=np.bool_)
@@ -87,7 +87,7 @@ def corrected(standing: Standing, corrections: tuple[Correction, ...]) -> Standi
 
 
 def corrected_above(adapted: AdaptedMotion, standing: Standing, request: AdaptRequest) -> AdaptedMotion:
-    """Solved motion with those corrections of ``request`` that lie above the constraints; residuals are measured again.
+    """Solved motion with those corrections of ``request`` that are above the constraints; residuals are measured again.
 
     ``standing`` is the grounded motion that was solved.
     """
@@ -109,7 +109,7 @@ def corrected_above(adapted: AdaptedMotion, standing: Standing, request: AdaptRe
 
 
 def segment_turns(layout: BodyLayout, turns: Mapping[BodyPart, FloatArray]) -> Turns:
-    """Rotation offsets of segments from rotation vectors (N, 3) of parts; inner vertebrae share the abdomen's."""
+    """Rotation vectors (N, 3) of segments from those of parts; the abdomen's is divided among the inner vertebrae."""
     found: dict[int, FloatArray] = {}
     for part, vectors in turns.items():
         inner = range(1, layout.spine_count - 1) if part is BodyPart.ABDOMEN else ()
@@ -215,7 +215,7 @@ def _lowering(
     before: PosedFrames,
     posed: PosedFrames,
 ) -> FloatArray:
-    """Root lowering (N,) in metres that a correction asks of planted legs, beyond what they had."""
+    """Additional root lowering (N,) in metres that corrected planted legs need."""
     rows = at_frames(standing.morphology.rows, window)
     states, thresholds = (
         np.ascontiguousarray(each[:, window]) for each in (standing.footing.states, footing.soft_thresholds)

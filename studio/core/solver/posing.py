@@ -1,8 +1,8 @@
-"""Pose of one frame pulled by hand: rotations of parts that bring a hand, foot or head to a target.
+"""Posing by hand in one frame: rotations of parts that bring a hand, foot or head to a target.
 
-A limb is solved in closed form: the lower segment turns about its hinge until the end is as far from the root as the
-target is, then the upper one turns the end there by the shortest arc; hand or foot keep their rotation on the stage.
-The head is brought by turns of trunk and neck, each a part of what is left (cyclic coordinate descent).
+A limb is solved in closed form: the lower segment rotates about its hinge until the end has the target's distance from
+the root, then the upper one aims it by the shortest arc; hand or foot keep their world rotation. The head is moved by
+rotations of trunk and neck, each a part of the remainder (cyclic coordinate descent).
 """
 
 from collections.abc import Mapping
@@ -86,7 +86,7 @@ def _with(
 
 
 def _bend(root: FloatArray, middle: FloatArray, tip: FloatArray, hinge: FloatArray, wanted: float) -> float:
-    """Angle about ``hinge`` through ``middle`` that puts the tip ``wanted`` metres from the root, the nearest one."""
+    """Angle about ``hinge`` through ``middle`` that puts the tip ``wanted`` metres from the root, the smaller one."""
     to_root, to_tip = root - middle, tip - middle
     along = to_tip - (to_tip @ hinge) * hinge
     across = np.cross(hinge, along)

@@ -1,4 +1,4 @@
-"""Request to the solver and its answer: values that any thread may hold."""
+"""Request to the solver and its result: immutable values that threads may share."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -22,7 +22,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class AdaptRequest:
-    """One motion to be adapted to one body, with all values on which the answer depends.
+    """One motion to be adapted to one body, with all values on which the result depends.
 
     An animated morphology has a row of measures for every frame of the motion.
     """
@@ -64,8 +64,8 @@ class AdaptedMotion:
 
     ``positions`` (F, K+23, 3) and ``rotations`` (F, K+18, 3, 3) follow ``canonical.BodyLayout``; ``residuals`` (C, F)
     has each constraint's residual in its ``unit`` (metres or radians), in the order of the request, NaN where inactive.
-    ``morphology`` of an animated body is its first frame, ``animated`` the whole; ``volume`` is the body's volume,
-    where it was requested; ``unasked`` are the poses before constraints, of results of the solver.
+    ``morphology`` of an animated body is its first frame, ``animated`` the whole; ``volume`` is the body's volume, if
+    requested; ``unasked`` are the poses before constraints, in results of the solver.
     """
 
     morphology: Morphology
@@ -109,5 +109,5 @@ class AdaptedMotion:
         )
 
     def kept(self) -> "AdaptedMotion":
-        """The same motion with its poses in half the memory, see ``core.single``."""
+        """Copy with poses in half the memory, see ``core.single``."""
         return replace(self, positions=single(self.positions), rotations=single(self.rotations))

@@ -1,4 +1,4 @@
-"""Compilation of all kernels, or loading from the cache, in advance."""
+"""Compilation of all kernels, or loading them from the cache, in advance."""
 
 import numpy as np
 
@@ -91,7 +91,7 @@ def warm_up_support(morphology: Morphology) -> Standing:
 
 
 def warm_up_seldom(morphology: Morphology) -> None:
-    """Call the kernels of some kinds of constraint: self-collision and mesh areas."""
+    """Call the kernels of rare kinds of constraint: self-collision and mesh areas."""
     what = "warm-up", "", WARM_UP_POINT, Chain(), 0, WARM_UP_ACTIVATION
     asked = ClearConstraint(*what), AreaConstraint(*what, shape=AreaShape.MESH, mesh=TRIANGLE)
     standing = warm_up_support(morphology)

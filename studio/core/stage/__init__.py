@@ -1,1 +1,1 @@
-"""The stage: what performers play, where they stand, the props beside them."""
+"""The stage: performers with their clips and positions, and props."""

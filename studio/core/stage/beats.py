@@ -1,4 +1,4 @@
-"""Beats of a sound: the moments at which it sets in anew, found by spectral flux."""
+"""Beats of a sound: its onsets, found by spectral flux."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,16 +29,17 @@ def beats_of(samples: FloatArray, rate: float) -> FloatArray:
     mean = (sums[last] - sums[first]) / (last - first)
     strong = np.flatnonzero((flux > FLUX_FACTOR * mean) & (flux > LEAST_FLUX_PART * flux.max()))
     apart = round(LEAST_APART_SECONDS / FLUX_HOP_SECONDS)
-    found: list[int] = []
+    found, near_another = [], np.zeros(len(flux), dtype=bool)
     for place in strong[np.argsort(-flux[strong], kind="stable")].tolist():
-        if all(abs(place - other) >= apart for other in found):
+        if not near_another[place]:
             found.append(place)
+            near_another[max(place - apart + 1, 0) : place + apart] = True
     # The spectrum grows most where a sound that sets in comes to the middle of the window.
     return np.sort(np.maximum(((np.array(found) - 0.5) * hop - window / 2) / rate, 0.0))
 
 
 def _flux(samples: FloatArray, hop: int, window: int) -> FloatArray:
-    """(F,) growth of all magnitudes of the spectrum from one frame to the next."""
+    """(F,) increase of all magnitudes of the spectrum from one frame to the next."""
     frames = np.lib.stride_tricks.sliding_window_view(samples, window)[::hop]
     taper, before, found = np.hanning(window), np.zeros(window // 2 + 1), []
     for begin in range(0, len(frames), FLUX_BLOCK_FRAMES):

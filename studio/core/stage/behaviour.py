@@ -1,10 +1,8 @@
-"""A behaviour: a state machine that says what a performer plays while the stage runs live.
+"""Behaviour: a state machine that chooses the clips of a performer while the stage runs live.
 
 States play clips; a transition leads from one to another when all of its conditions hold. One behaviour may be played
-by many, each against a partner of its own.
-
-``advance`` is all that there is to running one. It is small, and a pure function of values that the project stores, so
-no library of state machines is behind it: those keep the current state in objects of their own.
+by many performers, each against a partner of its own. ``advance`` runs it. It is small, and a pure function of values
+that the project stores, so no library of state machines is used: those keep the current state in objects of their own.
 """
 
 import math
@@ -22,11 +20,11 @@ LONGEST_BLEND = 5.0
 
 @dataclass(frozen=True)
 class State:
-    """Plays ``clip``, whose start on the stage does not count; without one it holds the pose that it finds.
+    """Plays ``clip``, whose start on the stage is ignored; without one it holds the present pose.
 
     ``loop`` plays the clip again and again until a transition leads away, else its last frame is held. ``event`` is
-    sent to the partner when the state begins. What is asked of the clip by its id is asked in this state; ``manners``
-    come on top. ``place`` is where the diagram shows it.
+    sent to the partner when the state begins. Constraints and contacts of the clip's id apply in this state, and those
+    of ``manners`` in addition. ``place`` is its position in the diagram.
     """
 
     name: str
@@ -50,7 +48,7 @@ class State:
 class Transition:
     """From the state named ``source`` to the one named ``target`` when all ``conditions`` hold.
 
-    ``blend`` seconds take one over into the other; 0 as many as that needs.
+    The blend takes ``blend`` seconds, or as many as it needs if that is 0.
     """
 
     source: str
@@ -68,7 +66,7 @@ class Transition:
 
 @dataclass(frozen=True)
 class Role:
-    """A performer that plays a behaviour, and who its partner is: nobody where that is empty."""
+    """Performer that plays a behaviour, and its partner's id; empty for no partner."""
 
     performer_id: str
     partner_id: str = ""
@@ -80,9 +78,9 @@ class Role:
 
 @dataclass(frozen=True)
 class Behaviour:
-    """States by their names, transitions in the order in which they are tried, and who plays it.
+    """States by their names, transitions in the order in which they are tried, and the performers that play it.
 
-    Raises ValueError for a name that two states have, a transition from or to no state, a start that is none, and a
+    Raises ValueError for a duplicate state name, a transition from or to a missing state, a missing start state, and a
     performer with two roles.
     """
 
@@ -114,11 +112,11 @@ class Behaviour:
             raise ValueError(f"'{self.name}': a performer plays a behaviour in one role only.")
 
     def state(self, name: str) -> State | None:
-        """The state of that name, or None."""
+        """State of that name, or None."""
         return next((each for each in self.states if each.name == name), None)
 
     def role_of(self, performer_id: str) -> Role | None:
-        """The role of a performer, or None where it does not play this."""
+        """Role of a performer, or None if it does not play this behaviour."""
         return next((each for each in self.cast if each.performer_id == performer_id), None)
 
     def transitions_from(self, name: str) -> tuple[Transition, ...]:
@@ -132,7 +130,7 @@ class Behaviour:
 
     @property
     def references(self) -> tuple[tuple[str, str], ...]:
-        """(collection, id) of all that it names: motions, performers, props."""
+        """(collection, id) of all referenced entities: motions, performers, props."""
         motions = [("motions", each.clip.motion_id) for each in self.states if each.clip]
         players = [("performers", key) for role in self.cast for key in (role.performer_id, role.partner_id) if key]
         meant = [reference for whom in self._meant for reference in reference_of(whom)]

@@ -1,7 +1,4 @@
-"""Edits of a behaviour: each takes one and returns another.
-
-What cannot be raises ValueError, as a ``Behaviour`` does.
-"""
+"""Edits of a behaviour: each takes one and returns another. Invalid edits raise ValueError, as ``Behaviour`` does."""
 
 from collections.abc import Collection
 from dataclasses import replace
@@ -12,13 +9,13 @@ from studio.core.stage.conditions import ClipEndCondition
 
 
 def with_state(behaviour: Behaviour, state: State) -> Behaviour:
-    """One more state, under a name that is free."""
+    """Copy with one more state, under a free name."""
     name = free_name(state.name, {each.name for each in behaviour.states})
     return replace(behaviour, states=(*behaviour.states, replace(state, name=name)))
 
 
 def with_copies(behaviour: Behaviour, names: Collection[str], away: tuple[float, float]) -> Behaviour:
-    """Copies of some states beside them, with the transitions that lead from one of these to another."""
+    """Copy with some states duplicated beside them, with the transitions between these."""
     copied = behaviour
     called: dict[str, str] = {}
     for state in behaviour.states:
@@ -35,7 +32,7 @@ def with_copies(behaviour: Behaviour, names: Collection[str], away: tuple[float,
 
 
 def with_state_put(behaviour: Behaviour, name: str, state: State) -> Behaviour:
-    """Another state in the place of the one called ``name``; where it is called otherwise, transitions follow."""
+    """Copy with another state in place of the one called ``name``; transitions follow a change of name."""
 
     def now(each: str) -> str:
         return state.name if each == name else each
@@ -46,7 +43,9 @@ def with_state_put(behaviour: Behaviour, name: str, state: State) -> Behaviour:
 
 
 def without_states(behaviour: Behaviour, names: Collection[str]) -> Behaviour:
-    """Without some states and all transitions from and to them; the first one left is where it begins then."""
+    """Copy without some states and all transitions from and to them; if the start is removed, the first state left
+    becomes the start.
+    """
     states = tuple(each for each in behaviour.states if each.name not in names)
     if not states:
         raise ValueError(f"'{behaviour.name}' keeps one state to begin in. Remove the whole behaviour instead.")
@@ -56,26 +55,26 @@ def without_states(behaviour: Behaviour, names: Collection[str]) -> Behaviour:
 
 
 def connected(behaviour: Behaviour, source: str, target: str) -> Behaviour:
-    """One more transition, when the clip ends, until it is told otherwise."""
+    """Copy with one more transition, on the default condition that the clip ends."""
     new = Transition(source, target, (ClipEndCondition(),))
     return replace(behaviour, transitions=(*behaviour.transitions, new))
 
 
 def with_transition_put(behaviour: Behaviour, place: int, transition: Transition) -> Behaviour:
-    """Another transition in the place of one."""
+    """Copy with another transition in place of one."""
     transitions = list(behaviour.transitions)
     transitions[place] = transition
     return replace(behaviour, transitions=tuple(transitions))
 
 
 def without_transitions(behaviour: Behaviour, places: Collection[int]) -> Behaviour:
-    """Without those in some places."""
+    """Copy without the transitions at some indices."""
     kept = tuple(each for place, each in enumerate(behaviour.transitions) if place not in places)
     return replace(behaviour, transitions=kept)
 
 
 def order_of(behaviour: Behaviour, place: int) -> tuple[int, int]:
-    """Place of a transition in the order of its state, from 1, and the number of that state's transitions."""
+    """Position of a transition in the order of its state, from 1, and the number of that state's transitions."""
     source = behaviour.transitions[place].source
     places = [k for k, each in enumerate(behaviour.transitions) if each.source == source]
     return places.index(place) + 1, len(places)

@@ -1,4 +1,4 @@
-"""A clip: a used stretch of a motion, as somebody plays it."""
+"""Clip: a range of a motion, as a performer plays it."""
 
 import math
 from dataclasses import dataclass
@@ -18,13 +18,13 @@ MOST_REPEATS = 1000
 
 @dataclass(frozen=True)
 class Clip:
-    """A used stretch of a motion: frames ``first`` to ``last``, both included, from ``start`` seconds.
+    """Range of a motion: frames ``first`` to ``last``, both included, from ``start`` seconds.
 
-    It plays ``speed`` times as fast, which may be keyed over the seconds of the motion, ``repeats`` times, as seen in a
-    mirror when ``mirrored``. ``joined`` begins it where the clip before has ended; ``turn`` (radians) then turns it
-    about its root, ``offset`` moves it, in leg lengths, since a clip has no body. ``ease`` is how many seconds it takes
-    over in where it overlaps nothing; 0 as many as that needs. ``grip`` says how hands are held while it plays, from
-    open (-1) to fists (1); None as the character has them.
+    It plays ``speed`` times as fast, which may be keyed over the seconds of the motion, ``repeats`` times, as its
+    mirror image if ``mirrored``. ``joined`` begins it where the clip before has ended; ``turn`` (radians) then rotates
+    it about its root, ``offset`` moves it, in leg lengths, since a clip has no body. ``ease`` are the seconds of its
+    transition if it overlaps nothing; 0 as many as needed. ``grip`` shapes the hands while it plays, from open (-1) to
+    fists (1); None keeps the character's.
     """
 
     motion_id: str
@@ -61,7 +61,7 @@ class Clip:
             raise ValueError(f"A grip lies between -1 (open) and 1 (fists), got {self.grip}.")
 
     def length(self, frame_rate: float) -> float:
-        """Seconds on the stage that the clip of a motion of ``frame_rate`` lasts, with all its repeats."""
+        """Duration in seconds on the stage of the clip of a motion of ``frame_rate``, with all its repeats."""
         if not isinstance(self.speed, KeyedNumber):
             return self.repeats * (self.last - self.first) / (frame_rate * self.speed)
         first, last = playing_seconds(self.speed, (self.first / frame_rate, self.last / frame_rate)).tolist()

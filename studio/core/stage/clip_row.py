@@ -1,6 +1,6 @@
-"""Edits of what performers play: trim, split, and the row of clips that comes of it.
+"""Edits of the clips of performers: trim, split, and the resulting row.
 
-A clip of one id is one clip on all who play it, as one motion is: an edit is of all of them.
+All performers that have a clip of one id share it: an edit applies to all of them.
 """
 
 import math
@@ -21,7 +21,7 @@ def players_of(project: Project, clip_id: str) -> dict[str, Performer]:
 
 
 def edited(performer: Performer, clip_id: str, edit: ClipEdit) -> Performer:
-    """A performer with a clip of its row or layers edited, the row in the order in which its clips begin."""
+    """Performer with a clip of its row or layers edited, the row sorted by the start of its clips."""
     row = [new for clip in performer.clips for new in (edit(clip) if clip.id == clip_id else (clip,))]
     layers = [
         replace(layer, clip=new)
@@ -37,14 +37,14 @@ def with_row(performer: Performer, row: Sequence[Clip]) -> Performer:
 
 
 def frame_at(clip: Clip, frame_rate: float, time: float) -> float:
-    """The frame of the motion that plays at a time of the stage, not rounded, as if the clip had no ends."""
+    """Frame of the motion, with a fraction, that plays at a time of the stage, as if the clip had no ends."""
     if not isinstance(clip.speed, KeyedNumber):
         return clip.first + (time - clip.start) * clip.speed * frame_rate
     return float(clip.motion_seconds(time, frame_rate) * frame_rate)
 
 
 def begun_at(clip: Clip, frame_rate: float, frame: int) -> Clip:
-    """The clip from another frame on, which plays when it did; at most to its last one."""
+    """Clip from another frame on, which keeps its time on the stage; at most to its last one."""
     frame = min(max(frame, 0), clip.last)
     if not isinstance(clip.speed, KeyedNumber):
         return replace(clip, first=frame, start=clip.start + (frame - clip.first) / (frame_rate * clip.speed))
@@ -52,15 +52,15 @@ def begun_at(clip: Clip, frame_rate: float, frame: int) -> Clip:
 
 
 def ended_at(clip: Clip, frame: int, frame_count: int) -> Clip:
-    """The clip to another last frame, of a motion of ``frame_count``."""
+    """Clip to another last frame, of a motion of ``frame_count``."""
     return replace(clip, last=max(min(frame, frame_count - 1), clip.first))
 
 
 def split(clip: Clip, frame_rate: float, time: float, names: Iterator[str]) -> tuple[Clip, ...]:
-    """A clip as two at ``time`` (seconds of the stage) that play as the one did.
+    """Clip split into two at ``time`` (seconds of the stage) that together play as the one did.
 
-    Where that is within a repeat, those before and after it are clips of their own. The first keeps the id, ``names``
-    are those of the others. Raises ValueError where the clip does not play then, or ends.
+    If that is within a repeat, those before and after it become clips of their own. The first keeps the id, ``names``
+    are those of the others. Raises ValueError if the clip does not play then, or ends.
     """
     length, once = clip.last - clip.first, clip.length(frame_rate) / clip.repeats
     whole = min(max(math.floor((time - clip.start) / once), 0), clip.repeats - 1) if once > 0.0 else 0

@@ -1,4 +1,4 @@
-"""Conditions of a transition, and what a performer senses in a frame by which they hold or do not."""
+"""Conditions of a transition, and the input from which a performer evaluates them in a frame."""
 
 import math
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ class Senses:
     """Input of a performer's conditions in one frame of the stage.
 
     ``step``: seconds since the previous frame. ``gaps``: the measured distances (``Behaviour.gaps_from`` lists the
-    needed ones); a missing one, for lack of a partner, fulfils no condition. ``clip_ended``: the state's clip has
+    needed ones); one that is missing, for lack of a partner, fulfils no condition. ``clip_ended``: the state's clip has
     played its last frame. ``events`` and ``keys``: the names of events and pressed keys since the previous frame.
     """
 
@@ -27,7 +27,7 @@ class Senses:
 
 @dataclass(frozen=True)
 class DistanceCondition:
-    """A gap is narrower than ``distance``, or wider where not ``closer``."""
+    """The gap is less than ``distance``, or greater if not ``closer``."""
 
     kind: ClassVar[str] = "distance"
     gap: DistanceMeasure = DistanceMeasure()
@@ -64,7 +64,7 @@ class TimeCondition:
 
 @dataclass(frozen=True)
 class ClipEndCondition:
-    """The state's clip has ended: once through, also where it loops."""
+    """The state's clip has played once to its end, also if it loops."""
 
     kind: ClassVar[str] = "clip_end"
 
@@ -75,7 +75,7 @@ class ClipEndCondition:
 
 @dataclass(frozen=True)
 class EventCondition:
-    """An event of that name has come: a partner's state sends one when it begins, or somebody outside does."""
+    """An event of that name was received: from a partner's state when it begins, or from outside."""
 
     kind: ClassVar[str] = "event"
     event: str

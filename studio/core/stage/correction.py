@@ -26,7 +26,7 @@ STILL: Vector = (0.0, 0.0, 0.0)
 class PoseOffsets:
     """Offsets of a pose from the motion: a rotation vector (radians) of each part in ``turns``, in the part's own axes.
 
-    The abdomen's is spread over all inner vertebrae. ``hips`` is a displacement in leg lengths, in the axes of the
+    The abdomen's is divided among all inner vertebrae. ``hips`` is a displacement in leg lengths, in the axes of the
     body's heading.
     """
 
@@ -42,20 +42,20 @@ class PoseOffsets:
         object.__setattr__(self, "hips", finite_vector(self.hips, "The displacement of the hips"))
 
     def turn(self, part: BodyPart) -> Vector:
-        """Rotation vector of a part; zero if it is not turned."""
+        """Rotation vector of a part; zero if it is not rotated."""
         return dict(self.turns).get(part, STILL)
 
     def scaled(self, fraction: float) -> Self:
-        """The same turned and displaced by a ``fraction``."""
+        """Offsets scaled by a ``fraction``."""
         turns = tuple((part, _times(turn, fraction)) for part, turn in self.turns)
         return replace(self, turns=turns, hips=_times(self.hips, fraction))
 
     def with_turns(self, turns: Mapping[BodyPart, Vector]) -> Self:
-        """The same with other rotation vectors of some parts; zero removes a part."""
+        """Copy with other rotation vectors of some parts; zero removes a part."""
         return replace(self, turns=tuple({**dict(self.turns), **turns}.items()))
 
     def mirrored(self) -> Self:
-        """The same on the other side of the body."""
+        """Mirror image, for the other side of the body."""
         turns = tuple((other_side(part), _mirrored_turn(part, turn)) for part, turn in self.turns)
         x, y, z = self.hips
         return replace(self, turns=turns, hips=(x, -y, z))
@@ -73,7 +73,7 @@ def _mirrored_turn(part: BodyPart, turn: Vector) -> Vector:
 
 @dataclass(frozen=True)
 class KeyedPoses(Keys):
-    """Pose offsets over time: rotations interpolated on SO(3), the hips' displacement as a place."""
+    """Pose offsets over time: rotations interpolated on SO(3), the hips' displacement as a position."""
 
     size: ClassVar[int] = 1
     times: tuple[float, ...]
@@ -91,7 +91,7 @@ class KeyedPoses(Keys):
 
     @property
     def parts(self) -> tuple[BodyPart, ...]:
-        """Parts that any key turns."""
+        """Parts that are rotated by any key."""
         turned = {part for pose in self.values for part, _ in pose.turns}
         return tuple(part for part in BodyPart if part in turned)
 
@@ -119,7 +119,7 @@ class KeyedPoses(Keys):
         return PoseOffsets(tuple((part, tuple(turn.tolist())) for part, turn in vectors.items()), (x, y, z))
 
     def mirrored(self) -> Self:
-        """The same on the other side of the body."""
+        """Mirror image, for the other side of the body."""
         return replace(self, values=tuple(pose.mirrored() for pose in self.values))
 
 
@@ -149,11 +149,11 @@ class Correction:
         return self.activation.at(times) * (self.weight * self.enabled)
 
     def pose_at(self, time: float) -> PoseOffsets:
-        """Offsets of a key at full activation that leaves the pose at ``time`` as it is."""
+        """Offsets for a key at full activation that leaves the pose at ``time`` unchanged."""
         return self.keys.value_at(time).scaled(float(self.activation.at(time)))
 
     def with_key(self, time: float, pose: PoseOffsets) -> Self:
-        """The same with a key, in the place of one at its time; the range grows to reach it at full weight."""
+        """Copy with a key, which replaces one at its time; the range is extended to include it at full weight."""
         curve = self.activation
         if time < curve.full:
             curve = curve.with_times(min(curve.start, time - (curve.full - curve.start)), time, *curve.times[2:])
@@ -162,16 +162,16 @@ class Correction:
         return replace(self, keys=self.keys.with_key(time, pose), activation=curve)
 
     def without_part(self, part: BodyPart) -> Self:
-        """The same without the turns of one part."""
+        """Copy without the rotations of one part."""
         values = tuple(pose.with_turns({part: STILL}) for pose in self.keys.values)
         return replace(self, keys=replace(self.keys, values=values))
 
     def moved(self, seconds: float) -> Self:
-        """The same ``seconds`` later."""
+        """Copy shifted ``seconds`` later."""
         return replace(self, activation=self.activation.moved(seconds), keys=self.keys.moved(seconds))
 
     def mirrored(self) -> Self:
-        """The same on the other side of the body; its name says the other side where it says one."""
+        """Mirror image, for the other side of the body; a side in its name is exchanged."""
         return replace(self, name=swapped_sides(self.name), keys=self.keys.mirrored())
 
 

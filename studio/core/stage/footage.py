@@ -1,4 +1,4 @@
-"""Reference footage on the stage: a film or numbered pictures, when it begins, and how fast it is shown."""
+"""Reference footage on the stage: a film or numbered pictures, with its start and speed."""
 
 import math
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ FOOTAGE_RATES = (0.1, 1000.0)
 
 @dataclass(frozen=True)
 class Footage:
-    """A film, or pictures with a running number, seen from second ``start`` of the stage on."""
+    """Film, or pictures with a running number, from second ``start`` of the stage on."""
 
     name: str
     source: str
@@ -33,10 +33,10 @@ class Footage:
 
     @property
     def end(self) -> float:
-        """Second of the stage at which its last frame is over."""
+        """Second of the stage at which its last frame ends."""
         return self.start + self.frames / self.frame_rate
 
     def frame_at(self, seconds: float) -> int | None:
-        """Frame that is seen at a second of the stage, from 0 on; None before the first and after the last."""
+        """Index of the frame shown at a second of the stage; None before the first and after the last."""
         frame = math.floor((seconds - self.start) * self.frame_rate + 1e-6)
         return frame if 0 <= frame < self.frames else None

@@ -1,4 +1,4 @@
-"""Hands that hold a prop between them, whatever the size of prop and body."""
+"""Hands that hold a prop between them, for any size of prop and body."""
 
 import math
 
@@ -37,17 +37,17 @@ FLAT_HAND = (-0.5, 0.5, -0.5, 0.5)
 
 
 def quarters(angle: float) -> int:
-    """Number of quarter turns, 0 to 3, that is nearest to an angle in radians."""
+    """Number of quarter turns, 0 to 3, nearest to an angle in radians."""
     return round(2.0 * angle / math.pi) % 4
 
 
 def reaching_time(distance: float) -> float:
-    """Seconds in which hands come to a prop that is ``distance`` metres from them."""
+    """Seconds in which hands reach a prop that is ``distance`` metres from them."""
     return max(HAND_REACH_SECONDS, EASE_PEAK * distance / REACH_SPEED)
 
 
 def grip_on(prop: Prop, hold: InHand | Carried) -> float | None:
-    """Grip of the hands that hold a prop, from -1 (open) to 1 (fists); None where no hand holds it."""
+    """Grip of the hands that hold a prop, from -1 (open) to 1 (fists); None if no hand holds it."""
     if isinstance(hold, InHand):
         return HALF_CLOSED_GRIP if hold.point.part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND) else None
     return HALF_CLOSED_GRIP if min(prop.size[:2]) < THIN else OPEN_GRIP
@@ -66,12 +66,11 @@ def grips(
     reaching: float = HAND_REACH_SECONDS,
     elevation: float = 0.0,
 ) -> tuple[Constraint, ...]:
-    """Both wrists of a performer at the sides of a prop, palms on their middle, over a span of seconds of the motion.
-
-    They come there within ``reaching`` seconds before, and leave after. The prop is ``turned`` by quarters about Z from
-    where the performer faces; ``lower`` is for hands that find the middle taken. Fingers point ahead, raised by
-    ``elevation`` radians as the arms are to a prop overhead, where wrists do not bend so far as to point ahead. How the
-    hands are turned comes after where they are.
+    """Constraints that keep both wrists of a performer at the sides of a prop, palms on their middle, over a range of
+    seconds of the motion. They fade in over ``reaching`` seconds before, and out after. The prop is ``turned`` by
+    quarters about Z from the performer's facing direction; ``lower`` is for hands that find the middle taken.
+    Fingers point ahead, raised by ``elevation`` radians like the arms for a prop overhead, because wrists do not
+    bend far enough to point ahead. The rotation of hands has a lower priority than their position.
     """
     begin, end = seconds
     curve = ActivationCurve(begin - reaching, begin, end, end + HAND_REACH_SECONDS)
@@ -95,8 +94,8 @@ def grips(
 
 
 def _wrist_on(prop_id: str, prop: Prop, sign: float, fingers: FloatArray, lower: bool) -> FollowProp:
-    """Place of the left wrist (1) or the right one (-1) on a prop, for hands whose fingers point along x and whose
-    palms look along y after the rotation ``fingers`` (4,) in its axes.
+    """Position of the left wrist (1) or the right one (-1) on a prop, for hands whose fingers point along x and whose
+    palms face y after the rotation ``fingers`` (4,) in its axes.
     """
     axes = to_matrix(fingers)
     breadth, height = float(np.abs(axes[:, 1]) @ prop.size), prop.size[2]

@@ -8,7 +8,7 @@ from studio.core.stage.clip import Clip
 
 
 class Region(StrEnum):
-    """A part of the body that a layer has; the legs carry the hips."""
+    """Part of the body that a layer moves; the legs include the hips."""
 
     WHOLE = "whole body"
     UPPER_BODY = "upper body"
@@ -21,7 +21,7 @@ class Region(StrEnum):
 
     @property
     def parts(self) -> frozenset["Region"]:
-        """Smallest regions that make up this one."""
+        """Smallest regions of which this one consists."""
         match self:
             case Region.WHOLE:
                 return Region.UPPER_BODY.parts | {Region.LEGS}
@@ -34,9 +34,9 @@ class Region(StrEnum):
 
 @dataclass(frozen=True)
 class Layer:
-    """A ``clip`` over a performer's row, with ``weight`` on a ``region`` of the body.
+    """``clip`` over a performer's row, with ``weight`` on a ``region`` of the body.
 
-    It fades in ``fade_in`` and ``fade_out`` seconds; 0 is as long as is needed to keep joint accelerations low.
+    It fades in ``fade_in`` and ``fade_out`` seconds; 0 is as long as needed to keep joint accelerations low.
     ``additive`` adds the clip's difference from its frame ``reference`` (-1 for its first one) to the motion below.
     """
 

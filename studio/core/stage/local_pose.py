@@ -1,4 +1,4 @@
-"""Local pose: rotations of all parts of a body relative to their parents, which fit bodies of any build."""
+"""Local pose: rotations of all parts of a body relative to their parents, independent of its build."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -66,6 +66,20 @@ def local_pose(layout: BodyLayout, rotations: FloatArray, hips_height: float) ->
     return LocalPose({part: _vector(_product(own[_segments(layout, part)])) for part in BodyPart}, hips_height)
 
 
+def posed_rotations(layout: BodyLayout, pose: LocalPose) -> FloatArray:
+    """World rotations (S, 3, 3) of the segments of a body in ``pose`` that faces along X."""
+    rotations = np.tile(np.eye(3), (layout.segment_count, 1, 1))
+    for part in BodyPart:
+        segments = _segments(layout, part)
+        rotations[segments] = _matrix(np.array(pose.rotations[part]) / max(len(segments), 1))
+    if layout.spine_count == 2:  # the thorax makes the rotation of the missing abdomen
+        thorax = layout.segment(BodyPart.THORAX)
+        rotations[thorax] = _matrix(pose.rotations[BodyPart.ABDOMEN]) @ rotations[thorax]
+    for segment, parent in enumerate(layout.parent_segments()[1:], 1):
+        rotations[segment] = rotations[parent] @ rotations[segment]
+    return rotations
+
+
 def turns_to(
     layout: BodyLayout,
     rotations: FloatArray,
@@ -74,9 +88,9 @@ def turns_to(
     fraction: float,
     before: Mapping[BodyPart, Vector],
 ) -> dict[BodyPart, Vector]:
-    """Offsets that bring ``parts`` by a ``fraction`` of the way to ``pose``: rotation vectors as ``PoseOffsets`` has.
+    """Offsets that blend ``parts`` by a ``fraction`` towards ``pose``: rotation vectors as in ``PoseOffsets``.
 
-    ``rotations`` (S, 3, 3) of the world already have the offsets ``before``, which the new ones replace.
+    ``rotations`` (S, 3, 3) of the world already include the offsets ``before``, which the new ones replace.
     """
     own, found = _local_rotations(layout, rotations), dict[BodyPart, Vector]()
     for part in parts:
@@ -95,7 +109,7 @@ def turns_to(
 
 
 def _shared(chain: FloatArray, before: FloatArray, goal: FloatArray) -> FloatArray:
-    """Rotation (3, 3) which, in equal parts on all of ``chain`` (M, 3, 3) in place of ``before``, makes it ``goal``."""
+    """Rotation (3, 3) which, in equal parts on all of ``chain`` (M, 3, 3) in place of ``before``, gives ``goal``."""
 
     def divided(rotation: FloatArray) -> FloatArray:
         return _matrix(np.array(_vector(rotation)) / len(chain))

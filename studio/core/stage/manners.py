@@ -1,6 +1,6 @@
-"""Manners: reactions of a performer to another during a state, and the constraints that they make.
+"""Manners: reactions of a performer to another during a state, and the resulting constraints.
 
-``KeepDistance`` moves the performer over the ground; the other ones are constraints, made by ``asked_by``.
+``KeepDistance`` moves the performer over the ground; the others are constraints, made by ``asked_by``.
 """
 
 import math
@@ -24,7 +24,7 @@ WHOLE_CLIP = ActivationCurve(-1.0, -1.0, 1e5, 1e5)
 
 @dataclass(frozen=True)
 class KeepDistance:
-    """Face ``whom``, and step to keep the horizontal distance to it at ``distance``, within a tolerance of ``room``.
+    """Face ``whom``, and step to keep the horizontal distance to it at ``distance``, within the tolerance ``room``.
 
     Both in metres, or in ``legs``, as a ``DistanceMeasure``.
     """
@@ -67,7 +67,7 @@ class LeanAway:
 class Meet:
     """Move ``point`` to a point of ``whom`` with ``activation`` over seconds of the clip's motion.
 
-    A forearm that wards off meets the fist, a fist that strikes meets the head.
+    The forearm of a parry meets the fist, a striking fist meets the head.
     """
 
     kind: ClassVar[str] = "meet"

@@ -1,4 +1,4 @@
-"""Run of a playhead: from the seconds of a clock to seconds on the stage."""
+"""Run of a playhead: conversion from seconds of a clock to seconds on the stage."""
 
 from dataclasses import dataclass
 

@@ -1,7 +1,7 @@
-"""The project: everything the user makes, as one immutable value of entities by id.
+"""The project: all of the user's work, as one immutable value of entities by id.
 
-A document holds one Project and replaces entities in it; a file stores one. Ids are short random strings;
-entities refer to each other by id, and an entity never changes in place.
+A document holds one Project and replaces entities in it; a file stores one. Ids are short random strings; entities
+refer to each other by id, and an entity never changes in place.
 """
 
 import math
@@ -19,6 +19,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp
 from studio.core.constraints.scope import Scope, meant_for, narrowest
 from studio.core.constraints.target import follows_of
+from studio.core.curves.tangents import SPARSE
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.character import Character
 from studio.core.plausible import PLACE_RANGE, TURN_RANGE
@@ -37,27 +38,29 @@ _SORTED = "_contacts_by_motion"
 
 
 def new_id() -> str:
-    """An id that no other entity has: 12 hexadecimal digits."""
+    """Unique id of 12 hexadecimal digits."""
     return new_ids(1)[0]
 
 
 def new_ids(count: int) -> list[str]:
-    """``new_id`` as often as ``count`` says."""
+    """``count`` unique ids."""
     digits = secrets.token_hex(6 * count)
     return [digits[start : start + 12] for start in range(0, len(digits), 12)]
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A capture to be performed by any body; its contacts and constraints refer to it by id."""
+    """Capture to be performed by any body; its contacts and constraints refer to it by id."""
 
     name: str
     capture_id: str
+    tags: tuple[str, ...] = field(default=(), metadata=SPARSE)
+    """Words of the user by which the library finds it."""
 
 
 @dataclass(frozen=True)
 class Performer:
-    """A character playing clips at ``position`` (metres) on the stage, turned by ``heading`` (radians)."""
+    """Character that plays clips at ``position`` (metres) on the stage, rotated by ``heading`` (radians)."""
 
     name: str
     character_id: str
@@ -83,7 +86,7 @@ class Performer:
 
     @property
     def all_clips(self) -> tuple[Clip, ...]:
-        """Those of its row, then those of its layers."""
+        """Clips of its row, then those of its layers."""
         return (*self.clips, *(layer.clip for layer in self.layers))
 
 
@@ -147,7 +150,7 @@ def _frozen(entities: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def references(entity: Entity) -> tuple[tuple[str, str], ...]:
-    """(collection, id) of everything that ``entity`` cannot be without."""
+    """(collection, id) of every entity on which ``entity`` depends."""
     match entity:
         case Motion():
             return (("captures", entity.capture_id),)
@@ -187,7 +190,7 @@ def _followed(follow: Follow) -> tuple[tuple[str, str], ...]:
 
 @dataclass(frozen=True)
 class Project:
-    """All entities by collection and id; the order of a collection is the order in which the user sees it."""
+    """All entities by collection and id; the order of a collection is that in the window."""
 
     captures: Mapping[str, Capture] = field(default_factory=dict)
     motions: Mapping[str, Motion] = field(default_factory=dict)
@@ -234,19 +237,19 @@ class Project:
 
     @cached_property
     def states(self) -> Mapping[str, State]:
-        """The states of all behaviours, by the behaviour's id and the state's name."""
+        """States of all behaviours, by the behaviour's id and the state's name."""
         return MappingProxyType(
             {f"{key}/{each.name}": each for key, one in self.behaviours.items() for each in one.states}
         )
 
     @cached_property
     def transitions(self) -> Mapping[str, Transition]:
-        """The transitions of all behaviours, by the behaviour's id and their place in it."""
+        """Transitions of all behaviours, by the behaviour's id and their index in it."""
         found = ((f"{key}/{k}", each) for key, one in self.behaviours.items() for k, each in enumerate(one.transitions))
         return MappingProxyType(dict(found))
 
     def get(self, collection: str, entity_id: str) -> Any:
-        """The entity of that id, or what ``clips``, ``states`` or ``transitions`` has under it, or None."""
+        """Entity of that id, or the value in ``clips``, ``states`` or ``transitions``, or None."""
         return getattr(self, collection).get(entity_id)
 
     def place(self, collection: str, entity_id: str) -> int | None:
@@ -255,9 +258,9 @@ class Project:
         return ids.index(entity_id) if entity_id in ids else None
 
     def with_entity(self, collection: str, entity_id: str, entity: Entity | None, place: int | None = None) -> Self:
-        """This project with one entity put or, for None, removed.
+        """Project with one entity added, replaced or, for None, removed.
 
-        One that is there already keeps its place; a new one goes to ``place``, or to the end.
+        A replaced entity keeps its index; a new one is inserted at ``place``, or at the end.
         """
         return self.with_entities(collection, ((entity_id, entity, place),))
 
@@ -279,7 +282,7 @@ class Project:
         return changed
 
     def referring_to(self, collection: str, entity_id: str) -> tuple[tuple[str, str], ...]:
-        """(collection, id) of the entities that name this one."""
+        """(collection, id) of the entities that refer to this one."""
         return tuple(
             (name, key)
             for name in COLLECTIONS
@@ -288,7 +291,7 @@ class Project:
         )
 
     def missing_references(self, entity: Entity) -> tuple[tuple[str, str], ...]:
-        """Those of ``references(entity)`` that this project does not hold."""
+        """Those of ``references(entity)`` that are not in this project."""
         return tuple(reference for reference in references(entity) if self.get(*reference) is None)
 
     def constraints_of(self, motion_id: str) -> dict[str, Constraint]:
@@ -297,17 +300,17 @@ class Project:
         return dict(sorted(own.items(), key=lambda pair: pair[1].priority))
 
     def places_of(self, motion_id: str) -> dict[str, int]:
-        """The place of each of the motion's constraints by id, 1 the highest; equals share one."""
+        """Rank of each of the motion's constraints by id, 1 the highest; those of equal priority share one."""
         own = self.constraints_of(motion_id)
         levels = sorted({each.priority for each in own.values()})
         return {key: levels.index(each.priority) + 1 for key, each in own.items()}
 
     def contacts_of(self, motion_id: str) -> dict[str, ContactInterval]:
-        """The motion's contacts by id, in time."""
+        """Contacts of the motion by id, in order of time."""
         return dict(self._contacts_by_motion.get(motion_id, ()))
 
     def labels_of(self, motion_id: str) -> dict[str, Label]:
-        """The motion's labels by id, in time."""
+        """Labels of the motion by id, in order of time."""
         own = {key: each for key, each in self.labels.items() if each.motion_id == motion_id}
         return dict(sorted(own.items(), key=lambda pair: (pair[1].first, pair[1].last)))
 
@@ -334,12 +337,12 @@ class Project:
         return next((key for key, each in self.behaviours.items() if each.role_of(performer_id)), None)
 
     def frame_rate_of(self, clip: Clip) -> float:
-        """Frames a second of the capture that a clip is of."""
+        """Frame rate of the capture of a clip."""
         return self.captures[self.motions[clip.motion_id].capture_id].frame_rate
 
     @cached_property
     def _contacts_by_motion(self) -> dict[str, list[tuple[str, ContactInterval]]]:
-        """Sorted once for all who ask: a long capture has thousands."""
+        """Contacts by motion, sorted once, since a long capture has thousands."""
         by_motion: dict[str, list[tuple[str, ContactInterval]]] = {}
         for pair in sorted(self.contacts.items(), key=lambda pair: (pair[1].point, pair[1].first)):
             by_motion.setdefault(pair[1].motion_id, []).append(pair)

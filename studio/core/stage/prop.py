@@ -1,4 +1,4 @@
-"""Props: things on the stage that bodies hold, strike and stand beside."""
+"""Props: objects on the stage that bodies hold, strike and stand beside."""
 
 import math
 from collections.abc import Sequence
@@ -34,7 +34,7 @@ PICKED = 0.01
 class Hold:
     """Hold of a prop from ``begin`` until ``end``, seconds of the stage; without them for the whole time.
 
-    It is picked up from where it is then, and put where keys of its place from then on say, or else left where it is.
+    It is picked up from its position, and put down at a later key of its position, or else left where it is.
     """
 
     begin: float | None = None
@@ -72,11 +72,11 @@ class InHand(Hold):
 
 @dataclass(frozen=True)
 class Carried(Hold):
-    """Hold between both hands of a performer, where the motion has them before constraints; it rotates with the chest.
-
-    ``offset`` is from the middle of the hands, ahead, to the left and up of the chest, in leg lengths; ``heading`` is
-    its turn about Z from the chest's heading, radians, which acts after its ``tilt``. Hands that constraints hold on
-    the prop do not move it, so any size is held.
+    """Hold between both hands of a performer, at their positions in the motion before constraints; it rotates with the
+    chest. ``offset`` is from the middle of the hands, or from the hips if it is ``steady``, ahead, to the left and
+    up of the chest, in leg lengths; ``heading`` is its rotation about Z from the chest's heading, radians, which
+    acts after its ``tilt``. Constraints that keep the hands on the prop do not move it, so that any size can be
+    held.
     """
 
     kind: ClassVar[str] = "carried"
@@ -84,6 +84,8 @@ class Carried(Hold):
     offset: Vector = (0.0, 0.0, 0.0)
     heading: float = 0.0
     tilt: Quaternion = field(default=UNTURNED, metadata=SPARSE)
+    steady: bool = field(default=False, metadata=SPARSE)
+    """True where the motion's hands hold nothing: gestures do not swing the prop."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -96,10 +98,10 @@ class Carried(Hold):
 
 @dataclass(frozen=True)
 class Prop:
-    """A thing of ``size`` metres, centred at ``position``, rotated by ``tilt`` and then by ``heading`` about Z.
+    """Object of ``size`` metres, centred at ``position``, rotated by ``tilt`` and then by ``heading`` about Z.
 
-    Keys and rules count seconds of the stage. While it is ``held``, that says where it is; ``later`` are those who hold
-    it after that, one after the other: who begins as another ends takes it out of the other's hands.
+    Keys and rules count seconds of the stage. ``held`` is its hold, during which the holder moves it; ``later`` are the
+    following holds: one that begins as another ends takes it out of the other's hands.
     """
 
     name: str
@@ -134,7 +136,7 @@ class Prop:
 
     @property
     def holds(self) -> tuple[InHand | Carried, ...]:
-        """All holds, in the order of time."""
+        """All holds, in order of time."""
         return self.later if self.held is None else (self.held, *self.later)
 
     @property
@@ -152,7 +154,7 @@ class Prop:
         return hold is None or (hold is self.held and hold.begin is not None and time - hold.begin < PICKED)
 
     def with_holds(self, holds: Sequence[InHand | Carried]) -> "Prop":
-        """Copy with other holds, in the order of time."""
+        """Copy with other holds, in order of time."""
         return replace(self, held=holds[0] if holds else None, later=tuple(holds[1:]))
 
     def with_hold(self, old: InHand | Carried, new: InHand | Carried) -> "Prop":

@@ -1,4 +1,4 @@
-"""Surfaces of props within a cube of one metre, to be scaled to a prop's size."""
+"""Surfaces of props in a unit cube of one metre, scaled to a prop's size."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -35,7 +35,7 @@ class Surface:
 
 
 def prop_surface(prop: Prop) -> Surface:
-    """The surface of a prop in metres about its centre."""
+    """Surface of a prop in metres about its centre."""
     unit = _flat(prop.mesh) if prop.shape is PropShape.MESH and prop.mesh is not None else unit_surface(prop.shape)
     size = np.array(prop.size)
     normals = unit.normals / size
@@ -44,7 +44,7 @@ def prop_surface(prop: Prop) -> Surface:
 
 @cache
 def unit_surface(shape: PropShape) -> Surface:
-    """The surface of a shape within the cube; a box for one that has its own mesh."""
+    """Surface of a shape within the cube; a box for a prop with its own mesh."""
     match shape:
         case PropShape.BALL:
             return _ball()
@@ -61,13 +61,15 @@ def unit_surface(shape: PropShape) -> Surface:
 
 
 def fitted(mesh: TriangleMesh) -> FloatArray:
-    """(V, 3) vertices of a mesh in the middle of the cube, as long as it in every direction in which it is not flat."""
+    """(V, 3) vertices of a mesh centred in the cube and scaled to it in every direction in which the
+    mesh is not flat.
+    """
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     return np.asarray((mesh.vertices - (low + high) / 2) / np.where(high - low > 1e-9, high - low, 1.0))
 
 
 def _flat(mesh: TriangleMesh) -> Surface:
-    """A mesh with corners of its own for each face."""
+    """Mesh whose faces do not share vertices."""
     corners = fitted(mesh)[mesh.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
@@ -103,7 +105,7 @@ def _grid(rows: int, columns: int) -> IntArray:
 
 
 def _boxes(corners: list[tuple[tuple[float, ...], tuple[float, ...]]]) -> Surface:
-    """Boxes from one corner to the opposite one; each face has corners of its own."""
+    """Boxes from one corner to the opposite one; their faces do not share vertices."""
     two = np.array([[0, 1, 2], [0, 2, 3]])
     return _joined(
         [

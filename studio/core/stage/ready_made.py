@@ -1,4 +1,4 @@
-"""Behaviours that are ready made: each adds to one what a fighter does, about the state in which it begins."""
+"""Ready-made behaviours of a fighter: each adds states to a behaviour around its start state."""
 
 from dataclasses import replace
 
@@ -36,7 +36,7 @@ def on_guard(clip: Clip | None) -> Behaviour:
 
 
 def keeping_distance(behaviour: Behaviour) -> Behaviour:
-    """At the start it keeps at striking distance of its partner; what it kept before is forgotten."""
+    """Behaviour whose start state keeps its partner at striking distance, in place of other distances."""
     start = _start(behaviour)
     others = tuple(each for each in start.manners if not isinstance(each, KeepDistance))
     state = replace(
@@ -46,7 +46,7 @@ def keeping_distance(behaviour: Behaviour) -> Behaviour:
 
 
 def striking(behaviour: Behaviour, clip: Clip, key: str) -> Behaviour:
-    """It strikes once when a key is pressed and its partner is near enough, and tells the partner."""
+    """Behaviour with a strike when a key is pressed and the partner is near enough, with an event to the partner."""
     state = State("Strike", clip, loop=False, event=ATTACK)
     near = DistanceCondition(DistanceMeasure(legs=True), APPROACH_DISTANCE)
     return _answering(behaviour, state, (KeyCondition(key), near), (ClipEndCondition(),), (-1.0, 0.0))

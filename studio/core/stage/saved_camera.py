@@ -1,4 +1,4 @@
-"""Cameras of the stage: a placement about a target, and those that are saved with a name."""
+"""Cameras of the stage: the placement of a camera about a target, and saved cameras with names."""
 
 import math
 from dataclasses import dataclass
@@ -24,7 +24,9 @@ CAMERA_SLOTS = (1, 2, 3, 4)
 
 @dataclass(frozen=True)
 class CameraPlacement:
-    """Looks at ``target`` (stage) from ``distance`` metres, turned by ``azimuth`` and ``elevation`` (radians)."""
+    """Camera that looks at ``target`` (stage) from ``distance`` metres, rotated by ``azimuth`` and ``elevation``
+    (radians).
+    """
 
     target: tuple[float, float, float] = (0.0, 0.0, 0.9)
     distance: float = 6.0
@@ -47,13 +49,13 @@ class CameraPlacement:
 
     @property
     def half_height(self) -> float:
-        """Metres from the middle of the picture to its upper edge, at the target."""
+        """Distance in metres from the middle of the picture to its upper edge, at the target."""
         return self.distance * math.tan(VIEW_ANGLE / 2)
 
 
 @dataclass(frozen=True)
 class SavedCamera:
-    """A placement with a name, recalled by the key of its ``slot`` if it has one."""
+    """Placement with a name, recalled by the key of its ``slot`` if it has one."""
 
     name: str
     placement: CameraPlacement

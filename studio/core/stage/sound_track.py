@@ -1,4 +1,4 @@
-"""Sound tracks on the stage: the waveform and beats of a file, and when it begins."""
+"""Sound tracks on the stage: the waveform and beats of a file, and its start."""
 
 import math
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ MOST_SOUND_SECONDS = 3600.0
 
 @dataclass(frozen=True)
 class SoundTrack:
-    """The sound of a file from second ``start`` of the stage on."""
+    """Sound of a file from second ``start`` of the stage on."""
 
     name: str
     source: str
@@ -44,7 +44,7 @@ class SoundTrack:
 
     @property
     def stage_beats(self) -> tuple[float, ...]:
-        """Seconds of the stage at which its beats lie."""
+        """Times of its beats in seconds of the stage."""
         return tuple(self.start + beat for beat in self.beats)
 
     @cached_property

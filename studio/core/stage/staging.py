@@ -1,4 +1,4 @@
-"""A stage set without anyone arranging it: one capture, performed by some characters side by side."""
+"""Default stage: one capture, performed by some characters side by side."""
 
 import math
 from collections.abc import Mapping
@@ -27,7 +27,7 @@ SPACING_SAMPLES = 64
 
 
 def side_by_side(characters: Mapping[str, Character], clips: tuple[Clip, ...] = ()) -> dict[str, Performer]:
-    """One performer a character under the same id, in a row across the direction of the motion."""
+    """One performer for each character, under the same id, in a row across the direction of the motion."""
     middle = (len(characters) - 1) / 2
     return {
         key: Performer(character.name, key, clips, (0.0, SPACING * (middle - place)))
@@ -36,9 +36,9 @@ def side_by_side(characters: Mapping[str, Character], clips: tuple[Clip, ...] = 
 
 
 def travel_heading(capture: Capture, first: int, last: int) -> float | None:
-    """Heading in radians in which the body travels from frame ``first`` to ``last``; None where it stays about.
+    """Heading in radians in which the body travels from frame ``first`` to ``last``; None if it stays in place.
 
-    It leads to where the root is farthest from its beginning, so that a walk there and back has one as well.
+    It points to the farthest position of the root from its beginning, so that a walk there and back has one as well.
     """
     if capture.body_map is None:
         return None
@@ -58,10 +58,10 @@ def path_heading(path: NDArray[np.float64]) -> float | None:
 def lined_up(
     performers: Mapping[str, Performer], travel: float, paths: Mapping[str, NDArray[np.float64]] | None = None
 ) -> dict[str, Performer]:
-    """The performers in a row across heading ``travel`` about their middle, in the order in which they stand along it.
+    """Performers in a row across heading ``travel`` about their middle, in their present order across it.
 
-    They all face as their motion does. ``paths`` (T, 2), metres, are those of their roots from their places at the same
-    times: where two would meet, the gap between them is a larger multiple of the usual one.
+    They all face as their motion does. ``paths`` (T, 2), metres, are those of their roots from their positions at the
+    same times: between two that would meet, the gap is a larger multiple of the usual one.
     """
     across = np.array([-math.sin(travel), math.cos(travel)])
     keys, places = list(performers), np.array([each.position for each in performers.values()])
@@ -96,7 +96,7 @@ def _is_clear(
 
 
 def is_unarranged(performers: Mapping[str, Performer]) -> bool:
-    """True if the performers stand in a row as ``side_by_side`` or ``lined_up`` puts them; some may be missing."""
+    """True if the performers are in a row as placed by ``side_by_side`` or ``lined_up``; some may be missing."""
     places = np.array([each.position for each in performers.values()])
     if len(places) < 2 or any(each.heading for each in performers.values()):
         return False
@@ -112,9 +112,9 @@ def is_unarranged(performers: Mapping[str, Performer]) -> bool:
 def staged(
     capture: Capture, contacts: tuple[ContactInterval, ...], characters: Mapping[str, Character], motion_id: str
 ) -> Project:
-    """A project in which every character performs the capture from where its motion begins to its last frame.
+    """Project in which every character performs the capture from the begin of its motion to its last frame.
 
-    ``contacts`` are those of ``motion_id``, the id that capture and motion get.
+    ``contacts`` are those of ``motion_id``, the id of both capture and motion.
     """
     clips = (Clip(motion_id, capture.first_frame, capture.frame_count - 1, id=f"{motion_id} clip"),)
     return Project(

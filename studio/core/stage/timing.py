@@ -8,7 +8,9 @@ from numpy.typing import ArrayLike, NDArray
 
 @dataclass(frozen=True)
 class Timing:
-    """Frame 0 is at ``begin`` seconds of the stage; frames ``first`` to ``last`` play, and hold before and after."""
+    """Frame 0 is at ``begin`` seconds of the stage; frames ``first`` to ``last`` play, and their poses are held before
+    and after.
+    """
 
     begin: float
     frame_rate: float
@@ -17,23 +19,23 @@ class Timing:
 
     @property
     def start(self) -> float:
-        """Seconds on the stage at which it begins to play."""
+        """Time on the stage of its first frame, seconds."""
         return self.stage_time(self.first)
 
     @property
     def end(self) -> float:
-        """Seconds on the stage at which its last frame plays."""
+        """Time on the stage of its last frame, seconds."""
         return self.stage_time(self.last)
 
     def stage_time(self, frame: float) -> float:
-        """Seconds on the stage at which a frame plays."""
+        """Time on the stage of a frame, seconds."""
         return self.begin + frame / self.frame_rate
 
     def frame_at(self, seconds: float) -> float:
-        """The frame, not rounded, that plays at a time of the stage."""
+        """Frame, with a fraction, at a time of the stage."""
         return float(self.frames_at([seconds])[0])
 
     def frames_at(self, seconds: ArrayLike) -> NDArray[np.float64]:
-        """(N,) ``frame_at`` of many."""
+        """(N,) frames, with fractions, at times of the stage."""
         frames = (np.asarray(seconds, dtype=np.float64) - self.begin) * self.frame_rate
         return np.asarray(np.clip(frames, self.first, self.last))

@@ -1,4 +1,4 @@
-"""Removal: an entity goes together with everything that cannot be without it."""
+"""Removal of an entity together with everything that depends on it."""
 
 from dataclasses import replace
 
@@ -9,9 +9,9 @@ from studio.document.commands.replace import Edit, applied
 
 
 def removal(project: Project, collection: str, entity_id: str) -> tuple[Edit, ...]:
-    """The edits that remove an entity and what refers to it; a performer only loses its clips of a motion.
+    """Edits that remove an entity and its dependents; performers only lose their clips of a removed motion.
 
-    A prop is let go, and a behaviour goes on without it.
+    A removed holder releases its prop, and a behaviour continues without a removed performer.
     """
     edits: list[Edit] = []
     for name, key in project.referring_to(collection, entity_id):

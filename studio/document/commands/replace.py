@@ -1,4 +1,4 @@
-"""ReplaceValue: put one value in the place of another. Every edit of the project is this command."""
+"""ReplaceValue: the command that replaces values of the project. Every edit is one of these."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, is_dataclass, replace
@@ -17,7 +17,7 @@ GESTURE_COMMANDS = 1
 
 @dataclass(frozen=True, eq=False)
 class Edit:
-    """One entity's change; ``old`` None is an addition, ``new`` None a removal, from or to ``place``."""
+    """Change of one entity; ``old`` None is an addition, ``new`` None a removal, at index ``place``."""
 
     collection: str
     entity_id: str
@@ -32,7 +32,7 @@ class Edit:
 
     @property
     def reverted(self) -> "Edit":
-        """The edit that takes this one back."""
+        """Inverse edit."""
         return Edit(self.collection, self.entity_id, self.new, self.old, self.place)
 
 
@@ -44,7 +44,7 @@ def applied(project: Project, edits: Iterable[Edit]) -> Project:
 
 
 def reverted(edits: tuple[Edit, ...]) -> tuple[Edit, ...]:
-    """The edits that take these back: last first, so that every place is again what it was."""
+    """Inverse of all edits, in reverse order, so that every index is restored."""
     return tuple(edit.reverted for edit in reversed(edits))
 
 
@@ -64,7 +64,7 @@ def same_value(first: Any, second: Any) -> bool:
 
 
 class ReplaceValue(QUndoCommand):
-    """Some edits as one undo step; those of one gesture merge, and one that ends where it began vanishes."""
+    """Edits as one undo step; those of one gesture merge, and one without a net change vanishes."""
 
     def __init__(
         self,
@@ -77,16 +77,19 @@ class ReplaceValue(QUndoCommand):
         # A strong one closes a cycle through the stack's C++ side, which crashes the garbage collector.
         self._document_step = WeakMethod(show)
         self.edits, self.gesture = edits, gesture
+        self.vanishes = False
+        """The command leaves the stack as it is undone, and cannot be redone."""
         self._verb = "edit"
 
     def redo(self) -> None:
-        """Put the new values."""
+        """Set the new values."""
         self._show(self.edits, self._verb)
         self._verb = "redo"
 
     def undo(self) -> None:
-        """Put the old values back."""
+        """Restore the old values."""
         self._show(reverted(self.edits), "undo")
+        self.setObsolete(self.vanishes)
 
     def _show(self, edits: tuple[Edit, ...], verb: str) -> None:
         step = self._document_step()
@@ -94,11 +97,11 @@ class ReplaceValue(QUndoCommand):
             step(edits, verb, self.text(), self.gesture)
 
     def id(self) -> int:
-        """Group of the commands that Qt offers for merging: all that belong to a gesture."""
+        """Group in which Qt offers commands for merging: one for all that belong to a gesture."""
         return -1 if self.gesture is None else GESTURE_COMMANDS
 
     def mergeWith(self, other: QUndoCommand) -> bool:
-        """Take in a later command of the same gesture."""
+        """Merge a later command of the same gesture into this one."""
         if not isinstance(other, ReplaceValue) or other.gesture != self.gesture:
             return False
         self.edits, other.edits = merged(self.edits, other.edits), ()  # Qt deletes the other one, Python keeps it
@@ -108,10 +111,10 @@ class ReplaceValue(QUndoCommand):
 
 
 def merged(earlier: tuple[Edit, ...], later: tuple[Edit, ...]) -> tuple[Edit, ...]:
-    """Both as one: edits of an entity become one, and those that change nothing are left out.
+    """Both lists of edits as one: edits of an entity become one, and those without a net change are left out.
 
-    An edit joins an earlier one of its entity unless others were added or removed in between, for the places that
-    these name are those of their moment; an addition that is removed again vanishes.
+    An edit joins an earlier one of its entity unless others were added or removed in between, because indices refer to
+    their moment; an addition that is removed again vanishes.
     """
     result, last, fixed = list(earlier), {edit.item: at for at, edit in enumerate(earlier)}, -1
     for at, edit in enumerate(earlier):

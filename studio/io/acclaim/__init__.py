@@ -1,1 +1,1 @@
-"""Acclaim's pair of files: a skeleton (ASF) and the motions that were recorded on it (AMC)."""
+"""Acclaim's pair of files: a skeleton (ASF) and the motions recorded on it (AMC)."""

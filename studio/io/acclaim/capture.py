@@ -1,4 +1,4 @@
-"""A motion of Acclaim's with the skeleton beside it, as a capture."""
+"""Motion of an AMC file with its ASF skeleton, as a capture."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +25,7 @@ _RATE = 120.0
 
 @dataclass(frozen=True)
 class AcclaimFile:
-    """The joints of a skeleton as a motion moves them, in the files' own units and axes."""
+    """Moving joints of a skeleton, in the files' own units and axes."""
 
     skeleton: Skeleton
     rotations: FloatArray
@@ -55,7 +55,7 @@ class AcclaimFile:
 
 
 def load_acclaim(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
-    """The capture in the AMC file at ``path`` on the skeleton in the ASF file that belongs to it, in its folder."""
+    """Capture of the AMC file at ``path`` on the skeleton of the ASF file for it in its folder."""
     file = read_acclaim(path, lambda share, text: progress(0.6 * share, text))
 
     def interpret(options: ImportOptions, progress: Progress) -> Capture:
@@ -103,9 +103,8 @@ def read_acclaim(path: Path, progress: Progress = lambda share, text: None) -> A
 
 
 def _skeleton_of(path: Path, repairs: list[str]) -> Path:
-    """The ASF file in the folder of the motion: of its name, of its beginning (``07.asf`` for ``07_01.amc``), or alone.
-
-    Raises StudioError where ``path`` is a skeleton itself, or has none.
+    """ASF file in the folder of the motion: of its name, of a prefix of it (``07.asf`` for ``07_01.amc``), or the only
+    one. Raises StudioError if ``path`` is a skeleton itself, or has none.
     """
     if path.suffix.lower() == ".asf":
         raise StudioError(f"{path.name} is a skeleton without a motion. Choose the AMC file that moves it.")

@@ -1,4 +1,4 @@
-"""ASF and AMC as a format of the registry: what such files begin with."""
+"""Registration of ASF and AMC files, and their recognition."""
 
 import re
 
@@ -8,5 +8,5 @@ _BEGINNING = re.compile(
 
 
 def is_acclaim(head: bytes) -> bool:
-    """True if a file that begins with ``head`` is a skeleton or a motion of Acclaim's: a keyword after comments."""
+    """True if a file that begins with ``head`` is an ASF or AMC file: a keyword after comments."""
     return _BEGINNING.match(head) is not None

@@ -1,4 +1,4 @@
-"""AMC: for each frame a line a bone, with the numbers that the skeleton's ``dof`` announces."""
+"""AMC files: for each frame a line for each bone, with the numbers announced by the skeleton's ``dof``."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -34,9 +34,9 @@ class AmcMotion:
 def read_amc(
     path: Path, channels: Mapping[str, tuple[str, ...]], degrees: bool, progress: Callable[[float], object]
 ) -> AmcMotion:
-    """The motion in the file at ``path`` of bones that move by ``channels``; raises StudioError with file and line.
+    """Motion in the file at ``path`` of bones with ``channels``; raises StudioError with file and line.
 
-    ``degrees`` where the file itself does not say in which unit its angles are.
+    ``degrees`` is used if the file itself does not give the unit of its angles.
     """
     lines = lines_of(read_bytes(path, _LARGEST))
     start, said = _header(lines)
@@ -84,7 +84,7 @@ def read_amc(
 
 
 def _header(lines: list[bytes]) -> tuple[int, bool | None]:
-    """Count of lines before the frames (comments and keywords), and whether angles are in degrees if one says so."""
+    """Number of lines before the frames (comments and keywords), and True if one says that angles are in degrees."""
     degrees: bool | None = None
     for place, line in enumerate(lines):
         text = line.decode("utf-8-sig", "replace").strip()
@@ -96,7 +96,7 @@ def _header(lines: list[bytes]) -> tuple[int, bool | None]:
 
 
 def _strangers(file: str, names: list[str], channels: Mapping[str, tuple[str, ...]]) -> list[str]:
-    """A sentence where bones move that the skeleton lacks, or that it holds still."""
+    """Sentence about bones that move although the skeleton lacks them, or gives them no degrees of freedom."""
     unknown = [name for name in dict.fromkeys(names) if name and not channels.get(name)]
     if not unknown:
         return []
@@ -118,7 +118,7 @@ def _ends_within_a_frame(frames: NDArray[np.int64], short: NDArray[np.bool_]) ->
 def _whole(
     file: str, name: str, channels: tuple[str, ...], course: FloatArray, degrees: bool, repairs: list[str]
 ) -> FloatArray:
-    """``course`` (F, C) with what no line says taken from the frames around; a bone that is not told of rests."""
+    """``course`` (F, C) with missing numbers interpolated from the frames around; a bone without numbers rests."""
     missing = ~np.isfinite(course)
     if not missing.any():
         return course

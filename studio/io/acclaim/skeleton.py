@@ -1,6 +1,6 @@
-"""ASF: bones by direction and length, the axes about which they turn, and what hangs from what.
+"""ASF files: bones by direction and length, their axes of rotation, and their hierarchy.
 
-Format: Acclaim's skeleton file as Lander describes it (Game Developer, January 1998): a bone turns by C M C^-1 in its
+Format: Acclaim's skeleton file as Lander describes it (Game Developer, January 1998): a bone rotates by C M C^-1 in its
 parent, with C from its ``axis`` and M from the angles of the motion, the first about a fixed axis applied first.
 """
 
@@ -28,7 +28,7 @@ _LARGEST = 1 << 24
 
 @dataclass(frozen=True)
 class AsfSkeleton:
-    """The joints of an ASF file in its own units and axes: each bone begins at the joint that bears its name."""
+    """Joints of an ASF file in its own units and axes: each bone begins at the joint with its name."""
 
     skeleton: Skeleton
     """Ends of bones are end sites; with all rotations zero the body stands as the file defines it."""
@@ -42,7 +42,7 @@ class AsfSkeleton:
 
 @dataclass(frozen=True)
 class _Line:
-    """The words of one line, and where it stands: ``07.asf, line 12``."""
+    """Words of one line, and its place: ``07.asf, line 12``."""
 
     where: str
     words: list[str]
@@ -66,7 +66,7 @@ class _Bone:
 
 @dataclass(frozen=True)
 class _Joint:
-    """The beginning of ``bone``, or its end, in the skeleton that is being joined."""
+    """Beginning of ``bone``, or its end, in the skeleton that is being assembled."""
 
     bone: _Bone
     parent: int
@@ -85,7 +85,7 @@ def read_asf(path: Path) -> AsfSkeleton:
 
 
 def _sections(name: str, text: str) -> dict[str, list[_Line]]:
-    """The lines of each section by its keyword in lower case; what stands beside the keyword is its first line."""
+    """Lines of each section by its keyword in lower case; the rest of the keyword's line is the first one."""
     sections: dict[str, list[_Line]] = {}
     own: list[_Line] = []
     for place, line in enumerate(text.splitlines(), 1):
@@ -165,7 +165,7 @@ def _order(line: _Line, words: list[str]) -> str:
 
 
 def _turned(order: str, angles: list[float], degrees: bool) -> FloatArray:
-    """The rotation of ``angles`` about fixed x, y and z, applied in this order."""
+    """Rotation by ``angles`` about fixed x, y and z, applied in this order."""
     turns = np.array([angles["XYZ".index(axis)] for axis in reversed(order)])
     return from_euler(order[::-1], np.radians(turns) if degrees else turns)
 
@@ -181,7 +181,7 @@ def _named_channels(line: _Line) -> tuple[str, ...]:
 
 
 def _parents(name: str, lines: list[_Line] | None, bones: dict[str, _Bone]) -> dict[str, str]:
-    """The parent of each bone that hangs below the root; raises StudioError where they do not form one tree."""
+    """Parent of each bone below the root; raises StudioError if they do not form one tree."""
     parents: dict[str, str] = {}
     for line in lines or []:
         if line.words[0].lower() in ("begin", "end") and len(line.words) == 1:
@@ -199,7 +199,7 @@ def _parents(name: str, lines: list[_Line] | None, bones: dict[str, _Bone]) -> d
 
 
 def _joined(root: _Bone, bones: dict[str, _Bone], parents: dict[str, str], degrees: bool) -> AsfSkeleton:
-    """Joints below the root in depth first order, each bone's end behind it where nothing hangs there."""
+    """Joints below the root in depth-first order, with an end after each bone that has no children."""
     children: dict[str, list[str]] = {}
     for child, parent in parents.items():
         children.setdefault(parent, []).append(child)

@@ -1,1 +1,1 @@
-"""BVH, text of joints and their channels: read, understood as a capture, written."""
+"""BVH, text of joints and their channels: read, interpreted as a capture, written."""

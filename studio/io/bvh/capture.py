@@ -1,4 +1,4 @@
-"""A BVH file as a capture."""
+"""BVH file as a capture."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -55,23 +55,23 @@ class JointRecording(Protocol):
     def repairs(self) -> tuple[str, ...]: ...
     @property
     def said_unit(self) -> Scale | None:
-        """The unit that the file says."""
+        """Unit given by the file."""
 
     @property
     def said_axis(self) -> str | None:
-        """The axis that is up as the file says."""
+        """Up axis given by the file."""
 
     def transforms(self, frames: NDArray[np.int64] | slice) -> tuple[FloatArray, FloatArray]:
         """Local rotations (N, J, 4) and translations (N, J, 3) of these frames."""
 
 
 def load_bvh(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
-    """The capture in the BVH file at ``path``."""
+    """Capture of the BVH file at ``path``."""
     return read_of(read_bvh(path, lambda share, text: progress(0.6 * share, text)), path, options, progress)
 
 
 def read_of(file: JointRecording, path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
-    """``capture_of`` a recording, to be made again of the same recording with other options."""
+    """``capture_of`` a recording, with a function that interprets the same recording with other options."""
 
     def interpret(options: ImportOptions, progress: Progress) -> Capture:
         return capture_of(file, path, options, progress)
@@ -80,9 +80,9 @@ def read_of(file: JointRecording, path: Path, options: ImportOptions, progress: 
 
 
 def capture_of(file: JointRecording, path: Path, options: ImportOptions, progress: Progress) -> Capture:
-    """A recording in world axes and metres, with everything guessed that ``options`` do not say.
+    """Recording in world axes and metres, with guesses for everything that ``options`` leave open.
 
-    ``progress`` goes on at a share of 0.6.
+    ``progress`` continues from the fraction 0.6.
     """
     progress(0.6, f"Finding the body in {path.name}")
     looked_at = np.unique(np.linspace(0, file.frame_count - 1, _LOOKED_AT).astype(int))
@@ -128,9 +128,9 @@ def capture_of(file: JointRecording, path: Path, options: ImportOptions, progres
 def to_world(
     file: JointRecording, file_to_world: FloatArray, metres: float, progress: Callable[[float], object]
 ) -> tuple[Skeleton, PoseSequence]:
-    """The body in world axes and metres: offsets C o, translations C t, rotations C R C^T.
+    """Body in world axes and metres: offsets C o, translations C t, rotations C R C^T.
 
-    A long file is taken in pieces by two threads, which tells how far it is and never keeps the window waiting.
+    A long file is converted in pieces by two threads, with progress, so that the window never waits.
     """
     skeleton, frame_count = file.skeleton, file.frame_count
     offsets = metres * (skeleton.offsets @ file_to_world.T)
@@ -155,7 +155,9 @@ def _up_axis(
     options: ImportOptions,
     guesses: list[Guess],
 ) -> str:
-    """As the user or the file (``said``) says, unless the body stands along another by ``points`` (2, F, J, 3)."""
+    """Up axis of the user or of the file (``said``), unless the body stands along another one in ``points`` (2, F, J,
+    3).
+    """
     if options.up_axis is not None:
         return axis_called(options.up_axis)
     if body_map is None:

@@ -1,4 +1,4 @@
-"""BVH as a format of the registry: what such a file begins with, and how a take is written."""
+"""Registration of BVH files, their recognition, and writing of takes."""
 
 from pathlib import Path
 

@@ -20,7 +20,7 @@ _KEYWORDS = {"ROOT", "JOINT", "END", "OFFSET", "CHANNELS", "MOTION", "{", "}"}
 
 
 def _parted(offset: str) -> str:
-    """The line of an OFFSET with a blank before each of its numbers."""
+    """Line of an OFFSET with a blank before each of its numbers."""
     return parted(re.sub(r"(?<=T)(?=[\d.+-])", " ", offset, count=1, flags=re.IGNORECASE))
 
 
@@ -39,7 +39,7 @@ class Hierarchy:
 
 
 class _Words:
-    """The words of the file with their lines, from HIERARCHY up to MOTION."""
+    """Words of the file with their lines, from HIERARCHY up to MOTION."""
 
     def __init__(self, name: str, lines: list[str]) -> None:
         self.name = name
@@ -180,7 +180,7 @@ def _read_channels(hierarchy: Hierarchy, words: _Words, joint: int, where: str) 
 
 
 def _join_roots(hierarchy: Hierarchy) -> None:
-    """Several roots, as programs write them for props beside a body, hang below one that never moves."""
+    """Put several roots, which programs write for props beside a body, below one that never moves."""
     others = [joint for joint, parent in enumerate(hierarchy.parents) if parent < 0][1:]
     if not others:
         return

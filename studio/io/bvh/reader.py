@@ -1,4 +1,4 @@
-"""BVH files: read as they are, any channel order, any joint with positions; written by ``bvh_writer``."""
+"""BVH files read as they are: any channel order, any joint with positions. Written by ``writer``."""
 
 import re
 from collections.abc import Callable, Sequence
@@ -46,7 +46,7 @@ _MOTION = re.compile(rb"(?:\A|[\r\n}])[ \t]*(MOTION)[ \t]*:?[ \t]*(?=[\r\n]|\Z)"
 
 @dataclass(frozen=True)
 class BvhFile:
-    """Content of a BVH file, in its own units and axes, with the repairs that it took to read it."""
+    """Content of a BVH file, in its own units and axes, with the repairs made while reading."""
 
     name: str
     skeleton: Skeleton
@@ -64,11 +64,11 @@ class BvhFile:
 
     @property
     def said_unit(self) -> None:
-        """None: BVH has no word for it."""
+        """None: the format has no unit."""
 
     @property
     def said_axis(self) -> None:
-        """None: BVH has no word for it."""
+        """None: the format has no up axis."""
 
     @property
     def frame_count(self) -> int:
@@ -96,7 +96,7 @@ class BvhFile:
 
 
 def read_bvh(path: Path | str, progress: Progress | None = None) -> BvhFile:
-    """The file at ``path``; raises StudioError with file, line and what to do when it cannot be trusted."""
+    """File at ``path``; raises StudioError with file, line and what to do if it is damaged."""
     path = Path(path)
     report = progress or (lambda share, text: None)
     report(0.0, f"Reading {path.name}")
@@ -150,7 +150,7 @@ def _moved_from_offsets(
 
 
 def _scaled_joints(name: str, hierarchy: Hierarchy, frames: FloatArray) -> list[str]:
-    """A sentence where scale channels hold anything but 1: bones of a body do not grow."""
+    """Sentence about scale channels with other values than 1, which bones of a body do not have."""
     channels = [(joint, each) for joint, all_ in enumerate(hierarchy.channels) for each in all_]
     columns = [column for column, (_, each) in enumerate(channels) if each.endswith("scale")]
     grows = [column for column in columns if np.abs(frames[:, column] - 1.0).max() > _SCALE_NOISE]
@@ -205,7 +205,7 @@ class _Header:
 
 
 def _motion_header(name: str, body: list[bytes], motion_line: int) -> tuple[_Header, int]:
-    """``Frames:`` and ``Frame Time:`` in any order, either may be missing; and where the rows begin."""
+    """``Frames:`` and ``Frame Time:`` in any order, either may be missing; and the line of the first row."""
     header = _Header(line=motion_line)
     for at, line in enumerate(body):
         words = _WITHOUT_COLON.sub(rb"\1:", line).decode("utf-8", "replace").replace(":", " : ").split()
@@ -227,7 +227,7 @@ def _motion_header(name: str, body: list[bytes], motion_line: int) -> tuple[_Hea
 
 
 def _frame_time(name: str, header: _Header, repairs: list[str]) -> tuple[float | None, float]:
-    """Seconds a frame, and the worth of their last digit: none of a fraction (``1/60``)."""
+    """Seconds per frame, and the value of its last digit: none for a fraction (``1/60``)."""
     text = header.frame_time
     if not text:
         repairs.append(f"{name}, line {header.frame_time_line or header.line}: the file has no Frame Time.")
@@ -297,7 +297,7 @@ def _frames(
 def _part_glued(
     name: str, lines: list[bytes], counts: NDArray[np.int64], width: int, first_line: int, repairs: list[str]
 ) -> None:
-    """Part the numbers of rows that have too few words and would be whole; list the first of them."""
+    """Separate the numbers of rows with too few words that are then complete; report the first of them."""
     glued = []
     for row in np.flatnonzero((counts > 0) & (counts < width)).tolist():
         line = parted(lines[row].decode("utf-8", "replace")).encode()
@@ -308,10 +308,10 @@ def _part_glued(
 
 
 def _fill(name: str, values: FloatArray, lines: NDArray[np.int64], hierarchy: Hierarchy, repairs: list[str]) -> None:
-    """Interpolate in time what no row says, angles the shorter way round; list how many rows and the first line.
+    """Interpolate missing values in time, angles along the shorter arc; report the number of rows and the first line.
 
-    ``values`` (F, C) with NaN for a missing value, ``lines`` (F,) of the file. Raises StudioError where a channel has
-    no number at all.
+    ``values`` (F, C) with NaN for a missing value, ``lines`` (F,) of the file. Raises StudioError if a channel has no
+    number at all.
     """
     missing = ~np.isfinite(values)
     rows = np.flatnonzero(missing.any(axis=1))
@@ -332,7 +332,7 @@ def _fill(name: str, values: FloatArray, lines: NDArray[np.int64], hierarchy: Hi
 
 
 def _is_cut(lines: list[bytes], last: int, header: _Header, rows: int) -> bool:
-    """A file that ends within a line, short of the frames it promises, has lost digits of its last number."""
+    """True if the file ends within a line before its last promised frame, so that its last number may lack digits."""
     return last == len(lines) - 1 and rows < _promised(header)
 
 

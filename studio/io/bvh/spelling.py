@@ -1,4 +1,4 @@
-"""Dialects of BVH files: comments, the DOS mark of the end, commas, semicolons."""
+"""Dialects of BVH files: comments, the end-of-file mark of DOS, commas, semicolons."""
 
 import re
 
@@ -13,7 +13,7 @@ _COMMAS_BETWEEN = re.compile(rb",[-+\d.eE]*,")
 
 
 def plainly_spelled(name: str, content: bytes, repairs: list[str]) -> bytes:
-    """The file as BVH has it, every line in its place; decimal commas only where no number has a point."""
+    """File in plain BVH, with the same line numbers; decimal commas are read only if no number has a point."""
     content = content.rstrip(b"\x1a")
     if b"#" in content or b"/" in content:
         content = _COMMENT.sub(b"", content)
@@ -23,7 +23,7 @@ def plainly_spelled(name: str, content: bytes, repairs: list[str]) -> bytes:
 
 
 def _plain_numbers(name: str, content: bytes, repairs: list[str]) -> bytes:
-    """Offsets and rows with blanks between their numbers and points in them, either as it needs; headers stay."""
+    """Offsets and rows with blanks between numbers and decimal points; headers are unchanged."""
     content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     for block in (_OFFSETS, _MOTION):
         changes = _changes(_HEADER.sub(b"", b"\n".join(block.findall(content))))
@@ -33,7 +33,7 @@ def _plain_numbers(name: str, content: bytes, repairs: list[str]) -> bytes:
 
 
 def _changes(numbers: bytes) -> dict[tuple[re.Pattern[bytes], bytes], str]:
-    """Patterns and what replaces them, in order, each with a sentence."""
+    """Patterns and their replacements, in order, each with a sentence."""
     changes: dict[tuple[re.Pattern[bytes], bytes], str] = {}
     if b";" in numbers:
         changes[_SEMICOLON, b" "] = "its numbers have semicolons between them; they were read as blanks."

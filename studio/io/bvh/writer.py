@@ -1,4 +1,4 @@
-"""Writing BVH: Y up, centimetres unless told otherwise, with digits enough to lose nothing."""
+"""Writer of BVH: Y up, centimetres by default, with enough digits to lose nothing."""
 
 from collections.abc import Iterator, Sequence
 from io import StringIO
@@ -77,7 +77,7 @@ def _hierarchy(skeleton: Skeleton, positioned: frozenset[int], scale: float) -> 
 
 
 def _indent(depth: int) -> str:
-    """Tabs as deep as the joint, but no deeper than anybody reads."""
+    """Tabs to the depth of the joint, limited for very deep trees."""
     return "\t" * min(depth, 40)
 
 
@@ -122,7 +122,7 @@ def _rows(skeleton: Skeleton, poses: PoseSequence, positioned: frozenset[int], s
 def _continued(last: FloatArray, angles: FloatArray) -> FloatArray:
     """Angles (F, J, 3) with whole turns added so that none jumps, after the ``last`` (0 or 1, J, 3).
 
-    A step of half a turn goes the same way on every machine, however its last digits are rounded.
+    A step of half a turn takes the same sign on every machine, however its last digits are rounded.
     """
     rough = np.round(np.concatenate([last, angles]), _TIES)
     turns = np.round((np.unwrap(rough, axis=0) - rough) / (2.0 * np.pi))

@@ -1,1 +1,1 @@
-"""C3D, optical markers: read with their events, understood as a capture, written."""
+"""C3D, optical markers: read with their events, interpreted as a capture, written."""

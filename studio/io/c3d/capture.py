@@ -1,4 +1,4 @@
-"""A C3D file as a capture, and its events."""
+"""C3D file as a capture, with its events."""
 
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from studio.io.registry import Progress, ReadCapture
 
 
 def load_c3d(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
-    """The body that moves in the C3D file at ``path``, or its bare markers where nobody knows which is which.
+    """Body solved from the markers of the C3D file at ``path``, or the markers alone if their labels are unknown.
 
     Its events are labels of one frame.
     """
@@ -20,7 +20,7 @@ def load_c3d(path: Path, options: ImportOptions, progress: Progress) -> ReadCapt
 
 
 def _events(trial: Trial) -> Annotations:
-    """The events of a trial as labels of one frame; contacts are for the feet to tell."""
+    """Events of a trial as labels of one frame; contacts are found from the feet."""
     frames = [round(trial.event_frame(event)) for event in trial.events]
     labels = (
         Label(event.label if event.context == "General" else f"{event.context} {event.label}".strip(), frame, frame)

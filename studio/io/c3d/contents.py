@@ -32,7 +32,7 @@ _MEASURE_GROUPS = ("PROCESSING", "SUBJECTS", "SUBJECT", "SEG")
 def labels_and_kinds(
     name: str, parameters: Parameters, count: int, repairs: list[str]
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """A label of its own for each of ``count`` points, subjects before a colon, and what kind of thing each is."""
+    """Unique label for each of ``count`` points, subjects before a colon, and the kind of each."""
     written = parameters.words_on("POINT", "LABELS")[:count]
     labels: dict[str, None] = {}
     twice: list[str] = []
@@ -64,7 +64,7 @@ def labels_and_kinds(
 
 
 def _segment_axes(labels: tuple[str, ...]) -> set[str]:
-    """``LFEO, LFEA, LFEL, LFEP`` and their like: origin and axes of a segment, as Plug-in-Gait leaves them."""
+    """Labels such as ``LFEO, LFEA, LFEL, LFEP``: origin and axes of a segment, as written by Plug-in-Gait."""
     there = set(labels)
     stems = {label[:-1] for label in labels if len(bare_label(label)) == 4 and label.endswith("O")}
     quads = ([stem + end for end in "OALP"] for stem in stems)
@@ -72,7 +72,9 @@ def _segment_axes(labels: tuple[str, ...]) -> set[str]:
 
 
 def _kind_by_name(label: str) -> str:
-    """Models call their outputs ``LKneeAngles``, ``RHipMoment``: no marker is called so."""
+    """Kind of a point by the name that models give to their outputs, such as ``LKneeAngles`` or ``RHipMoment``, and no
+    marker has.
+    """
     if label.lower().startswith("centreofmass"):
         return VIRTUAL_KIND
     ending = next((ending for ending in _ENDINGS if label.lower().endswith(ending)), "")
@@ -82,7 +84,7 @@ def _kind_by_name(label: str) -> str:
 
 
 def unit_of(name: str, parameters: Parameters, repairs: list[str]) -> str:
-    """The unit of length; millimetres where the file says none that is known."""
+    """Unit of length; millimetres if the file gives no known one."""
     said = (*parameters.words("POINT", "UNITS"), "")[0]
     unit = named_unit(said)
     if unit is None:
@@ -95,7 +97,7 @@ def unit_of(name: str, parameters: Parameters, repairs: list[str]) -> str:
 def analog_signals(
     name: str, parameters: Parameters, raw: NDArray[np.generic], rate: float, repairs: list[str]
 ) -> AnalogSignals:
-    """The signals (N, C) in their units: (raw - offset) x scale x general scale, as C3D has it."""
+    """Signals (N, C) in their units: (raw - offset) x scale x general scale, as defined by C3D."""
     count = raw.shape[1]
     if count == 0:
         return NO_SIGNALS
@@ -123,7 +125,7 @@ def analog_signals(
 
 
 def force_plates(name: str, parameters: Parameters, channels: int, repairs: list[str]) -> tuple[ForcePlate, ...]:
-    """The plates whose corners and channels the file gives; others are listed."""
+    """Plates whose corners and channels the file gives; others are reported."""
     count = int(np.clip(parameters.number("FORCE_PLATFORM", "USED") or 0, 0, 32))
     kinds, feeds = (parameters.array("FORCE_PLATFORM", which).squeeze() for which in ("TYPE", "CHANNEL"))
     each = feeds.shape[0] if feeds.ndim > 1 else feeds.size // max(count, 1)
@@ -152,7 +154,7 @@ def force_plates(name: str, parameters: Parameters, channels: int, repairs: list
 
 
 def marked_events(name: str, content: bytes, parameters: Parameters, repairs: list[str]) -> tuple[TrialEvent, ...]:
-    """The events of the parameters, else those of the header, in time."""
+    """Events of the parameters, else those of the header, in order of time."""
     labels = parameters.words_on("EVENT", "LABELS")
     contexts = parameters.words_on("EVENT", "CONTEXTS")
     times = parameters.columns("EVENT", "TIMES", 2)
@@ -184,7 +186,7 @@ def _header_events(content: bytes, parameters: Parameters) -> tuple[TrialEvent, 
 
 
 def measures(parameters: Parameters) -> dict[str, float]:
-    """Single numbers measured on the subject: bone widths, leg lengths, the size of the markers."""
+    """Measures of the subject: bone widths, leg lengths, the size of the markers."""
     found: dict[str, float] = {}
     for group in _MEASURE_GROUPS:
         for key, value in parameters.groups.get(group, {}).items():

@@ -1,4 +1,4 @@
-"""C3D as a format of the registry: what such a file begins with, and how a take is written."""
+"""Registration of C3D files, their recognition, and writing of takes."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -17,8 +17,9 @@ _SIDES = ("Left", "Right")
 
 
 def is_c3d(head: bytes) -> bool:
-    """True if a file that begins so may be C3D: the block of its parameters, the mark 80, and in that block the kind
-    of processor, as far as ``head`` reaches."""
+    """True if a file that begins with ``head`` may be C3D: the block of its parameters, the mark 80, and in that block
+    the kind of processor, if ``head`` is long enough.
+    """
     if len(head) < 2 or head[0] < 2 or head[1] != 0x50:
         return False
     processor = (head[0] - 1) * 512 + 3
@@ -26,9 +27,9 @@ def is_c3d(head: bytes) -> bool:
 
 
 def write_take(path: Path, take: Take, progress: Progress) -> None:
-    """Write the joints of ``take`` and the markers its body would wear; read back, every one is within 0.001 mm.
+    """Write the joints of ``take`` and the markers of its body; read back, every one is within 0.001 mm.
 
-    Z is up and -Y the front, as the reader has it: a body that is read back faces where it did.
+    Z is up and -Y the front, as in the reader, so that a body keeps its heading.
     """
     from studio.core.captures.virtual_markers import virtual_trial
     from studio.io.c3d.writer import write_c3d
@@ -44,7 +45,7 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
 
 
 def _events(labels: Iterable[Label], capture: Capture, found: Iterable[TrialEvent]) -> tuple[TrialEvent, ...]:
-    """The beginnings of labels as events, with those ``found`` in contacts of kinds that no label names, in time."""
+    """Begins of labels as events, with those ``found`` in contacts for kinds without a label, in order of time."""
     marked = []
     for label in labels:
         context, _, name = label.name.partition(" ")

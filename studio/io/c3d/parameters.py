@@ -1,6 +1,6 @@
-"""The parameter section of a C3D file: named values by group, read without trusting a size it gives.
+"""Parameter section of a C3D file: named values by group, read without trusting any size in it.
 
-Layout by the C3D user guide (c3d.org): records of a group or parameter, each with the way to the next one.
+Layout by the C3D user guide (c3d.org): records of a group or parameter, each with the offset of the next one.
 """
 
 import math
@@ -44,39 +44,38 @@ class Numbers:
 
 @dataclass
 class Parameters:
-    """Values by group and name, both in capitals; numbers (as (d1, d2, ...) arrays, the first index running
-    fastest in the file) or words."""
+    """Values by group and name, both in capitals; numbers (as (d1, d2, ...) arrays, the first index running fastest in
+    the file) or words.
+    """
 
     numbers: Numbers
     groups: dict[str, dict[str, Value]] = field(default_factory=dict)
     repairs: list[str] = field(default_factory=list)
 
     def words(self, group: str, name: str) -> tuple[str, ...]:
-        """The words of a parameter; none where it is missing or holds numbers."""
+        """Words of a parameter; none if it is missing or holds numbers."""
         value = self.groups.get(group, {}).get(name, ())
         return value if isinstance(value, tuple) else ()
 
     def array(self, group: str, name: str) -> NDArray[np.float64]:
-        """The numbers of a parameter; none where it is missing or holds words."""
+        """Numbers of a parameter; none if it is missing or holds words."""
         value = self.groups.get(group, {}).get(name, ())
         return np.zeros(0) if isinstance(value, tuple) else value
 
     def columns(self, group: str, name: str, *shape: int) -> NDArray[np.float64]:
-        """The numbers of a parameter as (*shape, N), whatever dimensions the file gives them; those left over are
-        dropped.
-        """
+        """Numbers of a parameter as (*shape, N), whatever dimensions the file gives them; a remainder is dropped."""
         flat = self.array(group, name).ravel(order="F")
         size = math.prod(shape)
         count = len(flat) // size
         return flat[: size * count].reshape((*shape, count), order="F")
 
     def number(self, group: str, name: str) -> float | None:
-        """The first number of a parameter, where it is there and finite."""
+        """First number of a parameter, if it exists and is finite."""
         value = self.array(group, name)
         return float(value.flat[0]) if value.size and np.isfinite(value.flat[0]) else None
 
     def words_on(self, group: str, name: str) -> tuple[str, ...]:
-        """``LABELS``, then ``LABELS2``, ``LABELS3`` ...: lists of more than 255 go on there."""
+        """Words of ``LABELS``, then ``LABELS2``, ``LABELS3`` ..., in which lists of more than 255 are continued."""
         found, place = self.words(group, name), 2
         while more := self.words(group, f"{name}{place}"):
             found, place = found + more, place + 1
@@ -92,7 +91,7 @@ class Parameters:
 
 
 def read_parameters(name: str, content: bytes) -> Parameters:
-    """The parameter section of the C3D file ``content``; raises StudioError with the byte where it ends in nonsense."""
+    """Parameter section of the C3D file ``content``; raises StudioError with the byte at which it is damaged."""
     start = (content[0] - 1) * BLOCK_BYTES
     if content[0] < 2 or start + 4 > len(content):
         raise StudioError(
@@ -111,7 +110,7 @@ def read_parameters(name: str, content: bytes) -> Parameters:
 
 
 def _read_records(name: str, content: bytes, start: int, found: Parameters) -> None:
-    """Records one after another; each must lie behind the one before, so that nothing is read twice."""
+    """Read records one after another; each must be behind the one before, so that nothing is read twice."""
     at, names = start + 4, {}
     waiting: list[tuple[int, str, Value]] = []
     for _ in range(_MOST_RECORDS):
@@ -139,7 +138,7 @@ def _read_records(name: str, content: bytes, start: int, found: Parameters) -> N
 
 
 def _value(name: str, label: str, content: bytes, body: int, end: int, found: Parameters) -> Value:
-    """One parameter's value; what does not fit into its own record is left out and listed."""
+    """Value of one parameter; anything that exceeds its record is left out and reported."""
     if body + 2 > end:
         raise _cut(name, body)
     kind, dimensions = _signed(content[body]), content[body + 1]
@@ -174,7 +173,7 @@ def _words(data: bytes, shape: tuple[int, ...]) -> tuple[str, ...]:
 
 
 def _text(data: bytes) -> str:
-    """Words as written, without the blanks that fill them up."""
+    """Words without the blanks that pad them."""
     try:
         text = data.decode("utf-8")
     except UnicodeDecodeError:

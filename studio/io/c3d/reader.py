@@ -1,7 +1,7 @@
-"""C3D files: points, analog signals, plates and events as they were recorded, by a reader that trusts no header.
+"""Reader of C3D files: points, analog signals, plates and events as recorded.
 
-Intel, DEC and MIPS, integers and floats. Every size is checked against the bytes that are there before anything is
-made of it: a file takes memory in proportion to its own size, whatever it says.
+No header is trusted. Intel, DEC and MIPS, integers and floats. Every size is checked against the bytes of the file
+before it is used, so that memory is proportional to the file's own size.
 """
 
 import math
@@ -29,7 +29,7 @@ _ABSURD = 1e7
 
 @dataclass(frozen=True)
 class C3dFile:
-    """A trial, the parameters as the file has them, and what had to be repaired to read it."""
+    """Trial, the parameters of the file, and the repairs made while reading."""
 
     trial: Trial
     order: str
@@ -41,7 +41,7 @@ class C3dFile:
 
 @dataclass(frozen=True)
 class _Header:
-    """The first block, and what the parameters make of it."""
+    """First block, with the values that the parameters overrule."""
 
     points: int
     channels: int
@@ -57,17 +57,17 @@ class _Header:
 
     @property
     def words_a_frame(self) -> int:
-        """Numbers a frame."""
+        """Numbers per frame."""
         return 4 * self.points + self.channels * self.samples
 
     @property
     def bytes_a_frame(self) -> int:
-        """Bytes a frame."""
+        """Bytes per frame."""
         return self.words_a_frame * (2 if self.integers else 4)
 
 
 def read_c3d(path: Path | str, progress: Progress | None = None) -> C3dFile:
-    """The file at ``path``; raises StudioError with file, byte and what to do when it cannot be trusted."""
+    """File at ``path``; raises StudioError with file, byte and what to do if it is damaged."""
     path = Path(path)
     report = progress or (lambda share, text: None)
     report(0.0, f"Reading {path.name}")
@@ -151,7 +151,7 @@ def _header(name: str, content: bytes, parameters: Parameters, repairs: list[str
 
 
 def _without_points(unsigned: list[int], channels: int, parameters: Parameters) -> str:
-    """Sentence for a file without points: what it says that it holds, and what to do."""
+    """Sentence for a file without points: its content by its parameters, and what to do."""
     samples = max(unsigned[4] - unsigned[3] + 1, 0) * unsigned[9]
     rotations = int(parameters.number("ROTATION", "USED") or 0)
     held = [f"{channels} signals of {samples} samples"] if channels else []
@@ -175,7 +175,7 @@ def _first_frame(header: int, parameters: Parameters) -> int:
 
 
 def _long(parameters: Parameters, name: str) -> int | None:
-    """A frame number of 32 bits that stands as two of 16, the lower first; None where it does not."""
+    """Frame number of 32 bits stored as two of 16, the lower first; None for another value."""
     field = parameters.columns("TRIAL", name, 2)
     if not field.size or not np.isfinite(field).all():
         return None
@@ -183,7 +183,7 @@ def _long(parameters: Parameters, name: str) -> int | None:
 
 
 def _scale(name: str, header: float, parameters: Parameters, repairs: list[str]) -> tuple[float, bool]:
-    """Units a step, and whether the coordinates are integers."""
+    """Units per step, and True for integer coordinates."""
     told = parameters.number("POINT", "SCALE")
     if np.isfinite(header) and 0.0 < abs(header) < _ABSURD:
         if told is not None and header > 0.0 and _differ(header, told):
@@ -197,12 +197,12 @@ def _scale(name: str, header: float, parameters: Parameters, repairs: list[str])
 
 
 def _differ(header: float, parameter: float) -> bool:
-    """True if they are not one number written in two ways, as 60 Hz and 59.94."""
+    """True unless both are one number written in two ways, such as 60 Hz and 59.94."""
     return not math.isclose(header, parameter, rel_tol=2e-3)
 
 
 def _data_start(name: str, content: bytes, header: int, parameters: Parameters, repairs: list[str]) -> int:
-    """The byte where the frames begin."""
+    """Byte at which the frames begin."""
     for block in (header, int(parameters.number("POINT", "DATA_START") or 0) & 0xFFFF):
         if block > 1 and (block - 1) * BLOCK_BYTES < len(content):
             if block != header:
@@ -228,9 +228,8 @@ def _frame_rate(name: str, header: float, parameters: Parameters, repairs: list[
 def _frames(
     name: str, content: bytes, unsigned: list[int], header: _Header, parameters: Parameters, repairs: list[str]
 ) -> int:
-    """Count of frames by ACTUAL_START_FIELD and ACTUAL_END_FIELD, else header, else POINT:FRAMES; at most those there.
-
-    Where 16 bits are full, LONG_FRAMES is believed first, else the largest of these counts.
+    """Number of frames by ACTUAL_START_FIELD and ACTUAL_END_FIELD, else header, else POINT:FRAMES; at most those in the
+    file. If 16 bits are full, LONG_FRAMES is preferred, else the largest of these counts.
     """
     there = (len(content) - header.data_start) // header.bytes_a_frame
     start, end = (_long(parameters, f"ACTUAL_{which}_FIELD") for which in ("START", "END"))
@@ -261,7 +260,7 @@ def _frames(
 
 
 def _words(content: bytes, header: _Header, numbers: Numbers) -> NDArray[np.generic]:
-    """(frames, numbers a frame) as they stand in the file."""
+    """(frames, numbers per frame) as stored in the file."""
     data = memoryview(content)[header.data_start : header.data_start + header.frames * header.bytes_a_frame]
     flat: NDArray[np.generic] = numbers.integers(data) if header.integers else numbers.floats(data)
     return flat.reshape(header.frames, header.words_a_frame)
@@ -270,7 +269,7 @@ def _words(content: bytes, header: _Header, numbers: Numbers) -> NDArray[np.gene
 def _points(
     name: str, words: NDArray[np.generic], header: _Header, repairs: list[str]
 ) -> tuple[FloatArray, FloatArray]:
-    """Points (F, P, 3) and residuals (F, P) in units; NaN and -1 for what was not seen."""
+    """Points (F, P, 3) and residuals (F, P) in units; NaN and -1 for points that were not seen."""
     quads = words.reshape(header.frames, header.points, 4)
     with np.errstate(invalid="ignore", over="ignore"):
         points = quads[..., :3].astype(np.float64) * (header.scale if header.integers else 1.0)

@@ -1,4 +1,4 @@
-"""C3D files written: a trial with its points, signals, plates and events, as Intel floats. Whole or not at all."""
+"""Writer of C3D files: a trial with its points, signals, plates and events, as Intel floats. Whole or not at all."""
 
 import struct
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -28,9 +28,10 @@ Record = tuple[str, bytes]
 
 
 def write_c3d(path: Path | str, trial: Trial, progress: Progress = lambda share, text: None) -> None:
-    """Write ``trial``; points are kept to single precision. Raises StudioError when it does not fit into C3D.
+    """Write ``trial``; points are kept to single precision.
 
-    ``progress`` hears a share from 0 to 1 and may raise to cancel; the file is then as it was, or absent.
+    Raises StudioError if it does not fit into C3D. ``progress`` is called with a fraction from 0 to 1 and may raise to
+    cancel; the file is then as before, or absent.
     """
     path = Path(path)
     write_pieces(path, _pieces(trial, lambda share: progress(share, f"Writing {path.name}")))
@@ -185,7 +186,7 @@ def _events(trial: Trial) -> list[Record]:
 
 
 def _lists(name: str, words: Sequence[str]) -> list[Record]:
-    """``LABELS``, ``LABELS2`` ...; names of one list are as long as its longest."""
+    """Lists ``LABELS``, ``LABELS2`` ...; names of one list are padded to the longest."""
     records = []
     for place, first in enumerate(range(0, len(words), _LIST), 1):
         part = [word.encode()[:_LIST] for word in words[first : first + _LIST]]
@@ -200,7 +201,7 @@ def _word(text: str) -> bytes:
 
 
 def _integers(values: Sequence[int], shape: tuple[int, ...] | None = None) -> bytes:
-    """16 bits each, negative ones as they are, large ones without sign."""
+    """16-bit integers, negative ones signed, large ones unsigned."""
     data = b"".join(struct.pack("<H", value & 0xFFFF) for value in values)
     return _dimensions(2, len(values), shape) + data
 

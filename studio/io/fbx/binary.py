@@ -1,7 +1,7 @@
-"""Binary FBX 7.4 as a tree of elements, each with values and, where it is a block, elements within it.
+"""Binary FBX 7.4 as a tree of elements with values and, in blocks, inner elements.
 
-An element is the offset of its end, the number and size of its values, its name, its values, and the elements within,
-which an empty element ends. A value is one letter for its type and its bytes; arrays may be deflated.
+An element is the offset of its end, the number and size of its values, its name, its values, and the inner elements,
+ended by an empty element. A value is one letter for its type and its bytes; arrays may be deflated.
 """
 
 import struct
@@ -17,7 +17,7 @@ from studio.core.errors import StudioError
 
 
 class Long(int):
-    """A whole number that is stored in eight bytes: times, and the numbers of objects."""
+    """Integer of eight bytes, for times and the numbers of objects."""
 
 
 Value = bool | int | float | str | bytes | NDArray[Any]

@@ -1,8 +1,8 @@
-"""The child process that reads an FBX file: ``python -m studio.io.fbx.child IN.fbx OUT.npz motion|figure|either``.
+"""Child process that reads an FBX file: ``python -m studio.io.fbx.child IN.fbx OUT.npz motion|figure|either``.
 
 ufbx is written in C and the file may be anybody's, so it runs where a crash or an endless loop costs nothing. It
-imports but its own parts, and hands back plain arrays; what goes wrong is one line on standard error. What ufbx made is
-kept (``objects``), nothing is collected, and the process ends without taking leave of it.
+imports only its own modules, and returns plain arrays; an error is one line on standard error. Objects of ufbx are kept
+alive (``objects``), nothing is collected, and the process exits without clean-up.
 """
 
 import gc
@@ -105,7 +105,7 @@ def _write_figure(target: str, scene: Any, everything: list[Any], nodes: list[An
 
 
 def _nodes(scene: Any) -> list[tuple[Any, int]]:
-    """All but the root, parents first, each with the id of the one above it, -1 where that is the root."""
+    """All nodes except the root, parents first, each with the id of its parent, -1 for the root."""
     found: list[tuple[Any, int]] = []
     waiting = [(node, -1) for node in all_of(keep(scene.root_node).children)]
     while waiting:
@@ -116,7 +116,7 @@ def _nodes(scene: Any) -> list[tuple[Any, int]]:
 
 
 def _skeleton(everything: list[tuple[Any, int]], also: set[int]) -> tuple[list[Any], list[int]]:
-    """Bones, those ``also`` wanted, and all that they hang from, with the place of each one's parent."""
+    """Bones, the nodes ``also`` wanted, and all their ancestors, with the index of each parent."""
     above = {node.typed_id: parent for node, parent in everything}
     wanted: set[int] = set()
     for node, _ in everything:
@@ -130,13 +130,13 @@ def _skeleton(everything: list[tuple[Any, int]], also: set[int]) -> tuple[list[A
 
 
 def _linked_empties(everything: list[tuple[Any, int]]) -> set[int]:
-    """Ids of nodes that show nothing and have three such above them: joints of programs that write no bones."""
+    """Ids of empty nodes with three empty ancestors: joints of programs that write no bones."""
     above = {node.typed_id: parent for node, parent in everything if keep(node.attrib_type).name in _SHOWS_NOTHING}
     return {place for place in above if above.get(above.get(above[place], -1), -1) in above}
 
 
 def _values(transform: Any) -> tuple[float, ...]:
-    """Place, turn (x, y, z, w) and scale, as ten numbers."""
+    """Position, rotation (x, y, z, w) and scale, as ten numbers."""
     place, turn, scale = transform.translation, transform.rotation, transform.scale
     return (place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w, scale.x, scale.y, scale.z)
 

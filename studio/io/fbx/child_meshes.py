@@ -12,8 +12,8 @@ MOST_CORNERS = 4_000_000
 def meshes_of(nodes: list[Any], joints: dict[int, int]) -> tuple[list[dict[str, Any]], dict[str, FloatArray]]:
     """Record of each mesh of the nodes, and its arrays, by number and name; ``joints`` by the ids of their nodes.
 
-    Vertices stand as they were bound; ``carrier`` is the joint from which one hangs as a whole, -1 for a skinned one.
-    ``bind`` (J, 3, 4) are the joints as they were bound, NaN where nothing tells.
+    Vertices are in the bind pose; ``carrier`` is the joint to which a whole mesh is attached, -1 for a skinned one.
+    ``bind`` (J, 3, 4) are the joints in the bind pose, NaN if unknown.
     """
     told: list[dict[str, Any]] = []
     arrays: dict[str, FloatArray] = {"bind": np.full((len(joints), 3, 4), np.nan)}
@@ -36,7 +36,7 @@ def meshes_of(nodes: list[Any], joints: dict[int, int]) -> tuple[list[dict[str, 
 
 
 def clustered(nodes: list[Any]) -> set[int]:
-    """Ids of the nodes that skins hang from, whatever kind they are."""
+    """Ids of the nodes to which skins are bound, of any kind."""
     meshes = [mesh for node in nodes if (mesh := keep(node.mesh)) is not None]
     skins = [skin for mesh in meshes for skin in all_of(mesh.skin_deformers)]
     bones = [keep(cluster.bone_node) for skin in skins for cluster in all_of(skin.clusters)]
@@ -44,7 +44,7 @@ def clustered(nodes: list[Any]) -> set[int]:
 
 
 def _weights(mesh: Any, joints: dict[int, int], bind: FloatArray) -> tuple[FloatArray, FloatArray | None]:
-    """(W, 3) vertex, joint and weight; and the mesh's place in the world when it was bound, None without a skin."""
+    """(W, 3) vertex, joint and weight; and the mesh's transform in the bind pose, None without a skin."""
     rows, to_world = [np.empty((0, 3))], None
     for cluster in [each for skin in all_of(mesh.skin_deformers)[:1] for each in all_of(skin.clusters)]:
         bone = keep(cluster.bone_node)

@@ -1,7 +1,7 @@
-"""An FBX document under construction: objects, and connections between them.
+"""FBX document under construction: objects, and connections between them.
 
-Every object has a number, a name, a class and a kind; connections say what belongs to what: an object to an object, or
-to one property of it. ``Properties70`` are rows of name, type, label, flags and values.
+Every object has a number, a name, a class and a kind; connections link an object to its parent object, or to one
+property of it. ``Properties70`` are rows of name, type, label, flags and values.
 """
 
 from collections import Counter

@@ -1,4 +1,4 @@
-"""Rotations as the angles of FBX: an order of axes for each joint, degrees that do not jump from frame to frame."""
+"""Rotations as the Euler angles of FBX: an order of axes for each joint, degrees that do not jump between frames."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +16,9 @@ _DIGITS = 9
 
 
 def euler_curves(rotations: FloatArray) -> tuple[int, FloatArray]:
-    """The number of an order, and angles (F, 3) in degrees about X, Y and Z, of unit quaternions (F, 4).
+    """Number of an order, and angles (F, 3) in degrees about X, Y and Z, of unit quaternions (F, 4).
 
-    The order is the first in ``FBX_ORDERS`` that stays away from gimbal lock, or else the one that stays furthest away.
+    The order is the first in ``FBX_ORDERS`` that stays away from gimbal lock, or else the one that stays farthest away.
     """
     best = np.inf
     for number, order in enumerate(FBX_ORDERS):
@@ -35,10 +35,9 @@ def euler_curves(rotations: FloatArray) -> tuple[int, FloatArray]:
 
 
 def _continuous(angles: FloatArray) -> FloatArray:
-    """The same rotations (F, 3) by angles as near as can be to those of the frame before.
+    """The same rotations (F, 3) by the angles nearest to those of the frame before.
 
-    (a, b, c) and (a + pi, pi - b, c + pi) are one rotation: taking the other one wherever that is nearer leaves whole
-    turns to be added.
+    (a, b, c) and (a + pi, pi - b, c + pi) are one rotation: choosing the nearer one leaves whole turns to be added.
     """
     rough: FloatArray = np.round(angles, _DIGITS)
     other = rough * [1.0, -1.0, 1.0] + np.pi

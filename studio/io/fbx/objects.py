@@ -1,6 +1,6 @@
-"""Objects of ufbx, for the child process that reads FBX: kept alive, as lists, as numbers.
+"""Objects of ufbx in the child process that reads FBX: kept alive, as lists, as numbers.
 
-In ufbx 0.0.5 an object that Python lets go of takes memory with it that others still need: ``_kept`` holds all of them.
+In ufbx 0.0.5 a released object frees memory that others still need: ``_kept`` holds all of them.
 """
 
 from typing import Any
@@ -15,7 +15,7 @@ _kept: list[Any] = []
 
 
 def keep(thing: Any) -> Any:
-    """The thing itself, which lives until the process ends."""
+    """The object itself, kept alive until the process ends."""
     _kept.append(thing)
     return thing
 
@@ -33,5 +33,5 @@ def numbers_of(things: Any) -> list[Any]:
 
 
 def matrix_of(matrix: Any) -> FloatArray:
-    """(3, 4), its last column the place."""
+    """(3, 4), its last column the position."""
     return np.array([matrix.c0, matrix.c1, matrix.c2, matrix.c3], dtype=np.float64).T

@@ -1,13 +1,16 @@
-"""A whole stage as binary FBX 7.4: a node for each performer with its joints and skin, a mesh for each prop."""
+"""Whole stage as binary FBX 7.4: a node for each performer with its joints and skin, meshes of props, cameras."""
 
 from pathlib import Path
 
 import numpy as np
 
+from studio.core.rotations import from_matrix
+from studio.core.stage.saved_camera import CAMERA_ASPECT, FARTHEST_SEEN, NEAREST_SEEN, VIEW_ANGLE, SavedCamera
 from studio.io.fbx.binary import element
-from studio.io.fbx.document import WHOLE_SCENE, FbxDocument, animated
+from studio.io.fbx.document import WHOLE_SCENE, FbxDocument, animated, choice, number, properties, row
 from studio.io.fbx.euler import euler_curves
 from studio.io.fbx.take_writer import (
+    CENTIMETRES_PER_METRE,
     CURVES_PROGRESS,
     WORLD_TO_FILE,
     geometry,
@@ -21,23 +24,33 @@ from studio.io.fbx.take_writer import (
 from studio.io.registry import Progress
 from studio.io.takes.exported_stage import ExportedProp, ExportedStage
 
+CAMERA_FOCAL_LENGTH, MILLIMETRES_PER_INCH = 50.0, 25.4
+"""Focal length in millimetres of every camera; sizes of films are in inches."""
+FILM_HEIGHT = 2.0 * CAMERA_FOCAL_LENGTH * np.tan(VIEW_ANGLE / 2) / MILLIMETRES_PER_INCH
+ORTHOGRAPHIC_WIDTH = 30.0
+"""Centimetres over which a parallel camera of zoom 1 sees, as FBX has it."""
+_FIXED_RATIO, _VERTICAL_APERTURE = 1, 2
+"""Numbers of FBX's ways to state the shape of the picture and the angle of view."""
+
 
 def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
-    """Write everybody and everything of a stage, on one clock, where it stands.
+    """Write all performers, props and cameras of a stage on one clock, at their positions.
 
-    As ``take_writer.write_take``. Raises StudioError when the file cannot be written.
+    As ``take_writer.write_take``. Raises StudioError if the file cannot be written.
     """
     document = FbxDocument(stage.name, stage.frame_rate, stage.frame_count)
-    for number, take in enumerate(stage.takes):
+    for place, take in enumerate(stage.takes):
 
-        def reported(share: float, number: int = number) -> None:
-            progress(CURVES_PROGRESS * (number + share) / len(stage.takes), f"Writing {path.name}")
+        def reported(share: float, place: int = place) -> None:
+            progress(CURVES_PROGRESS * (place + share) / len(stage.takes), f"Writing {path.name}")
 
         performer = document.add("Model", take.name, "Null", node(), within=WHOLE_SCENE)
         document.add("NodeAttribute", take.name, "Null", [element("TypeFlags", "Null")], within=performer)
         put_take(document, take, performer, reported)
     for prop in stage.props:
         _put_prop(document, prop)
+    for camera in stage.cameras:
+        _put_camera(document, camera)
     write_document(path, document, progress)
 
 
@@ -54,3 +67,40 @@ def _put_prop(document: FbxDocument, prop: ExportedProp) -> None:
     if not prop.is_still:
         put_curves(document, key, "Lcl Translation", "T", places)
         put_curves(document, key, "Lcl Rotation", "R", angles)
+
+
+def _put_camera(document: FbxDocument, camera: SavedCamera) -> None:
+    """Add a camera, which looks along its own X axis with Y up."""
+    placement = camera.placement
+    right, up, backward = placement.axes
+    looking = np.stack([-backward, up, right], axis=1)
+    order, angles = euler_curves(from_matrix(looking[WORLD_TO_FILE])[None])
+    eye, target, upward = positions_in_file(np.stack([placement.eye, placement.target, up]))
+    begun = animated("Lcl Translation", eye), animated("Lcl Rotation", angles[0])
+    key = document.add("Model", camera.name, "Camera", node(*begun, order=order), within=WHOLE_SCENE)
+    width = 2.0 * CENTIMETRES_PER_METRE * CAMERA_ASPECT * placement.half_height
+    rows = [
+        choice("CameraProjectionType", int(placement.parallel)),
+        choice("AspectRatioMode", _FIXED_RATIO),
+        number("AspectWidth", CAMERA_ASPECT),
+        number("AspectHeight", 1.0),
+        choice("ApertureMode", _VERTICAL_APERTURE),
+        row("FieldOfView", "FieldOfView", "", "A", float(np.degrees(VIEW_ANGLE))),
+        row("FocalLength", "Number", "", "A", CAMERA_FOCAL_LENGTH),
+        number("FilmWidth", CAMERA_ASPECT * FILM_HEIGHT),
+        number("FilmHeight", FILM_HEIGHT),
+        number("FilmAspectRatio", CAMERA_ASPECT),
+        number("OrthoZoom", width / ORTHOGRAPHIC_WIDTH),
+        number("NearPlane", CENTIMETRES_PER_METRE * NEAREST_SEEN),
+        number("FarPlane", CENTIMETRES_PER_METRE * FARTHEST_SEEN),
+        number("FocusDistance", CENTIMETRES_PER_METRE * placement.distance),
+    ]
+    about = [
+        element("TypeFlags", "Camera"),
+        element("GeometryVersion", 124),
+        element("Position", *eye.tolist()),
+        element("Up", *(upward / CENTIMETRES_PER_METRE).tolist()),
+        element("LookAt", *target.tolist()),
+        properties(*rows),
+    ]
+    document.add("NodeAttribute", camera.name, "Camera", about, within=key)

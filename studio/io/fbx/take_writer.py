@@ -1,4 +1,4 @@
-"""A take as binary FBX 7.4: joints, skin with its bind pose, materials, and curves with a key a frame."""
+"""Take as binary FBX 7.4: joints, skin with its bind pose, materials, and curves with a key at every frame."""
 
 import hashlib
 from collections.abc import Callable, Iterator, Sequence
@@ -58,7 +58,7 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
 
 
 def write_document(path: Path, document: FbxDocument, progress: Progress) -> None:
-    """Write what is finished, from ``CURVES_PROGRESS`` of the work on."""
+    """Write the finished document; progress continues from ``CURVES_PROGRESS``."""
     write_pieces(path, _reported(document.elements(), lambda: progress(CURVES_PROGRESS, f"Writing {path.name}")))
     progress(1.0, f"Wrote {path.name}")
 
@@ -71,7 +71,7 @@ def _reported(elements: Sequence[FbxElement], report: Callable[[], None]) -> Ite
 
 
 def put_take(document: FbxDocument, take: Take, parent: Long, progress: Share) -> None:
-    """Add the joints, curves and skin of ``take`` to what is ``parent``, 0 for the scene itself."""
+    """Add the joints, curves and skin of ``take`` below ``parent``, 0 for the scene itself."""
     joints = _put_joints(document, take, parent, progress)
     skin = skin_of(take)
     stands = [
@@ -93,7 +93,7 @@ def put_take(document: FbxDocument, take: Take, parent: Long, progress: Share) -
 
 
 def _put_joints(document: FbxDocument, take: Take, parent: Long, progress: Share) -> list[Long]:
-    """The joints as they stand in the skeleton's zero pose, and their curves."""
+    """Add the joints in the skeleton's zero pose, and their curves."""
     skeleton, poses = take.skeleton, take.poses
     offsets = positions_in_file(skeleton.offsets)
     travels = np.abs(poses.local_translations - skeleton.offsets).max(axis=(0, 2)) > _TRAVELS
@@ -137,7 +137,7 @@ def node(*rows: FbxElement, order: int = 0) -> list[FbxElement]:
 
 
 def put_curves(document: FbxDocument, node: Long, of_property: str, name: str, values: FloatArray) -> None:
-    """Three curves with a key a frame, ``values`` (F, 3), of one property of a node."""
+    """Add three curves with a key at every frame, ``values`` (F, 3), of one property of a node."""
     axes = "XYZ"
     first = [row(f"d|{axis}", "Number", "", "A", float(value)) for axis, value in zip(axes, values[0], strict=True)]
     curves = document.add("AnimationCurveNode", name, "", [properties(*first)], within=document.layer)
@@ -156,7 +156,7 @@ def put_curves(document: FbxDocument, node: Long, of_property: str, name: str, v
 
 
 def _put_mesh(document: FbxDocument, take: Take, skin: JointSkin, parent: Long) -> Long:
-    """The node of the skin with its materials."""
+    """Add the node of the skin with its materials."""
     mesh = document.add("Model", f"{take.name} skin", "Mesh", node(), within=parent)
     for material in skin.appearance.materials if skin.appearance else (plain_material(take),):
         put_material(document, material, mesh)
@@ -164,7 +164,7 @@ def _put_mesh(document: FbxDocument, take: Take, skin: JointSkin, parent: Long) 
 
 
 def put_material(document: FbxDocument, material: Material, mesh: Long) -> None:
-    """A material of a mesh, its picture inside the file."""
+    """Add a material of a mesh, with its picture inside the file."""
     colours = "#FFFFFF" if material.texture is not None else material.colour
     shares = [int(colours[place : place + 2], 16) / 255.0 for place in (1, 3, 5)]
     about = [
@@ -188,7 +188,7 @@ def put_material(document: FbxDocument, material: Material, mesh: Long) -> None:
 
 
 def _geometry(skin: JointSkin) -> list[FbxElement]:
-    """Vertices, triangles, normals, and where there are textures their places."""
+    """Vertices, triangles, normals and, with textures, texture coordinates."""
     look = skin.appearance
     kinds = look.triangle_materials if look else np.zeros(len(skin.triangles), np.int32)
     coordinates = look.coordinates if look and any(each.texture is not None for each in look.materials) else None
@@ -242,7 +242,7 @@ def _mapped(mapping: str, reference: str) -> list[FbxElement]:
 def _put_skin(
     document: FbxDocument, name: str, skin: JointSkin, geometry: Long, stands: Sequence[tuple[Long, FloatArray]]
 ) -> None:
-    """A cluster for each joint: the vertices that it carries, and how it stood when they were bound to it."""
+    """Add a cluster for each joint: its vertices, and its bind pose."""
     about = [element("Version", 101), element("Link_DeformAcuracy", 50.0)]
     deformer = document.add("Deformer", name, "Skin", about, within=geometry)
     for joint, (key, stand) in enumerate(stands):
@@ -260,7 +260,7 @@ def _put_skin(
 
 
 def positions_in_file(points: FloatArray) -> FloatArray:
-    """Centimetres in the file's axes of metres (..., 3) in the world."""
+    """Positions in centimetres and the file's axes, from metres (..., 3) in the world."""
     return np.asarray(CENTIMETRES_PER_METRE * points[..., WORLD_TO_FILE])
 
 

@@ -1,4 +1,4 @@
-"""From a figure to a character: which joint is what, which way is up and forward, how long a unit is."""
+"""Conversion of a figure to a character: its body map, up and front directions, and unit."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -49,7 +49,7 @@ _HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
 
 @dataclass(frozen=True, eq=False)
 class _Body:
-    """A figure whose joints are known: ``points`` (J, 3) in the world, ``to_world`` (3, 3) scaled."""
+    """Figure with a body map: ``points`` (J, 3) in the world, ``to_world`` (3, 3) scaled."""
 
     figure: Figure
     skeleton: Skeleton
@@ -64,14 +64,14 @@ class _Body:
 
     @property
     def fault(self) -> float:
-        """Largest deviation from the stance of a human at ease, in parts of what is tolerable."""
+        """Largest deviation from a human stance at ease, relative to the tolerance."""
         return float(faults(self.points[None], self.body_map).max())
 
 
 def character_of(figures: Sequence[Figure], options: ImportOptions) -> ReadCharacter:
-    """The character of a file whose bind pose is one of ``figures``: the one that stands most like a human at ease.
+    """Character of a file whose bind pose is one of ``figures``: the one nearest to a human stance at ease.
 
-    Of ``options`` body map, unit and up axis are heard. Raises StudioError when there is no human body in it.
+    Of ``options``, body map, unit and up axis are used. Raises StudioError if there is no human body in it.
     """
     bodies = [_body(figure, options) for figure in figures]
     body = min(bodies, key=lambda body: body.fault)
@@ -86,9 +86,9 @@ def character_of(figures: Sequence[Figure], options: ImportOptions) -> ReadChara
 
 
 def remapped(character: Character, names: Mapping[str, str]) -> Character:
-    """The character measured and bound anew, by joints of its own rig for each part as in ``BodyMap.to_json``.
+    """Character measured and bound again, with the joints of its own rig named for each part as in ``BodyMap.to_json``.
 
-    Raises StudioError when it has no rig, or the joints make no body.
+    Raises StudioError if it has no rig, or the joints make no body.
     """
     skin, rig = character.skin, character.skin.rig
     if rig is None:
@@ -140,7 +140,7 @@ def _body_of(figure: Figure, options: ImportOptions, hung: Figure, order: IntArr
 
 
 def _rehung(figure: Figure, new: Rehanging) -> Figure:
-    """The same figure whose joints hang as ``new`` says."""
+    """Figure whose joints have the parents of ``new``."""
     place = np.argsort(new.order)
     pieces = tuple(replace(piece, joints=place[piece.joints]) for piece in figure.pieces)
     return replace(
@@ -154,7 +154,7 @@ def _rehung(figure: Figure, new: Rehanging) -> Figure:
 
 
 def _check_limbs(figure: Figure, body_map: BodyMap) -> None:
-    """Every bone of the limbs has a length that is seen beside the others."""
+    """Raise StudioError for a bone of the limbs that is far too short beside the others."""
     for limb, parts in LIMB_PARTS.items():
         joints = [body_map[part] for part in parts]
         bones = np.linalg.norm(np.diff(figure.positions[joints], axis=0), axis=1)
@@ -166,7 +166,7 @@ def _check_limbs(figure: Figure, body_map: BodyMap) -> None:
 
 
 def _rooted(figure: Figure) -> Figure:
-    """The same with one root above all."""
+    """Figure with one root above all joints."""
     if not figure.joint_names:
         raise StudioError(f"{figure.source} {NO_SKELETON}")
     if figure.parents.count(-1) == 1 and figure.parents[0] == -1:
@@ -208,7 +208,7 @@ def _find(figure: Figure, skeleton: Skeleton, options: ImportOptions) -> tuple[B
 
 
 def _deepest(skeleton: Skeleton) -> int:
-    """Joints above the deepest one."""
+    """Depth of the deepest joint."""
     depths: list[int] = []
     for parent in skeleton.parents.tolist():
         depths.append(depths[parent] + 1 if parent >= 0 else 0)
@@ -216,7 +216,9 @@ def _deepest(skeleton: Skeleton) -> int:
 
 
 def _upright(figure: Figure, body_map: BodyMap, up_axis: str | None) -> FloatArray:
-    """(3, 3) turn from the file's axes so that trunk and left side lie along +Z and +Y; tilts below 30 degrees stay."""
+    """(3, 3) rotation from the file's axes that aligns trunk and left side with +Z and +Y; tilts below 30 degrees are
+    kept.
+    """
     points = figure.positions
 
     def pair(part: str) -> tuple[FloatArray, FloatArray]:
@@ -240,7 +242,7 @@ def _upright(figure: Figure, body_map: BodyMap, up_axis: str | None) -> FloatArr
 
 
 def _snapped(vector: FloatArray, degrees: float) -> FloatArray:
-    """The direction, or the axis of the file that is nearer to it than ``degrees``."""
+    """Direction, or an axis of the file within ``degrees`` of it."""
     length = np.linalg.norm(vector)
     if length < 1e-9:
         return np.zeros(3)
@@ -335,7 +337,7 @@ def _rig(
 
 
 def _worn(figure: Figure, segments: IntArray, spine_count: int, repairs: list[str]) -> list[MeshPiece]:
-    """Pieces that belong to the body, without those that only lie in hands that are drawn already."""
+    """Pieces that belong to the body, without those in the hands that are drawn already."""
     hands = {BodyLayout(spine_count).hand(side) for side in (0, 1)}
     drawn = {
         int(segment)
@@ -400,7 +402,7 @@ def _appearance(pieces: Sequence[MeshPiece]) -> Appearance | None:
 
 
 def _colour(appearance: Appearance | None) -> str:
-    """The colour of most triangles, by which the character is known on timeline and stage."""
+    """Colour of most triangles, which identifies the character on timeline and stage."""
     if appearance is None:
         return PLAIN_COLOUR
     most = int(np.bincount(appearance.triangle_materials).argmax())

@@ -45,7 +45,7 @@ class NamingFamily:
 
 @dataclass(frozen=True)
 class FoundBody:
-    """A body map, the family whose names led to it, and what could not be found."""
+    """Body map, the naming family by which it was found, and the missing parts."""
 
     body_map: BodyMap | None
     family: str
@@ -54,17 +54,17 @@ class FoundBody:
 
 @lru_cache(maxsize=1)
 def naming_families() -> tuple[NamingFamily, ...]:
-    """All tables in ``resources/body_maps``, the most usual first."""
+    """All tables in ``resources/body_maps``, the most common first."""
     files = sorted((resources_folder() / "body_maps").glob("*.json"), key=lambda path: path.name)
     return tuple(_family(json.loads(path.read_text(encoding="utf-8"))) for path in files)
 
 
 def find_body(skeleton: Skeleton, positions: FloatArray, chosen: Mapping[str, str] | None = None) -> FoundBody:
-    """The body in ``skeleton`` with some world positions (F, J, 3) of its motion, in any unit.
+    """Body in ``skeleton`` with some world positions (F, J, 3) of its motion, in any unit.
 
-    ``chosen`` names joints for parts (as in ``BodyMap.to_json``) that need no search; no name where the body has no
-    such part. Where all limbs are chosen they are believed, whatever their bones look like. Raises StudioError when a
-    chosen part or joint does not exist or the chosen ones do not make a body.
+    ``chosen`` names joints for parts (as in ``BodyMap.to_json``) that need no search; an empty name for a part that the
+    body lacks. If all limbs are chosen their bones are not checked. Raises StudioError if a chosen part or joint does
+    not exist or the chosen ones do not make a body.
     """
     fixed = _fixed(skeleton, chosen or {})
     family, best = _best_match(skeleton, positions, fixed)
@@ -76,7 +76,7 @@ def find_body(skeleton: Skeleton, positions: FloatArray, chosen: Mapping[str, st
 
 
 def _best_match(skeleton: Skeleton, positions: FloatArray, fixed: dict[BodyPart, list[int]]) -> tuple[str, Match]:
-    """The body found, and the family of its names; bones may drift only where no body has constant ones."""
+    """Body found, and the family of its names; bones may change length only if no body has constant ones."""
     by_name = _joints_by_name(skeleton)
     every = _candidates(_all_families(), by_name) | fixed
     limbs = {part: fixed.get(part) for parts in LIMB_PARTS.values() for part in parts}
@@ -113,15 +113,15 @@ def read_body_map(path: Path) -> dict[str, str]:
 
 
 def loose_feet(skeleton: Skeleton) -> dict[int, int]:
-    """Shank of each foot that is not parented below it, by the foot; none in most files.
+    """Shank of each foot that is not its child, by the foot; none in most files.
 
-    Rigs for inverse kinematics keep feet under the root.
+    Rigs for inverse kinematics keep feet below the root.
     """
     return _loose_ends(skeleton, "left leg", "right leg")
 
 
 def loose_hands(skeleton: Skeleton) -> dict[int, int]:
-    """Forearms by the hands that belong to them and hang elsewhere."""
+    """Forearm of each hand that is not its child, by the hand."""
     return _loose_ends(skeleton, "left arm", "right arm")
 
 
@@ -148,7 +148,7 @@ def named_sides(skeleton: Skeleton) -> NDArray[np.int64]:
 
 
 def similar_joints(skeleton: Skeleton, limb: str) -> list[str]:
-    """Names that might belong to ``limb`` (``left arm``), to be offered when it was not found."""
+    """Joint names that might belong to ``limb`` (``left arm``), as suggestions when it was not found."""
     parts = LIMB_PARTS.get(limb, (BodyPart.PELVIS, BodyPart.HEAD))
     words = {_plain(word) for part in parts for word in _all_families().names[part]}
     side = limb.split()[0]
@@ -186,9 +186,9 @@ def _plain(name: str) -> str:
 
 @lru_cache(maxsize=4096)
 def _sided(name: str, order: int = 1) -> str:
-    """The same for ``thigh.L``, ``L_Thigh``, ``LeftThigh`` and ``left_thigh_jnt``: ``left thigh``.
+    """Normalised name, the same for ``thigh.L``, ``L_Thigh``, ``LeftThigh`` and ``left_thigh_jnt``: ``left thigh``.
 
-    An ``order`` of -1 takes the words backwards.
+    An ``order`` of -1 reverses the words.
     """
     words = [word.casefold() for word in _WORD.findall(name)]
     sides = {_SIDE_WORDS[word] for word in words if word in _SIDE_WORDS}
@@ -197,14 +197,14 @@ def _sided(name: str, order: int = 1) -> str:
 
 
 def _reversed(name: str) -> str:
-    """The same for ``arm_upper_L`` as ``_sided`` has for ``upper_arm.L``."""
+    """Normalised name of ``arm_upper_L``, the same as ``_sided`` gives for ``upper_arm.L``."""
     return _sided(name, -1)
 
 
 def _joints_by_name(skeleton: Skeleton) -> dict[str, list[int]]:
-    """Joints by plain name, by what follows a prefix (``Character1_Hips``), by side and name; the surest first.
+    """Joints by plain name, by the part after a prefix (``Character1_Hips``), by side and name; the most certain first.
 
-    Last by the name without its number (``lThigh_042``, ``upperarm01.L``): of several in a row the first one.
+    Last by the name without its number (``lThigh_042``, ``upperarm01.L``), the first of several in a row.
     """
     of_joints = [(joint, each) for joint, each in enumerate(_spellings(skeleton)) if not skeleton.end_sites[joint]]
     most = max(len(spellings) for _, spellings in of_joints)
@@ -227,12 +227,14 @@ def _joints_by_name(skeleton: Skeleton) -> dict[str, list[int]]:
 
 
 def _numberless(name: str, key: Callable[[str], str]) -> str:
-    """The ``key`` of a name without the number that ends it, before or behind its side."""
+    """Key of a name without its final number, before or behind its side."""
     return re.sub(r"(part|seg|segment|section|piece)?\d+$", "", key(name)).rstrip()
 
 
 def _spellings(skeleton: Skeleton) -> list[tuple[str, ...]]:
-    """For each joint its name, then without the beginning and the number that most names have, then endings of that."""
+    """Spellings of each joint: its name, then without the prefix and the number that most names have, then suffixes of
+    that.
+    """
     named = [name for name, end_site in zip(skeleton.names, skeleton.end_sites, strict=True) if not end_site]
     beginning = _shared_beginning(named)
     numbered = sum(bool(_NUMBER_BEHIND.search(name)) for name in named) >= _SHARED * len(named)
@@ -242,13 +244,13 @@ def _spellings(skeleton: Skeleton) -> list[tuple[str, ...]]:
 
 
 def _shared_beginning(names: list[str]) -> str:
-    """The longest beginning, ``Bob:mixamorig``, that nine tenths of the names share; empty where they share none."""
+    """Longest prefix, ``Bob:mixamorig``, shared by nine tenths of the names; empty if there is none."""
     beginnings = Counter(name[:length] for name in names for length in range(len(name) + 1))
     return max((each for each, count in beginnings.items() if count >= _SHARED * len(names)), key=len)
 
 
 def _suffixes(name: str) -> Iterator[str]:
-    """Endings of a name behind its first three separators, and behind ``mixamorig`` and its like without one."""
+    """Suffixes of a name after its first three separators, and after ``mixamorig`` and the like without one."""
     for separator in list(re.finditer(r"[:_ .|-]", name))[:3]:
         yield name[separator.end() :]
     if run_in := re.match(r"mixamorig\d*|bip\d+|character\d+", name, re.IGNORECASE):
@@ -271,7 +273,7 @@ def _fixed(skeleton: Skeleton, chosen: Mapping[str, str]) -> dict[BodyPart, list
 def _overruled(
     found: BodyMap, skeleton: Skeleton, chosen: Mapping[str, str], fixed: Mapping[BodyPart, list[int]]
 ) -> BodyMap:
-    """Put the user's choices into a match, also where the search would have decided by topology."""
+    """Put the user's choices into a match, also where topology would decide otherwise."""
     if not chosen:
         return found
     parts = {part: joint for part, joint in found.parts.items() if part not in fixed}

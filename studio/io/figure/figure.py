@@ -1,4 +1,4 @@
-"""Figure: a character as its file has it, before anybody knows which joint plays which part."""
+"""Figure: a character as in its file, before its body map is known."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -19,10 +19,10 @@ NO_SKELETON = "has no skeleton (bones), so its mesh cannot move. Rig it first, a
 
 @dataclass(frozen=True, eq=False)
 class MeshPiece:
-    """A mesh of one material in the file's world, standing as it was bound, carried by joints of the figure.
+    """Mesh of one material in the file's world, in its bind pose, bound to joints of the figure.
 
-    ``vertices`` and ``normals`` (V, 3), ``coordinates`` (V, 2) in its texture from the lower left, ``triangles``
-    (T, 3), ``joints`` (V, n) with their ``weights`` (V, n) in any order and of any sum.
+    ``vertices`` and ``normals`` (V, 3), ``coordinates`` (V, 2) in its texture from the lower left, ``triangles`` (T,
+    3), ``joints`` (V, n) with their ``weights`` (V, n) in any order and of any sum.
     """
 
     vertices: FloatArray
@@ -38,7 +38,7 @@ class MeshPiece:
 
 
 def rotations_of(matrices: FloatArray) -> FloatArray | None:
-    """(J, 3, 3) axes of joints at (J, 4, 4) without their scale; None where one is mirrored, flat, or sheared."""
+    """(J, 3, 3) axes of joints at (J, 4, 4) without their scale; None if one is mirrored, flat, or sheared."""
     axes = matrices[:, :3, :3]
     lengths = np.linalg.norm(axes, axis=1, keepdims=True)
     if not (np.isfinite(axes).all() and (lengths > 0.0).all()):

@@ -1,4 +1,4 @@
-"""Pictures inside and beside character files: looked at before they are believed, kept as they came."""
+"""Pictures inside and beside character files: checked before use, stored unchanged."""
 
 import warnings
 from io import BytesIO
@@ -22,14 +22,14 @@ def checked_picture(content: bytes) -> NDArray[np.uint8]:
 
 @project_cache(maxsize=32)
 def shown_picture(content: bytes) -> NDArray[np.uint8]:
-    """``decoded`` for the stage; remembered, so that whoever reads a file can have it ready before it is drawn."""
+    """``decoded`` for the stage; cached, so that a reader can decode it before it is drawn."""
     return decoded(content, STAGE_SIDE)
 
 
 def decoded(content: bytes, largest: int = LARGEST_SIDE) -> NDArray[np.uint8]:
-    """(height, width, 4) RGBA of a PNG or JPEG, smaller where a side is over ``largest``; ValueError if it is none.
+    """(height, width, 4) RGBA of a PNG or JPEG, reduced if a side exceeds ``largest``; ValueError if it is none.
 
-    The size that its header claims is checked before anything of that size is made.
+    The size in its header is checked before memory is allocated.
     """
     from PIL import Image, UnidentifiedImageError
 

@@ -1,4 +1,4 @@
-"""Accessors: the typed arrays in the buffers of a glTF file, never larger than the bytes that are there."""
+"""Accessors: the typed arrays in the buffers of a glTF file, checked against the bytes of the file."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ _ABSURD = 1e12
 
 
 class Accessors:
-    """The arrays of one file by index; each is (count, width)."""
+    """Arrays of one file by index; each is (count, width)."""
 
     def __init__(self, file: GltfFile) -> None:
         self._file = file
@@ -29,9 +29,9 @@ class Accessors:
         return len(self._records)
 
     def numbers(self, index: int, width: int, missing: bool = False) -> FloatArray:
-        """Finite numbers; whole ones that are ``normalized`` come as fractions of their largest.
+        """Finite numbers; ``normalized`` integers become fractions of their largest.
 
-        Where some may be ``missing``, NaN stands for what is no number. Raises StudioError for these elsewhere.
+        Missing numbers are NaN if ``missing`` is allowed, else StudioError is raised.
         """
         record = self._records[index]
         array = self._array(record, width)

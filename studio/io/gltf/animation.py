@@ -1,4 +1,4 @@
-"""An animation of a glTF file: what its samplers say at evenly spaced times."""
+"""Animation of a glTF file, sampled at evenly spaced times."""
 
 from dataclasses import dataclass
 
@@ -61,9 +61,9 @@ class AnimationTrack:
 
 
 def read_tracks(animation: Record, accessors: Accessors, node_count: int, repairs: list[str]) -> list[AnimationTrack]:
-    """The tracks of one animation that move nodes; keys without numbers are filled and listed in ``repairs``.
+    """Tracks of one animation that move nodes; keys without numbers are filled and listed in ``repairs``.
 
-    Raises StudioError for keys that make no sense.
+    Raises StudioError for invalid keys.
     """
     samplers = animation.records("samplers")
     tracks: list[AnimationTrack] = []

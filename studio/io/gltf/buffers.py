@@ -1,4 +1,4 @@
-"""The binary side of a glTF file that is written: arrays one after the other, with their views and accessors."""
+"""Binary data of a glTF file to be written: arrays one after the other, with their views and accessors."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ _TYPES = {(): "SCALAR", (2,): "VEC2", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"
 
 
 class Buffers:
-    """Grows by ``add``; ``views``, ``accessors`` and ``content`` are what the file has at the end."""
+    """Data that grow by ``add``; ``views``, ``accessors`` and ``content`` are those of the file in the end."""
 
     def __init__(self) -> None:
         self.views: list[dict[str, Any]] = []
@@ -20,7 +20,7 @@ class Buffers:
         self.content = bytearray()
 
     def add(self, array: NDArray[Any], kind: str, target: int | None = None, *, bounds: bool = False) -> int:
-        """The accessor of ``array`` (count, ...) stored as ``kind`` (``f4``, ``u2`` ...); ``bounds`` adds its range."""
+        """Accessor of ``array`` (count, ...) stored as ``kind`` (``f4``, ``u2`` ...); ``bounds`` adds its range."""
         stored = np.ascontiguousarray(array, dtype=np.dtype(kind).newbyteorder("<"))
         view = self.add_bytes(stored.tobytes())
         if target is not None:
@@ -37,7 +37,7 @@ class Buffers:
         return len(self.accessors) - 1
 
     def add_bytes(self, content: bytes) -> int:
-        """The view of ``content`` as it is, beginning at a multiple of four."""
+        """View of ``content``, unchanged, beginning at a multiple of four."""
         self.content += b"\0" * (-len(self.content) % 4)
         self.views.append({"buffer": 0, "byteOffset": len(self.content), "byteLength": len(content)})
         self.content += content

@@ -1,4 +1,4 @@
-"""The animation of a glTF, GLB or VRM file as a capture."""
+"""Animation of a glTF, GLB or VRM file as a capture."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -54,7 +54,10 @@ _LOOKED_AT = 128
 
 @dataclass(frozen=True, eq=False)
 class _Figure:
-    """The nodes that are joints, parents first; ``parents`` counts in them. Several roots hang from one of ours."""
+    """Nodes that are joints, parents first; ``parents`` are indices in them.
+
+    Several roots become children of an added one.
+    """
 
     nodes: tuple[int, ...]
     """-1 for the root that the file does not have."""
@@ -63,16 +66,16 @@ class _Figure:
 
 
 def load_gltf(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
-    """The first animation in the file, on the joints of its skins; all angles are zero as the file's nodes rest.
+    """First animation in the file, on the joints of its skins; the zero pose is the rest pose of the file's nodes.
 
-    Raises StudioError where the file is damaged or holds no animation.
+    Raises StudioError if the file is damaged or holds no animation.
     """
     progress(0.0, f"Reading {path.name}")
     return capture_in(read_gltf(path), options, progress)
 
 
 def capture_in(file: GltfFile, options: ImportOptions, progress: Progress) -> ReadCapture:
-    """The capture of ``file``, to be made again of it with other options."""
+    """Capture of ``file``, which can be interpreted again with other options."""
 
     def interpret(options: ImportOptions, progress: Progress) -> Capture:
         return _capture(file, options, progress)
@@ -145,7 +148,7 @@ def _first_animation(
 
 
 def _figure(file: GltfFile, nodes: Nodes, tracks: list[AnimationTrack], bones: dict[str, int]) -> _Figure:
-    """The joints of all skins, else what is moved and what hangs from that, and all nodes above them."""
+    """Joints of all skins, else the animated nodes and their descendants, and all ancestors of these."""
     wanted = {joint for skin in file.root.records("skins") for joint in skin.indices("joints", len(nodes.parents))}
     if not wanted:
         wanted = {track.node for track in tracks} | set(bones.values())
@@ -202,7 +205,9 @@ def _times(tracks: list[AnimationTrack], rate: float, node_count: int, file: Glt
 def _world(
     nodes: Nodes, figure: _Figure, tracks: list[AnimationTrack], times: FloatArray, axes: FloatArray, progress: Progress
 ) -> tuple[FloatArray, FloatArray]:
-    """Places (F, J, 3) and turns (F, J, 3, 3) of the joints in world axes, whatever scales stand above them."""
+    """Positions (F, J, 3) and rotations (F, J, 3, 3) of the joints in world axes, with all scales of their ancestors
+    applied.
+    """
     places = np.zeros((len(times), len(figure.nodes), 3))
     turns = np.tile(np.eye(3), (len(times), len(figure.nodes), 1, 1))
     for first in range(0, len(times), _PIECE):
@@ -221,7 +226,7 @@ def _world(
 
 
 def _local(nodes: Nodes, node: int, tracks: list[AnimationTrack], times: FloatArray) -> FloatArray:
-    """(F, 4, 4) node to parent; what no track moves is as the file has it."""
+    """(F, 4, 4) node to parent; properties without a track as in the file."""
     still = nodes.local[node]
     scale = np.linalg.norm(still[:3, :3], axis=0)
     turn, move = (
@@ -245,7 +250,7 @@ def _local(nodes: Nodes, node: int, tracks: list[AnimationTrack], times: FloatAr
 
 
 def _without_scale(matrices: FloatArray) -> FloatArray:
-    """(F, 3, 3) rotations of matrices that scale as well; the identity where they flatten."""
+    """(F, 3, 3) rotations of matrices that include scale; the identity for singular ones."""
     lengths = np.linalg.norm(matrices, axis=1, keepdims=True)
     turned = matrices / np.where(lengths > 1e-9, lengths, 1.0)
     flat = np.linalg.det(turned) < 1e-6
@@ -256,7 +261,7 @@ def _without_scale(matrices: FloatArray) -> FloatArray:
 def _joint_motion(
     figure: _Figure, rest_places: FloatArray, rest_turns: FloatArray, places: FloatArray, turns: FloatArray
 ) -> tuple[Skeleton, PoseSequence]:
-    """Joints whose zero pose is the rest, and how they move."""
+    """Joints whose zero pose is the rest pose, and their motion."""
     world = turns @ np.swapaxes(rest_turns, 1, 2)
     offsets, moves = rest_places.copy(), places.copy()
     local = world.copy()

@@ -1,4 +1,4 @@
-"""The containers of glTF 2.0: a JSON file with its buffers in data URIs or beside it, or one binary GLB."""
+"""Containers of glTF 2.0: a JSON file with its buffers in data URIs or beside it, or one binary GLB."""
 
 import struct
 from dataclasses import dataclass
@@ -36,12 +36,12 @@ class GltfFile:
 
 
 def is_gltf(head: bytes) -> bool:
-    """True if a file that begins with ``head`` is one."""
+    """True if a file that begins with ``head`` is a glTF file."""
     return head[:4] == MAGIC or (head.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] == b"{" and b'"asset"' in head)
 
 
 def read_gltf(path: Path) -> GltfFile:
-    """Read a .gltf, .glb or .vrm file. Raises StudioError saying what is damaged."""
+    """Content of a .gltf, .glb or .vrm file. Raises StudioError naming the damage."""
     content = read_bytes(path)
     text, binary = _chunks(content, path.name) if content[:4] == MAGIC else (content, None)
     root = Record(_parsed(text, path.name), path.name)

@@ -1,4 +1,4 @@
-"""A glTF, GLB or VRM file as a figure: its joints as they were bound, its meshes round them."""
+"""glTF, GLB or VRM file as a figure: its joints in the bind pose, its meshes around them."""
 
 from dataclasses import dataclass
 
@@ -26,9 +26,9 @@ class _Skin:
 
 
 def figures_in(file: GltfFile) -> list[Figure]:
-    """The character of a file, in each of the poses that may be its bind pose, the likeliest first.
+    """Figure of a file, in each of the poses that may be its bind pose, the likeliest first.
 
-    Raises StudioError when the file is damaged or holds no joints.
+    Raises StudioError if the file is damaged or holds no joints.
     """
     path = file.path
     accessors, nodes = Accessors(file), read_nodes(file.root)
@@ -83,7 +83,7 @@ def _skin(record: Record, accessors: Accessors, node_count: int) -> _Skin:
 
 
 def _joints(skins: list[_Skin], bones: dict[str, int], nodes: Nodes) -> list[int]:
-    """Nodes that may play parts, and all above them, parents first; all nodes where the file has no skin."""
+    """Nodes that may be body parts, and all their ancestors, parents first; all nodes if the file has no skin."""
     wanted = {node for skin in skins for node in skin.joints} | set(bones.values())
     if not wanted:
         wanted = set(range(len(nodes.parents)))
@@ -94,9 +94,9 @@ def _joints(skins: list[_Skin], bones: dict[str, int], nodes: Nodes) -> list[int
 
 
 def _bind_world(nodes: Nodes, skins: list[_Skin]) -> FloatArray:
-    """(N, 4, 4) nodes as they stood when the skins were bound; the largest skin's first joint stays where it is.
+    """(N, 4, 4) nodes in the bind pose of the skins; the largest skin's first joint keeps its position.
 
-    What has no bind matrix keeps its place relative to its parent.
+    Nodes without a bind matrix keep their transform relative to their parent.
     """
     bound: dict[int, FloatArray] = {}
     for skin in sorted(skins, key=lambda skin: -len(skin.joints)):

@@ -1,4 +1,4 @@
-"""glTF as a format of the registry: a file is read once, and what it holds tells whether it is a character."""
+"""Registration of glTF files: a file is read once, and its content decides if it is a character."""
 
 from pathlib import Path
 

@@ -35,12 +35,12 @@ class Placing:
         return cls(moved.whole("texCoord", slot.whole("texCoord", 0)), form, offset)
 
     def applied_to(self, coordinates: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(V, 2) places in the picture, from its lower left, for a file's coordinates, from its upper left."""
+        """(V, 2) positions in the picture, from its lower left, for a file's coordinates, from its upper left."""
         return (coordinates @ self.form.T + self.offset) * [1.0, -1.0] + [0.0, 1.0]
 
 
 class Materials:
-    """The materials of one file by index; pictures that cannot be shown are told in ``repairs``."""
+    """Materials of one file by index; pictures that cannot be shown are reported in ``repairs``."""
 
     def __init__(self, file: GltfFile, accessors: Accessors) -> None:
         self.repairs: list[str] = []
@@ -56,7 +56,7 @@ class Materials:
         return len(self._materials)
 
     def __getitem__(self, index: int) -> tuple[Material, "Placing"]:
-        """A material, and how its texture is laid on."""
+        """Material, and the placing of its texture."""
         return self._materials[index]
 
     def _material(self, record: Record) -> tuple[Material, "Placing"]:
@@ -93,10 +93,10 @@ class Materials:
 
 
 def shown(linear: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Linear light as a screen wants it (IEC 61966-2-1, sRGB)."""
+    """Linear light converted for a screen (IEC 61966-2-1, sRGB)."""
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055)
 
 
 def hex_colour(colour: NDArray[np.float64]) -> str:
-    """``#RRGGBB`` of three shares from 0 to 1."""
+    """``#RRGGBB`` of three components from 0 to 1."""
     return "#" + "".join(f"{round(255 * float(share)):02X}" for share in np.clip(colour, 0.0, 1.0))

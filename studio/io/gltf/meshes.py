@@ -1,4 +1,4 @@
-"""The meshes of a glTF file as pieces of a figure, standing in a given pose of its nodes."""
+"""Meshes of a glTF file as pieces of a figure, in a given pose of its nodes."""
 
 from collections.abc import Mapping
 
@@ -20,7 +20,7 @@ _Skins = list[tuple[list[int], FloatArray]]
 
 
 class MeshReader:
-    """Reads every mesh that a node shows; ``repairs`` tells what was left out."""
+    """Reader of every mesh of a node; ``repairs`` lists omissions."""
 
     def __init__(self, file: GltfFile, accessors: Accessors, nodes: Nodes, skins: _Skins) -> None:
         self.materials = Materials(file, accessors)
@@ -31,7 +31,7 @@ class MeshReader:
         self.repairs = self.materials.repairs
 
     def pieces(self, world: FloatArray, places: Mapping[int, int]) -> list[MeshPiece]:
-        """All pieces with the nodes at ``world`` (N, 4, 4); ``places`` says which joint of the figure a node is."""
+        """All pieces with the nodes at ``world`` (N, 4, 4); ``places`` gives the figure's joint of each node."""
         self._vertices = 0
         pieces = []
         for node in self._shown:
@@ -98,14 +98,14 @@ class MeshReader:
         return array
 
     def _hung(self, node: int, places: Mapping[int, int], count: int) -> tuple[IntArray, FloatArray]:
-        """All of it carried by the joint above."""
+        """Joints and weights for a mesh bound as a whole to the nearest joint above."""
         joint = self._nodes.nearest(node, set(places))
         return np.full((count, 1), places[joint] if joint is not None else 0), np.ones((count, 1))
 
     def _bound(
         self, attributes: Record, skin: int, world: FloatArray, places: Mapping[int, int], count: int
     ) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Joints and weights of each vertex, and the blended matrix that takes it from its mesh to the world."""
+        """Joints and weights of each vertex, and the blended matrix from its mesh to the world."""
         nodes, inverse_binds = self._skins[skin]
         joints, weights = [], []
         for place in range(4):
@@ -151,7 +151,7 @@ class MeshReader:
 
 
 def _shown_nodes(root: Record, nodes: Nodes) -> list[int]:
-    """The nodes of the scene that the file shows, all of them where it names none."""
+    """Nodes of the file's default scene, or all of them without one."""
     scenes = root.records("scenes")
     chosen = root.index("scene", len(scenes))
     if chosen is None and scenes:

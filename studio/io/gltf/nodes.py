@@ -1,4 +1,4 @@
-"""The nodes of a glTF file: one forest, and where each node stands in it."""
+"""Nodes of a glTF file: a forest, and the transform of each node in it."""
 
 from dataclasses import dataclass
 
@@ -27,7 +27,7 @@ class Nodes:
     """(N, 4, 4) node to the file's world."""
 
     def names(self) -> tuple[str, ...]:
-        """A name for each that no other has."""
+        """Unique name for each node."""
         names: list[str] = []
         taken: dict[str, int] = {}
         for place, record in enumerate(self.records):
@@ -39,7 +39,7 @@ class Nodes:
         return tuple(names)
 
     def nearest(self, node: int, among: set[int]) -> int | None:
-        """``node`` or the nearest above it that is one of ``among``."""
+        """``node`` or its nearest ancestor that is one of ``among``."""
         while node >= 0:
             if node in among:
                 return node

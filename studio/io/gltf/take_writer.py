@@ -1,4 +1,4 @@
-"""A take as glTF 2.0: joints, skin and animation in one .glb, or one .gltf with its buffer inside."""
+"""Take as glTF 2.0: joints, skin and animation in one .glb, or one .gltf with its buffer inside."""
 
 import base64
 import json
@@ -41,9 +41,8 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
 
 
 def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
-    """Write everybody and everything of a stage on one clock where it stands, each performer below a node of its name.
-
-    As ``write_take``. Raises StudioError when the file cannot be written.
+    """Write all performers and props of a stage on one clock at their positions, each performer below a node of its
+    name. As ``write_take``. Raises StudioError if the file cannot be written.
     """
     scene = GltfScene(stage.name, stage.frame_rate, stage.frame_count)
     for number, take in enumerate(stage.takes):
@@ -72,7 +71,7 @@ def write_scene(path: Path, scene: "GltfScene", progress: Progress) -> None:
 def _with_progress(
     pieces: Iterable[bytes | memoryview], size: int, name: str, progress: Progress
 ) -> Iterator[bytes | memoryview]:
-    """The same pieces, telling how far they are on the way to about ``size`` bytes."""
+    """Pieces that report their progress towards about ``size`` bytes."""
     done = 0
     for piece in pieces:
         progress(min(0.8 + 0.2 * done / size, 1.0), f"Writing {name}")
@@ -96,7 +95,7 @@ class GltfScene:
         }
 
     def document(self) -> dict[str, Any]:
-        """All but the buffer."""
+        """JSON document without the buffer."""
         lists = {name: records for name, records in self._lists.items() if records}
         animation = {"name": self._name, "samplers": lists.pop("samplers"), "channels": lists.pop("channels")}
         root: dict[str, Any] = {
@@ -114,7 +113,7 @@ class GltfScene:
         return root | {"bufferViews": self.buffers.views, "accessors": self.buffers.accessors}
 
     def add_take(self, take: Take, progress: Any, *, group: bool = False) -> None:
-        """Joints, skin and animation, the joints below a node of its name where they are a ``group``."""
+        """Add joints, skin and animation, the joints below a node of its name if they are a ``group``."""
         skin = skin_of(take)
         joints = self._add_joints(take)
         top = self._add("nodes", {"name": take.name, "children": joints[:1]}) if group else joints[0]
@@ -128,13 +127,13 @@ class GltfScene:
         self._animate_joints(take, joints, progress)
 
     def add_motion(self, take: Take, progress: Any) -> None:
-        """Joints and animation, nothing to be seen."""
+        """Add joints and animation without a mesh."""
         joints = self._add_joints(take)
         self._roots.append(joints[0])
         self._animate_joints(take, joints, progress)
 
     def add_prop(self, prop: ExportedProp) -> None:
-        """A mesh that moves as a whole."""
+        """Add a mesh that moves as a whole."""
         surface, first = prop.surface, self._add_materials((prop.material,))
         primitive = {
             "attributes": {
@@ -155,7 +154,7 @@ class GltfScene:
             self._animate(node, "translation", places)
 
     def add_camera(self, camera: SavedCamera) -> None:
-        """A node with a camera: in its own axes it looks along -Z, as in the studio."""
+        """Add a node with a camera, which looks along -Z of its own axes, as in the studio."""
         placement = camera.placement
         if placement.parallel:
             tall = placement.half_height
@@ -194,7 +193,7 @@ class GltfScene:
         return list(range(first, first + take.skeleton.joint_count))
 
     def _animate_joints(self, take: Take, joints: list[int], progress: Any) -> None:
-        """A key a frame for every joint that turns, and for every one that travels."""
+        """Add a key at every frame for every joint that rotates, and for every one that moves."""
         skeleton, poses = take.skeleton, take.poses
         travels = np.abs(poses.local_translations - skeleton.offsets).max(axis=(0, 2)) > _TRAVELS
         for joint, node in enumerate(joints):
@@ -205,7 +204,7 @@ class GltfScene:
                 self._animate(node, "translation", poses.local_translations[:, joint][:, _WORLD_TO_FILE])
 
     def _add_materials(self, materials: tuple[Material, ...]) -> int:
-        """The number of the first of them."""
+        """Add materials; the index of the first of them."""
         first = len(self._lists["materials"])
         for material in materials:
             surface: dict[str, Any] = {"baseColorFactor": [*material.linear_colour, 1.0], "metallicFactor": 0.0}
@@ -220,7 +219,7 @@ class GltfScene:
 
 
 def _joint_nodes(take: Take) -> list[dict[str, Any]]:
-    """The joints as they stand in the skeleton's zero pose."""
+    """Nodes of the joints in the skeleton's zero pose."""
     offsets = take.skeleton.offsets[:, _WORLD_TO_FILE].astype(np.float32)
     nodes: list[dict[str, Any]] = [
         {"name": name, "translation": offset}
@@ -233,7 +232,7 @@ def _joint_nodes(take: Take) -> list[dict[str, Any]]:
 
 
 def _primitives(skin: JointSkin, buffers: Buffers, first: int) -> list[dict[str, Any]]:
-    """One for each material, counted from the ``first``, all over the same vertices."""
+    """One primitive for each material, numbered from ``first``, all over the same vertices."""
     count, look = len(skin.vertices), skin.appearance
     attributes = {
         "POSITION": buffers.add(skin.vertices[:, _WORLD_TO_FILE], "f4", VERTICES, bounds=True),
@@ -260,7 +259,7 @@ def _primitives(skin: JointSkin, buffers: Buffers, first: int) -> list[dict[str,
 
 
 def _inverse_binds(skin: JointSkin, buffers: Buffers) -> int:
-    """World to joint at the moment of binding, (J, 4, 4), stored by columns as glTF has matrices."""
+    """Inverse bind matrices, (J, 4, 4) world to joint, stored by columns as in glTF."""
     turned = np.swapaxes(skin.bind_rotations[:, _WORLD_TO_FILE][:, :, _WORLD_TO_FILE], 1, 2)
     matrices = np.tile(np.eye(4), (len(turned), 1, 1))
     matrices[:, :3, :3] = turned
@@ -286,7 +285,7 @@ def _glb(root: dict[str, Any], binary: bytearray) -> Iterator[bytes | memoryview
 
 
 def _gltf(root: dict[str, Any], binary: bytearray) -> Iterator[bytes]:
-    """Text, in which the binary side stands as text."""
+    """Text with the binary data inside as a data URI."""
     root["buffers"][0]["uri"] = "data:application/octet-stream;base64,"
     # No name can hold what is sought: quotes within a name are escaped.
     before, begin, after = _json(root).partition(b'"uri":"data:application/octet-stream;base64,')

@@ -1,4 +1,4 @@
-"""The humanoid map of VRM 0 and 1 and of VRM animations: which node plays which part of the body."""
+"""Humanoid map of VRM 0 and 1 and of VRM animations: the node of each body part."""
 
 from collections.abc import Container
 

@@ -19,7 +19,7 @@ _CREASE = 0.5
 
 @dataclass(frozen=True, eq=False)
 class ShapeSurface:
-    """Triangles over vertices; ``points`` (V,) says which coordinate of the shape each vertex is."""
+    """Triangles over vertices; ``points`` (V,) is the coordinate of the shape for each vertex."""
 
     vertices: FloatArray
     normals: FloatArray
@@ -30,7 +30,9 @@ class ShapeSurface:
 
 
 def surface_of(geometry: SceneNode, smooth: bool = False) -> ShapeSurface | None:
-    """The surface of a geometry node, None for what has none (lines, text). ``smooth`` overrules its crease angle."""
+    """Surface of a geometry node, None for one without a surface (lines, text). ``smooth`` overrules
+    its crease angle.
+    """
     match geometry.kind:
         case "IndexedFaceSet":
             return _faces(geometry, *_polygons(geometry, "coordIndex"), smooth)
@@ -64,7 +66,7 @@ def _whole(geometry: SceneNode, name: str) -> IntArray:
 
 
 def _polygons(geometry: SceneNode, name: str) -> tuple[IntArray, IntArray]:
-    """(T, 3) corners of the triangles that the polygons fall into, and where each corner stands in the list."""
+    """(T, 3) corners of the triangulated polygons, and the index of each corner in the list."""
     index = _whole(geometry, name)
     starts, ends = _runs(index)
     corners, places = [], []
@@ -129,7 +131,9 @@ def _box(size: FloatArray) -> ShapeSurface:
 
 
 def _turned(profile: FloatArray, flat: bool = False) -> ShapeSurface:
-    """A profile (N, 2) of radius and height, from below upwards, turned about Y; ``flat`` keeps its corners."""
+    """Surface of revolution of a profile (N, 2) of radius and height, from below upwards, about Y; ``flat`` keeps its
+    corners.
+    """
     stretches = [profile[k : k + 2] for k in range(len(profile) - 1)] if flat else [profile]
     vertices, normals, triangles = [], [], []
     around = np.arange(_AROUND)
@@ -151,7 +155,7 @@ def _turned(profile: FloatArray, flat: bool = False) -> ShapeSurface:
 
 
 def _ring(profile: FloatArray) -> FloatArray:
-    """(N * around, 3) each row of radius and height all the way round Y."""
+    """(N * around, 3) points of each row of radius and height round Y."""
     angles = np.linspace(0.0, 2 * np.pi, _AROUND, endpoint=False)
     radius, height = profile[:, :1], np.repeat(profile[:, 1:], _AROUND, axis=1)
     return np.stack([radius * np.cos(angles), height, -radius * np.sin(angles)], axis=-1).reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""The humanoid of a scene: joints by their centres, segments with their shapes, the skin with its weights."""
+"""Humanoid of a scene: joints by their centres, segments with their shapes, the skin with its weights."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -26,7 +26,7 @@ _SAME = 1e-9
 
 
 def figure_of(scene: list[SceneNode], path: Path) -> Figure:
-    """The humanoid with most joints, standing as its centres say; StudioError when there is none."""
+    """Humanoid with most joints, posed by its centres; StudioError if there is none."""
     humanoids = [node for node in walk(scene) if node.kind in HUMANOID_NODES]
     if not humanoids:
         raise StudioError(f"{path.name} shows no humanoid: no HAnimHumanoid or Humanoid is in it. Export one.")

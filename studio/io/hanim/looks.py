@@ -16,7 +16,7 @@ _LARGEST_PICTURE = 100_000_000
 
 
 class Looks:
-    """The materials of one file; alike ones are one. Pictures that are not there are told in ``repairs``."""
+    """Materials of one file, equal ones shared. Missing pictures are reported in ``repairs``."""
 
     def __init__(self, path: Path) -> None:
         self.repairs: list[str] = []
@@ -43,7 +43,7 @@ class Looks:
         return self._pictures[urls]
 
     def _picture(self, urls: tuple[str, ...], where: str) -> NDArray[np.uint8] | None:
-        """The first of these that lies beside the file."""
+        """First of these files that exists."""
         for url in urls:
             try:
                 return checked_picture(read_bytes(path_beside(url, self._path, where), _LARGEST_PICTURE))

@@ -1,4 +1,4 @@
-"""SceneNode: a node of a VRML or X3D scene, whichever way it was written."""
+"""SceneNode: a node of a VRML or X3D scene, in either encoding."""
 
 import re
 from collections.abc import Iterator
@@ -32,7 +32,7 @@ _ABSURD = 1e12
 
 @dataclass(eq=False)
 class SceneNode:
-    """A node with its fields: nodes, arrays of numbers, lists of texts, words, or the text of an XML attribute."""
+    """Node with its fields: nodes, arrays of numbers, lists of texts, words, or the text of an XML attribute."""
 
     kind: str
     where: str
@@ -55,7 +55,7 @@ class SceneNode:
         return found[0] if found else None
 
     def numbers(self, name: str, width: int = 1) -> FloatArray:
-        """(n, width) finite numbers; none where the field is not given."""
+        """(n, width) finite numbers; none if the field is missing."""
         value = self.fields.get(name)
         if isinstance(value, str):
             value = row_of(value, f"{self.where}, {name}")
@@ -73,7 +73,7 @@ class SceneNode:
         return value[0] if len(value) else np.array(default)
 
     def text(self, name: str) -> str:
-        """The text of a field; empty where it has none."""
+        """Text of a field; empty if it is missing."""
         value = self.fields.get(name, "")
         if isinstance(value, list):
             value = value[0] if value and isinstance(value[0], str) else ""
@@ -110,12 +110,12 @@ def unquoted(text: str) -> str:
 
 
 def too_many(what: str, most: int, where: str) -> StudioError:
-    """The sentence for a file that would take all memory."""
+    """Sentence for a file that would need too much memory."""
     return StudioError(f"{where}: there are more than {most:,} {what}. Simplify the file.")
 
 
 def row_of(text: str, where: str) -> FloatArray:
-    """All numbers of a text. Raises StudioError at what is no plain, believable number."""
+    """All numbers of a text. Raises StudioError at a word that is not a plain, plausible number."""
     if wrong := text.translate(_ALLOWED):
         raise StudioError(f"{where}: '{wrong[:20]}' is among its numbers. Export the file again.")
     try:

@@ -1,4 +1,4 @@
-"""X3D in XML: elements to nodes, without entities and without a look at any other file."""
+"""X3D in XML: elements to nodes, without entities and without opening other files."""
 
 from pathlib import Path
 from typing import Any

@@ -1,1 +1,1 @@
-"""Optical markers as a capture, and the maps that say where they lie on the body."""
+"""Optical markers as a capture, and marker maps, which give their positions on the body."""

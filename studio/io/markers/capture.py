@@ -1,4 +1,4 @@
-"""From a marker take to a capture: the body found, axes and floor guessed as for any other file, all of it listed."""
+"""Conversion of a marker take to a capture: the body, axes and floor are guessed as for other files, and listed."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -14,6 +14,7 @@ from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.markers.body_axes import HEAD_MARKERS
+from studio.core.markers.ends import EXCHANGEABLE, exchanged_ends, exchanged_on_limbs
 from studio.core.markers.force_plates import plate_loads, plates_height
 from studio.core.markers.label_words import side_and_part
 from studio.core.markers.marker_map import MarkerMap, seen_labels
@@ -52,7 +53,7 @@ def capture_of_take(
     repairs: Sequence[str] = (),
     progress: Progress = lambda share, text: None,
 ) -> Capture:
-    """The body that the take shows, or its bare markers where they do not make one; raises StudioError."""
+    """Body solved from the take, or its markers alone if they do not make one; raises StudioError."""
     progress(0.0, f"Cleaning the markers of {take.trial.name}")
     take, guesses = _in_unit(take, options)
     there = _there(take)
@@ -68,7 +69,7 @@ def capture_of_take(
 
 
 def _there(take: MarkerTake) -> MarkerMap:
-    """The map restricted to markers that this trial shows."""
+    """Map restricted to markers of this trial."""
     return take.marker_map.among(seen_labels(take.trial, take.subject, (MARKER_KIND, VIRTUAL_KIND)).values())
 
 
@@ -124,7 +125,7 @@ def _body(take: MarkerTake, followed: FollowedBody, options: ImportOptions, gues
 
 
 def _from_the_start(poses: PoseSequence, first: int) -> PoseSequence:
-    """The poses with ``first`` frames before them, in which the body is not seen and stands still."""
+    """Poses with ``first`` still frames before them, in which the body is not seen."""
     before = ((first, 0), (0, 0), (0, 0))
     return PoseSequence(
         np.pad(poses.local_rotations, before, mode="edge"), np.pad(poses.local_translations, before, mode="edge")
@@ -132,7 +133,7 @@ def _from_the_start(poses: PoseSequence, first: int) -> PoseSequence:
 
 
 def _believable(take: MarkerTake, options: ImportOptions) -> tuple[FollowedBody | None, str]:
-    """The body that is followed; None, and why, where it is not as large as a human: the map cannot be right."""
+    """Tracked body; None, and the reason, if it is not of human size, so that the map must be wrong."""
     followed = follow(take)
     if not followed.joints:
         return None, f"the map '{take.marker_map.name}' leaves a joint of every limb open"
@@ -143,7 +144,7 @@ def _believable(take: MarkerTake, options: ImportOptions) -> tuple[FollowedBody 
 
 
 def _limb_length(joints: Mapping[str, FloatArray]) -> float:
-    """Metres of a leg; where only arms are shown, what a leg would measure."""
+    """Length of a leg in metres; estimated from the arms if only these are shown."""
     legs = "left_hip" in joints
     names = ("hip", "knee", "ankle") if legs else ("shoulder", "elbow", "wrist")
     near, middle, far = (joints[f"left_{name}"] for name in names)
@@ -173,7 +174,7 @@ def _up_axis(followed: FollowedBody, options: ImportOptions, guesses: list[Guess
 
 
 def _points(joints: Mapping[str, FloatArray], first: int) -> BodyPoints:
-    """Joint centres in frames spread over the trial and in the ones after them."""
+    """Joint centres in frames spread over the trial and in the frames after them."""
     frames = len(next(iter(joints.values())))
     looked_at = np.unique(np.linspace(first, frames - 1, _LOOKED_AT).astype(int))
     both = np.stack([looked_at, np.minimum(looked_at + 1, frames - 1)])
@@ -186,7 +187,7 @@ def _points(joints: Mapping[str, FloatArray], first: int) -> BodyPoints:
 
 
 def _stature(take: MarkerTake) -> float | None:
-    """As the file stores it, where it is a human's."""
+    """Stature stored in the file, if it is human."""
     stored = take.trial.measures.get("HEIGHT", 0.0)
     heights = (stored * take.trial.metres, stored)
     return next((height for height in heights if 0.6 < height < 2.5), None)
@@ -195,7 +196,7 @@ def _stature(take: MarkerTake) -> float | None:
 def _floor(
     solved: SolvedBody, positions: FloatArray, options: ImportOptions, frame_rate: float
 ) -> tuple[float, list[Guess]]:
-    """Height of the ground where the feet stand; the zero to which a laboratory is calibrated where that is near."""
+    """Height of the ground under standing feet; zero, the level of a laboratory's calibration, if that is near."""
     if options.floor is not None:
         return options.floor, []
     guess = guess_floor(solved.skeleton, positions, solved.body_map, frame_rate)
@@ -209,7 +210,7 @@ def _floor(
 
 
 def _reference(solved: SolvedBody, options: ImportOptions) -> FloatArray:
-    """The zero pose: the body was made to stand in a T-pose there."""
+    """Zero pose, since the body was solved with a T-pose there."""
     return chosen_reference(solved.skeleton, solved.poses, solved.body_map, options.reference or "zero")
 
 
@@ -244,6 +245,7 @@ def _body_guesses(
             Confidence.of(-float(np.median(every)), -_SKIN, -0.5 * _SKIN),
         ),
         *_side_guesses(take),
+        *_end_guesses(take),
     ]
     if solved.resting:
         guesses.append(_not_shown(take, used, solved.resting))
@@ -268,13 +270,13 @@ def _body_guesses(
 
 
 def _far_off(off: Mapping[str, FloatArray]) -> str:
-    """The joints that are farther from their centres than skin moves, where there are any."""
+    """Joints that are farther from their centres than skin moves, if there are any."""
     far = [joint.replace("_", " ") for joint, own in off.items() if len(own) and float(np.median(own)) > _SKIN]
     return f" {', '.join(far).capitalize()} lie farther off most of the time." if far else ""
 
 
 def _side_guesses(take: MarkerTake) -> list[Guess]:
-    """Places of which left and right are exchanged, or labels that the map has put right."""
+    """Guesses about positions whose left and right are exchanged, and labels that the map has corrected."""
     names = exchanged_places(take.trial, take.marker_map, take.subject)
     if names:
         shown = ", ".join(name.replace("_", " ") for name in names)
@@ -297,8 +299,30 @@ def _side_guesses(take: MarkerTake) -> list[Guess]:
     return [Guess("sides", "left and right exchanged", reason, Confidence.LIKELY)]
 
 
+def _end_guesses(take: MarkerTake) -> list[Guess]:
+    """Places of one side that carry each other's names, or labels that the map has put right."""
+    ends = exchanged_ends(take.trial, take.marker_map, take.subject)
+    limbs = exchanged_on_limbs(take.trial, take.marker_map, take.subject)
+    if there := sorted({*ends, *limbs}):
+        shown = ", ".join(role.replace("_", " ") for role in there)
+        reason = f"The markers at {shown} lie as if their labels were exchanged. Check the map under Markers."
+        return [Guess("places", "as the map says", reason, Confidence.DOUBTFUL)]
+    labels = sorted(
+        label
+        for role, own in take.marker_map.markers.items()
+        for label in own
+        if (said := side_and_part(label)) is not None
+        and frozenset((said[1], role.removeprefix("left_").removeprefix("right_"))) in EXCHANGEABLE
+    )
+    if not labels:
+        return []
+    shown = ", ".join(labels[:_SHOWN]) + (f" and {len(labels) - _SHOWN} more" if len(labels) > _SHOWN else "")
+    reason = f"{shown} lie at each other's places all through the take: their labels are exchanged, and put right."
+    return [Guess("places", "exchanged labels put right", reason, Confidence.LIKELY)]
+
+
 def _not_shown(take: MarkerTake, used: MarkerMap, resting: Sequence[str]) -> Guess:
-    """Guess about limbs that rest: the places that they lack, and unused markers that may lie there."""
+    """Guess about limbs at rest: their missing positions, and unused markers that may be there."""
     there = {*used.markers, *used.centres}
     sentences = []
     for part in resting:
@@ -326,7 +350,9 @@ def _contents(trial: Trial, markers: int) -> str:
 
 
 def _shown(trial: Trial) -> str:
-    """``all 12 points that it holds are angles or moments`` where they are, else that none is ever seen."""
+    """Clause about a trial without markers: ``all 12 points that it holds are angles or moments``, or none is ever
+    seen.
+    """
     kinds = sorted({kind for kind, ever in zip(trial.kinds, trial.ever_seen, strict=True) if ever})
     if not kinds:
         return f"none of its {len(trial.labels)} points is ever seen"
@@ -334,7 +360,7 @@ def _shown(trial: Trial) -> str:
 
 
 def _cloud(take: MarkerTake, lacking: str, options: ImportOptions, guesses: list[Guess]) -> Capture:
-    """Every marker as a joint of its own under one root: what is known, until somebody says which is which."""
+    """Every marker as a joint of its own under one root, until its label is known."""
     trial = take.trial
     labels = tuple(seen_labels(trial, take.subject))
     if not labels:

@@ -1,4 +1,4 @@
-"""Marker maps in files: those that come with the studio, the user's own, and which one fits a trial."""
+"""Marker maps in files: bundled ones, the user's own, and the choice of one for a trial."""
 
 import json
 import re
@@ -10,6 +10,7 @@ from typing import Any
 from platformdirs import user_data_path
 
 from studio.core.errors import StudioError
+from studio.core.markers.ends import exchanged_ends, exchanged_on_limbs, with_roles
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.proposing import propose_map
 from studio.core.markers.sides import exchanged_places, with_exchanged
@@ -25,10 +26,10 @@ _ADRIFT = ("thigh", "shank", "upper_arm", "forearm", "hip")
 
 
 def find_map(trial: Trial, subject: str = "") -> MarkerMap:
-    """The map of a trial's markers; left and right put right where they are exchanged all through it.
+    """Map of a trial's markers, with sides and ends of limbs corrected that are exchanged through the whole trial.
 
-    One of the user's where it can follow a body, else the studio's that explains most, with what a proposal adds; else
-    a proposal.
+    A map of the user's if it can track a body, else the bundled one that explains most markers, completed by a
+    proposal; else a proposal.
     """
     labels = list(seen_labels(trial, subject, (MARKER_KIND, VIRTUAL_KIND)).values())
     own = _best(_read_maps()[0], labels)
@@ -36,18 +37,20 @@ def find_map(trial: Trial, subject: str = "") -> MarkerMap:
         return own
     proposed, known = propose_map(trial, subject), _best(_shipped_maps(), labels)
     found = proposed if known is None else _completed(known, proposed)
-    return with_exchanged(found, exchanged_places(trial, found, subject))
+    found = with_roles(found, exchanged_ends(trial, found, subject))
+    found = with_exchanged(found, exchanged_places(trial, found, subject))
+    return with_roles(found, exchanged_on_limbs(trial, found, subject))
 
 
 def _best(maps: Iterable[MarkerMap], labels: Sequence[str]) -> MarkerMap | None:
-    """The map that finds most places among the labels, as it fits them; None where none can follow a limb."""
+    """Map with most positions among the labels, fitted to them; None if none can track a limb."""
     fitting = [fitted(each, labels) for each in maps]
     able = [each for each in fitting if each.has_legs() or each.has_arms()]
     return max(able, key=lambda each: len(each.markers) + len(each.centres), default=None)
 
 
 def _completed(known: MarkerMap, proposed: MarkerMap) -> MarkerMap:
-    """The known map, but for markers that measures tell to be joint centres, and with places that it leaves open."""
+    """Known map without markers that are joint centres by measure, completed with positions that it leaves open."""
     centres = {joint: label for joint, label in proposed.centres.items() if joint not in known.centres}
     inside = set(centres.values())
     markers = {role: own for role, own in known.markers.items() if not inside & set(own)}
@@ -61,9 +64,9 @@ def _completed(known: MarkerMap, proposed: MarkerMap) -> MarkerMap:
 
 
 def find_subject(trial: Trial) -> str:
-    """The first subject whose markers can follow a body where labels name several, else the one with most markers.
+    """First subject whose markers can track a body if labels name several, else the one with most markers.
 
-    Empty where all are one's.
+    Empty if there is only one.
     """
     subjects = [subject_of(label) for label in trial.markers]
     names = dict.fromkeys(subjects)
@@ -97,22 +100,22 @@ def _ends_with(label: str, rest: str) -> bool:
 
 
 def _written(labels: Iterable[str], beginning: str) -> dict[str, str]:
-    """Labels by what follows ``beginning`` in them, in small letters."""
+    """Labels by the part after the prefix ``beginning``, in lower case."""
     return {label[len(beginning) :].lower(): label for label in labels if label.startswith(beginning)}
 
 
 def known_maps() -> tuple[MarkerMap, ...]:
-    """The user's maps, then the studio's; those that cannot be read are told by ``unreadable_maps``."""
+    """The user's maps, then the bundled ones; ``unreadable_maps`` reports the others."""
     return (*_read_maps()[0], *_shipped_maps())
 
 
 def unreadable_maps() -> tuple[str, ...]:
-    """For each map of the user's that cannot be read a sentence that says why."""
+    """One sentence for each of the user's maps that cannot be read."""
     return _read_maps()[1]
 
 
 def _read_maps() -> tuple[tuple[MarkerMap, ...], tuple[str, ...]]:
-    """The user's maps, and a sentence for each that cannot be read."""
+    """The user's maps, and one sentence for each that cannot be read."""
     own = sorted(maps_folder().glob("*.json")) if maps_folder().is_dir() else []
     found, failures = [], []
     for path in own:
@@ -129,7 +132,7 @@ def _shipped_maps() -> tuple[MarkerMap, ...]:
 
 
 def maps_folder() -> Path:
-    """Folder in which the user's maps are kept from one session to the next."""
+    """Folder of the user's maps."""
     return user_data_path("morpho-studio", appauthor=False) / "marker_maps"
 
 
@@ -146,7 +149,7 @@ def read_map(path: Path) -> MarkerMap:
 
 
 def map_of(record: Mapping[str, Any]) -> MarkerMap:
-    """A map out of JSON; ``{side}`` and ``{S}`` stand for both sides."""
+    """Map from JSON; ``{side}`` and ``{S}`` stand for both sides."""
     markers: dict[str, tuple[str, ...]] = {}
     centres: dict[str, str] = {}
     for role, labels in record["markers"].items():
@@ -161,7 +164,7 @@ def map_of(record: Mapping[str, Any]) -> MarkerMap:
 
 
 def save_map(marker_map: MarkerMap, path: Path | None = None) -> Path:
-    """Keep a map, by default among the user's own under its name; returns where. Raises StudioError."""
+    """Save a map, by default among the user's own under its name; returns its path. Raises StudioError."""
     if path is None:
         name = re.sub(r"[^\w -]+", "_", marker_map.name).strip() or "markers"
         path = maps_folder() / f"{name}.json"

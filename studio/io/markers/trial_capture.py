@@ -1,4 +1,4 @@
-"""A trial of optical markers, from whatever format, as a capture that can be interpreted anew."""
+"""Trial of optical markers, of any format, as a capture that can be interpreted again with other options."""
 
 from collections.abc import Sequence
 
@@ -24,9 +24,9 @@ def read_of_trial(
     options: ImportOptions,
     progress: Progress,
 ) -> ReadCapture:
-    """The body that moves in ``trial``, or its bare markers where nobody knows which is which; raises StudioError.
+    """Body solved from ``trial``, or its markers alone if their labels are unknown; raises StudioError.
 
-    ``repairs`` are those that it took to read the file.
+    ``repairs`` are those made while reading the file.
     """
 
     def interpret(options: ImportOptions, progress: Progress) -> Capture:

@@ -1,4 +1,4 @@
-"""The unit of a marker trial: what it says where its markers make a person so, else what does."""
+"""Unit of a marker trial: that of the file if its markers then have human size, else one in which they do."""
 
 from dataclasses import replace
 
@@ -24,16 +24,16 @@ _LOOKED_AT = 32
 
 
 def named_unit(said: str) -> str | None:
-    """The unit of length that a file calls ``said``, by its name here; None where that is no known one."""
+    """Name here of the unit of length ``said`` by a file; None if it is unknown."""
     return _UNITS.get(said.lower().rstrip("."))
 
 
 def in_believable_unit(
     trial: Trial, marker_map: MarkerMap | None, subject: str, unit: str | None
 ) -> tuple[Trial, MarkerMap, list[Guess]]:
-    """The trial in the unit ``unit`` of the user, or one that its legs believe; its map, proposed where there is none.
+    """Trial in the user's ``unit``, or in one in which its legs are plausible; and its map, proposed if there is none.
 
-    A map is proposed by measure, so where none has legs in the unit of the file, the others are tried.
+    A map is proposed by measure, so other units are tried if none has legs in that of the file.
     """
     if unit is not None and unit in METRES:
         trial = replace(trial, unit=unit)
@@ -73,7 +73,7 @@ def _leg(trial: Trial, marker_map: MarkerMap, subject: str) -> float | None:
 
 
 def _units_of_size(trial: Trial, subject: str) -> list[str]:
-    """Units other than the file's that make its cloud of markers as large as a person, where the file's does not."""
+    """Units in which the trial's cloud of markers is as large as a person, if it is not in that of the file."""
     places = [trial.labels.index(label) for label in seen_labels(trial, subject)]
     frames = np.unique(np.linspace(0, trial.frame_count - 1, _LOOKED_AT).astype(int))
     points = trial.points[frames][:, places]

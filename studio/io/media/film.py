@@ -1,4 +1,4 @@
-"""Films: MP4 files, written by the ffmpeg that imageio-ffmpeg brings along, or folders of pictures."""
+"""Films: MP4 files, written by the ffmpeg of imageio-ffmpeg, or folders of pictures."""
 
 import subprocess
 from collections.abc import Callable, Iterable, Iterator
@@ -19,12 +19,12 @@ _QUALITY = 15
 
 
 def is_film(path: Path) -> bool:
-    """True if ``path`` is to become a film, and not a folder of pictures."""
+    """True if ``path`` names a film, and not a folder of pictures."""
     return path.suffix.lower() == ".mp4"
 
 
 def write_moving(path: Path, frames: Iterable[NDArray[np.uint8]], size: tuple[int, int], frame_rate: float) -> None:
-    """A film where ``path`` ends with .mp4, else a new folder of pictures, one a frame. Raises StudioError."""
+    """Write a film if ``path`` ends with .mp4, else a new folder with a picture for each frame. Raises StudioError."""
     if is_film(path):
         write_film(path, frames, size, frame_rate)
     else:
@@ -45,13 +45,13 @@ def write_film(path: Path, frames: Iterable[NDArray[np.uint8]], size: tuple[int,
 
 
 class FilmEncoder:
-    """ffmpeg at work on a film that is not at its place yet."""
+    """Running ffmpeg that writes a film beside its final path."""
 
     def __init__(self, process: "subprocess.Popen[bytes]", path: Path, part: Path) -> None:
         self._process, self._path, self._part = process, path, part
 
     def take(self, frame: NDArray[np.uint8]) -> None:
-        """The next frame, where frames come from here."""
+        """Write the next frame, if frames are passed here."""
         assert self._process.stdin is not None
         self._process.stdin.write(np.ascontiguousarray(frame).data)
 
@@ -82,7 +82,7 @@ def film_encoder(path: Path, source: Streams, size: tuple[int, int], frame_rate:
 
 
 def _command(part: Path, size: tuple[int, int], frame_rate: float) -> list[str]:
-    """Colours halved as every player reads them; the rate as a fraction, for 29.97 is none."""
+    """Command of ffmpeg: colours halved as every player reads them; the rate as a fraction, for 29.97 is none."""
     from imageio_ffmpeg import get_ffmpeg_exe
 
     rate = str(Fraction(frame_rate).limit_denominator())
@@ -92,7 +92,7 @@ def _command(part: Path, size: tuple[int, int], frame_rate: float) -> list[str]:
 
 
 def _frames_in(part: Path) -> int:
-    """Count of the frames that are really in the file: ffmpeg does not say that it ran out of room."""
+    """Number of frames in the file; ffmpeg does not report a full disk."""
     from imageio_ffmpeg import count_frames_and_secs
 
     try:

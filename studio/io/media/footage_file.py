@@ -57,10 +57,10 @@ def read_footage(path: Path) -> Footage:
 
 def sequence_of(path: Path) -> tuple[Path, ...]:
     """Files of the folder that differ from ``path`` only in the number at the end of their stem, by this number."""
-    stem, alike = _NUMBER.sub("", path.stem), []
+    stem, suffix, alike = _NUMBER.sub("", path.stem), path.suffix.lower(), []
     for each in path.parent.glob("*") if path.parent.is_dir() else ():
         number = _NUMBER.search(each.stem)
-        if each.suffix.lower() == path.suffix.lower() and number and each.stem[: number.start()] == stem:
+        if number and (each.stem[: number.start()], each.suffix.lower()) == (stem, suffix) and each.is_file():
             alike.append((int(number.group()), each.name, each))
     if not alike and path.is_file():
         return (path,)

@@ -1,5 +1,6 @@
-"""Files of sounds and footage that have moved: found by their name in folders that are known."""
+"""Files of sounds and footage that have moved: found by their name in known folders."""
 
+import os
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -7,16 +8,17 @@ from studio.core.errors import StudioError
 
 
 class MediaMissing(StudioError):  # noqa: N818 - it names what is the case
-    """The file of a sound or of footage is nowhere where the studio looked."""
+    """File of a sound or of footage that was not found anywhere."""
 
 
 def find_media(source: str, name: str, folders: Iterable[Path]) -> Path:
-    """The file or folder ``source`` of the sound or footage ``name``, or one of its name in ``folders``.
+    """File or folder ``source`` of the sound or footage ``name``, or one of its name in ``folders``.
 
-    Raises MediaMissing where there is neither.
+    Raises MediaMissing if there is neither.
     """
     path = Path(source)
-    found = next((each for each in (path, *(folder / path.name for folder in folders)) if each.exists()), None)
+    # Unlike those of Path, this takes a name that no file can have, or a closed folder, for no file.
+    found = next((each for each in (path, *(folder / path.name for folder in folders)) if os.path.exists(each)), None)
     if found is None:
         raise MediaMissing(f"The file {path.name} of {name} cannot be found. Relink it.")
     return found

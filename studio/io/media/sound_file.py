@@ -19,6 +19,8 @@ from studio.io.child_process import child_process, wait_for
 from studio.io.media.sound_output import HEARD_CHANNELS, HEARD_RATE
 
 SOUND_SUFFIXES = (".wav", ".mp3", ".m4a", ".aac", ".ogg", ".flac", ".aiff", ".mp4", ".mov", ".webm")
+_FRAME_BYTES = 4
+"""Bytes of a moment of either form that is decoded: one float, or two channels of 16 bits."""
 SOUND_RATE = 11_000
 """Hz at which a sound is read: enough for its waveform and beats."""
 
@@ -29,7 +31,7 @@ def read_sound(path: Path, alive: Callable[[], object] = lambda: None) -> SoundT
         _decode(path, decoded, ("-ac", "1", "-ar", str(SOUND_RATE), "-f", "f32le"), alive)
         decoded.seek(0)
         samples = np.frombuffer(decoded.read(), dtype="<f4").astype(np.float64)
-    samples = np.nan_to_num(samples)
+    samples = np.nan_to_num(samples, posinf=0.0, neginf=0.0)
     step = round(SOUND_RATE / PEAK_RATE)
     loud = np.abs(np.pad(samples, (0, -len(samples) % step))).reshape(-1, step).max(axis=1)
     peaks = np.round(LOUDEST_PEAK * np.clip(loud / max(float(loud.max()), 1e-9), 0.0, 1.0)).astype(int)
@@ -39,9 +41,9 @@ def read_sound(path: Path, alive: Callable[[], object] = lambda: None) -> SoundT
 
 
 def read_samples(path: Path, alive: Callable[[], object] = lambda: None) -> NDArray[np.int16]:
-    """Samples (N, 2) of a file as they are heard; they lie in a temporary file, so an hour takes no memory.
+    """Samples (N, 2) of a file for playback, in a temporary file, so that an hour needs no memory.
 
-    ``alive`` raises to break off. Raises StudioError.
+    ``alive`` may raise to cancel. Raises StudioError.
     """
     with tempfile.TemporaryFile() as decoded:
         _decode(path, decoded, ("-ac", str(HEARD_CHANNELS), "-ar", str(HEARD_RATE), "-f", "s16le"), alive)
@@ -55,5 +57,7 @@ def _decode(path: Path, decoded: IO[bytes], form: Sequence[str], alive: Callable
     command = [get_ffmpeg_exe(), "-v", "error", "-nostdin", "-t", str(MOST_SOUND_SECONDS), "-i", str(path), "-vn"]
     with child_process([*command, *form, "-"], subprocess.DEVNULL, decoded, subprocess.DEVNULL) as process:
         wait_for(process, alive)
-    if not os.fstat(decoded.fileno()).st_size:
+    size = os.fstat(decoded.fileno()).st_size
+    decoded.truncate(size - size % _FRAME_BYTES)  # where the disk was full, it ends anywhere
+    if size < _FRAME_BYTES:
         raise StudioError(f"{path.name} has no sound that can be read. Choose a WAV, MP3, OGG or FLAC file.")

@@ -1,4 +1,4 @@
-"""Sounds of a stage, heard in step with its playhead, by way of miniaudio."""
+"""Output of the stage's sounds in step with its playhead, by miniaudio."""
 
 import threading
 import time
@@ -53,10 +53,10 @@ def mix(sounds: Sequence[HeardSound], seconds: FloatArray) -> NDArray[np.float32
 
 
 class StreamClock:
-    """Clock seconds at which the samples of a stream are heard, from the moments at which its device asks for them.
+    """Clock seconds at which the samples of a stream are heard, from the times of its device's requests.
 
-    A device asks in pieces and not evenly, and its samples a second are not quite those of the clock. So the lead of
-    what is asked over the clock is measured once, and kept by playing a little faster or slower.
+    A device requests pieces at uneven times, and its sample rate is not exactly that of the clock. So the lead of the
+    requests over the clock is measured once, and kept by playing slightly faster or slower.
     """
 
     def __init__(self) -> None:
@@ -64,7 +64,7 @@ class StreamClock:
         self._leads: list[float] = []
 
     def advance(self, now: float, count: int) -> FloatArray:
-        """(count,) clock seconds at which the next samples are heard, which the device asks for ``now``."""
+        """(count,) clock seconds at which the next samples are heard, requested by the device at ``now``."""
         if self._heard is None:
             self._heard = now
         error = 0.0
@@ -81,10 +81,10 @@ class StreamClock:
 
 
 class SoundOutput:
-    """The system's sound device, which a thread of its own opens while there is something to hear.
+    """System's sound device, opened by a thread of its own while there is anything to play.
 
-    ``report`` is called on that thread with a sentence where nothing can be heard. ``backends`` names those of
-    miniaudio that may be taken; by default all of the system, but not the one that discards what it is given.
+    ``report`` is called on that thread with a sentence if nothing can be played. ``backends`` names the allowed ones of
+    miniaudio; by default all of the system, except the one that discards its input.
     """
 
     def __init__(
@@ -101,7 +101,7 @@ class SoundOutput:
         self._thread: threading.Thread | None = None
 
     def play(self, run: PlaybackRun, sounds: Sequence[HeardSound]) -> None:
-        """Let ``sounds`` be heard as the stage runs; may be called at every move of the playhead."""
+        """Play sounds along the run of the stage; may be called at every move of the playhead."""
         self._run, self._sounds, self._last_wanted = run, tuple(sounds), self._clock()
         if self._thread is None:
             self._thread = threading.Thread(target=self._serve, name="sound", daemon=True)
@@ -109,11 +109,11 @@ class SoundOutput:
         self._wanted.set()
 
     def pause(self) -> None:
-        """Fall silent at once; the device is let go a little later."""
+        """Stop playing at once; the device is released a little later."""
         self._run = None
 
     def close(self) -> None:
-        """Let go of the device."""
+        """Release the device."""
         self._run, self._closed = None, True
         self._wanted.set()
         if self._thread is not None:

@@ -1,4 +1,4 @@
-"""Readers of meshes: points and triangles as they stand in a file, every size and index checked against what is there.
+"""Readers of meshes: points and triangles of a file, every size and index checked against its content.
 
-They are ours and in Python on purpose: a reader in C++ ends the whole process over an index that is out of range.
+They are our own and in Python, because a reader in C++ ends the whole process over an index that is out of range.
 """

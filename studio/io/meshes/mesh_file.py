@@ -31,7 +31,7 @@ _TO_Z_UP = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 @dataclass(frozen=True)
 class MeshFile:
-    """A mesh and, in words, what was guessed of it."""
+    """Mesh, and the guesses about it in words."""
 
     mesh: TriangleMesh
     guesses: str
@@ -57,7 +57,7 @@ def read_mesh(path: Path) -> MeshFile:
 
 
 def read_mesh_beside(name: str, beside: Path, where: str) -> MeshFile:
-    """``read_mesh`` of the file that another one names, which lies in its folder; errors begin with ``where``."""
+    """``read_mesh`` of a file that another one names, in its folder; errors begin with ``where``."""
     path = path_beside(name, beside, where)
     try:
         return read_mesh(path)

@@ -1,4 +1,4 @@
-"""Wavefront OBJ: lines of ``v x y z`` and ``f 1 2 3``; what else there is (normals, materials) is passed over."""
+"""Wavefront OBJ: lines of ``v x y z`` and ``f 1 2 3``; other lines (normals, materials) are ignored."""
 
 import io
 from array import array

@@ -1,4 +1,4 @@
-"""PLY, of text or of bytes: a header that says what follows, vertices, and faces as lists of them."""
+"""PLY, as text or binary: a header that describes the data, vertices, and faces as lists of them."""
 
 import struct
 from array import array
@@ -73,7 +73,7 @@ def read_ply(content: bytes) -> tuple[Points, Triangles]:
 
 
 def _header(content: bytes) -> tuple[str, list[Element], int]:
-    """The order of bytes ("" for text), what follows, and where it begins."""
+    """Byte order ("" for text), elements, and the offset of the data."""
     end = content.find(b"end_header", 0, _LONGEST_HEADER)
     start = content.find(b"\n", end) + 1
     if not content.startswith(b"ply") or end < 0 or start == 0:
@@ -150,7 +150,7 @@ class _Text:
 
 
 class _Bytes:
-    """Numbers as they lie in memory."""
+    """Binary numbers one after the other."""
 
     def __init__(self, content: bytes, start: int, order: str) -> None:
         self._content, self._at, self._order = content, start, order

@@ -1,4 +1,4 @@
-"""STL, of bytes or of text: triangles by their corners."""
+"""STL, binary or text: triangles by their corners."""
 
 import re
 

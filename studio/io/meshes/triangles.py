@@ -20,13 +20,13 @@ class MeshError(ValueError):
 
 
 class Corners:
-    """Polygons as they come, cut into fans."""
+    """Polygons, triangulated as fans while they are added."""
 
     def __init__(self) -> None:
         self._corners = array("q")
 
     def add(self, polygon: Sequence[int]) -> None:
-        """Indices of points around a polygon; of fewer than three nothing comes."""
+        """Add a polygon by the indices of its points; one with fewer than three adds nothing."""
         for second, third in pairwise(polygon[1:]):
             self._corners.extend((polygon[0], second, third))
         if len(self._corners) > 3 * MOST_TRIANGLES:
@@ -39,7 +39,7 @@ class Corners:
 
 
 def checked_index(value: float) -> int:
-    """A whole number that may be an index."""
+    """Integer that may be an index."""
     if not (abs(value) < FARTHEST_INDEX and value == int(value)):
         raise MeshError(f"'{str(value)[:20]}' is not the number of a vertex")
     return int(value)

@@ -1,4 +1,4 @@
-"""A ZIP of stored members that is always whole: written beside, verified, renamed; any damage shows.
+"""ZIP of stored members that is always whole: written beside, verified, renamed; any damage is detected.
 
 Members carry their CRC-32; the archive's comment is a seal, the SHA-256 of all bytes before it.
 """
@@ -40,7 +40,7 @@ class Archive:
 
 
 def stamp(path: Path) -> Stamp | None:
-    """Changes when somebody writes the file: node, size and time; None when there is no file."""
+    """Stamp that changes with every write of the file: node, size and time; None without a file."""
     try:
         status = path.stat()
     except FileNotFoundError:
@@ -72,9 +72,9 @@ def write_archive(
     members: Mapping[str, bytes],
     report: Callable[[float, str], None] = lambda _share, _text: None,
 ) -> Stamp:
-    """Put an archive of ``members`` in the place of ``path``, or leave what is there untouched.
+    """Replace ``path`` by an archive of ``members``, or leave it untouched.
 
-    ``report`` is told the share that is done; it may raise to cancel. Raises FolderNotWritable, StudioError.
+    ``report`` is called with the finished fraction and may raise to cancel. Raises FolderNotWritable, StudioError.
     """
     path = path.resolve()
     remove_leftovers(path)
@@ -103,7 +103,7 @@ def _write_members(part: Path, members: Mapping[str, bytes], report: Callable[[f
 
 
 def _seal(part: Path) -> None:
-    """Put the digest of all that stands before it at the end."""
+    """Append the digest of all bytes before it."""
     with open(part, "r+b") as stream:
         length = stream.seek(0, os.SEEK_END) - DIGEST_SIZE
         stream.seek(0)
@@ -128,7 +128,7 @@ def _is_sealed(content: bytes) -> bool:
 
 
 def _walked(content: bytes) -> Archive:
-    """Stored members found by their own headers, so that a broken or missing directory loses nothing."""
+    """Stored members found by their own headers, in case the directory is damaged or missing."""
     archive = Archive()
     start = content.find(_SIGNATURE)
     while 0 <= start <= len(content) - _LOCAL_HEADER.size and len(archive.damaged) < _MAX_DAMAGED_MEMBERS:
@@ -148,7 +148,7 @@ def _walked(content: bytes) -> Archive:
 
 
 def _repacked(path: Path, content: bytes) -> dict[str, bytes]:
-    """Members of an archive that another program packed anew, compressed perhaps; none where it is not an archive."""
+    """Members of an archive that another program has repacked, perhaps compressed; none if it is not an archive."""
     try:
         return unpacked(content, 20 * len(content) + _SPARE_BYTES)
     except UnpacksTooFarError as error:

@@ -48,7 +48,7 @@ def is_character(head: bytes) -> bool:
 
 
 def load_character(path: Path, _options: ImportOptions, progress: Progress) -> ReadCharacter:
-    """``read_character`` for the registry: nothing in our own file has to be guessed."""
+    """``read_character`` for the registry: our own file needs no guesses."""
     progress(0.0, f"Reading {path.name}")
     return ReadCharacter(read_character(path))
 

@@ -42,7 +42,7 @@ _USUAL: Mapping[str, Json] = {"priority": 0, "chain": {}}
 
 @dataclass(frozen=True)
 class ConstraintFile:
-    """Content of such a file; ``contacts`` is None where it says nothing about them, ``props`` are by id."""
+    """Content of such a file; ``contacts`` is None if it has none, ``props`` are by id."""
 
     constraints: tuple[Constraint, ...]
     contacts: tuple[ContactInterval, ...] | None
@@ -78,7 +78,7 @@ def read_constraints(path: Path, motion_id: str) -> ConstraintFile:
 
 
 def constraint_record(constraint: Constraint) -> Json:
-    """A constraint as such a file has it: the opposite of ``constraint_of``."""
+    """Record of a constraint for such a file: the inverse of ``constraint_of``."""
     members: Members = {}
     record = entity_record("constraints", "", constraint, members)
     if not constraint.scope.is_narrow:
@@ -87,7 +87,7 @@ def constraint_record(constraint: Constraint) -> Json:
 
 
 def _inline(item: Json, members: Members) -> Json:
-    """JSON with the numbers of large arrays in it, where a project names a member."""
+    """JSON with the numbers of large arrays inside, where a project names a member."""
     if not isinstance(item, dict):
         return item
     if "member" in item:
@@ -96,7 +96,7 @@ def _inline(item: Json, members: Members) -> Json:
 
 
 def _with_mesh(record: Json, path: Path, where: str) -> Json:
-    """The record with the mesh itself where it names a file beside ``path``."""
+    """Record with the mesh itself in place of the name of a file beside ``path``."""
     if not isinstance(record, dict) or not isinstance(record.get("mesh"), str):
         return record
     mesh = read_mesh_beside(record["mesh"], path, f"{where}, mesh").mesh
@@ -128,7 +128,7 @@ def constraint_of(record: Json, motion_id: str, where: str) -> Constraint:
 
 
 def _paths(unknown: Mapping[str, Any]) -> list[str]:
-    """``{"chain": {"arm": 1}}`` as ``["chain.arm"]``."""
+    """Paths of unknown fields: ``{"chain": {"arm": 1}}`` as ``["chain.arm"]``."""
     paths = []
     for key, item in unknown.items():
         paths += [f"{key}.{inner}" for inner in _paths(item)] if key in _RECORDS else [key]

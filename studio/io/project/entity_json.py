@@ -14,6 +14,7 @@ import numpy as np
 
 from studio.core.body.morphology import Proportions
 from studio.core.captures.contacts import ContactInterval, ContactPoint
+from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import UNTURNED
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
@@ -28,7 +29,7 @@ from studio.io.project.value_json import Array, Json, MemberCodec, UnknownKind, 
 
 PROJECT_SCHEMA = 2
 ENTITY_SCHEMAS = {
-    **dict.fromkeys(COLLECTIONS, 1), "characters": 3, "performers": 2, "constraints": 4, "contacts": 3, "props": 5,
+    **dict.fromkeys(COLLECTIONS, 1), "characters": 3, "performers": 2, "constraints": 5, "contacts": 3, "props": 6,
 }  # fmt: skip
 """A higher number tells an older version that it would misread what it knows by that name."""
 MEMBER_NAME = re.compile(r"(captures|characters)/[0-9a-f]{64}\.npy")
@@ -40,12 +41,12 @@ _names: dict[int, tuple[weakref.ref[Array], str]] = {}
 
 
 def npy_bytes(array: Array) -> bytes:
-    """The array as an ``.npy`` file; the same numbers always give the same bytes."""
+    """Array as an ``.npy`` file; equal numbers always give equal bytes."""
     return b"".join(npy_parts(array))  # lets go of Python's lock
 
 
 def npy_parts(array: Array) -> tuple[bytes, memoryview]:
-    """Head and content of an ``.npy`` file."""
+    """Header and content of an ``.npy`` file."""
     little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<")).reshape(array.shape)
     stream = io.BytesIO()
     np.lib.format.write_array_header_1_0(stream, np.lib.format.header_data_from_array_1_0(little))
@@ -53,7 +54,7 @@ def npy_parts(array: Array) -> tuple[bytes, memoryview]:
 
 
 def member_name(array: Array, folder: str) -> str:
-    """``folder/<sha256>.npy``; remembered for arrays that cannot change."""
+    """``folder/<sha256>.npy``; cached for read-only arrays."""
     known = _names.get(id(array))
     if known is None or known[0]() is not array:
         digest = sha256_of(*npy_parts(array))
@@ -66,7 +67,7 @@ def member_name(array: Array, folder: str) -> str:
 
 
 def sha256_of(*parts: bytes | memoryview) -> str:
-    """The digest of these bytes, one behind the other."""
+    """Digest of these bytes, concatenated."""
     total = hashlib.sha256()
     for part in parts:
         total.update(part)
@@ -74,7 +75,7 @@ def sha256_of(*parts: bytes | memoryview) -> str:
 
 
 def entity_record(collection: str, entity_id: str, entity: Entity, members: Members) -> dict[str, Json]:
-    """An entity as JSON; the arrays that it needs are added to ``members`` under their names."""
+    """Entity as JSON; its arrays are added to ``members`` under their names."""
     folder = "captures" if collection == "captures" else "characters"
 
     def store(array: Array) -> str:
@@ -87,11 +88,17 @@ def entity_record(collection: str, entity_id: str, entity: Entity, members: Memb
 
 
 def _schema_of(collection: str, entity: Entity) -> int:
-    """A contact with the ground, a body that does not grow, keys without tangents: as they have always been."""
+    """Lowest schema that can hold an entity, so that a contact with the ground, a constant body or keys without
+    tangents are written as in earlier versions.
+    """
+    if isinstance(entity, Prop) and any(isinstance(hold, Carried) and hold.steady for hold in entity.holds):
+        return ENTITY_SCHEMAS[collection]
     if isinstance(entity, Prop) and (entity.tilt != UNTURNED or any(_is_tilted(hold) for hold in entity.holds)):
+        return 5
+    if isinstance(entity, AreaConstraint) and entity.margin:
         return ENTITY_SCHEMAS[collection]
     if isinstance(entity, Constraint | Character | Prop) and _has_curves(entity):
-        return 4 if isinstance(entity, Prop) else ENTITY_SCHEMAS[collection]
+        return 3 if isinstance(entity, Character) else 4
     if isinstance(entity, Constraint):
         return 3
     if isinstance(entity, ContactInterval) and isinstance(entity.point, ContactPoint):
@@ -108,7 +115,7 @@ def _is_tilted(hold: InHand | Carried) -> bool:
 
 
 def _has_curves(entity: Entity) -> bool:
-    """True if anything of it has tangents, weights, or keys that go on beyond their ends."""
+    """True if it has tangents, weights, or keys with extrapolation."""
     return any(
         is_dataclass(value)
         and any(each.metadata.get("sparse") and getattr(value, each.name) != each.default for each in fields(value))
@@ -117,7 +124,7 @@ def _has_curves(entity: Entity) -> bool:
 
 
 def entity_of(collection: str, record: Json, load: Callable[[str], Array]) -> Entity:
-    """The entity that a record describes. Raises ValueError saying which field is wrong."""
+    """Entity of a record. Raises ValueError naming the wrong field."""
     try:
         entity: Entity = from_json(record, _class_of(collection, record), MemberCodec(_no_member, load))
     except (TypeError, ArithmeticError, LookupError) as error:
@@ -126,7 +133,7 @@ def entity_of(collection: str, record: Json, load: Callable[[str], Array]) -> En
 
 
 def is_known(collection: str, record: Json) -> bool:
-    """True if this version understands the record; what it does not is carried through as it is."""
+    """True if this version understands the record; others are preserved unchanged."""
     schema = record.get("schema", 1)
     return schema <= ENTITY_SCHEMAS[collection] and _class_of(collection, record) is not None
 
@@ -165,7 +172,7 @@ def project_json(project: Project, members: Members) -> bytes:
 
 @dataclass
 class ReadProject:
-    """A project out of JSON, and sentences about what could not be read, and what is kept without being understood."""
+    """Project from JSON, sentences about unreadable parts, and parts that are preserved without being understood."""
 
     project: Project
     losses: list[str] = field(default_factory=list)
@@ -173,9 +180,9 @@ class ReadProject:
 
 
 def project_of(record: Json, load: Callable[[str], Array]) -> ReadProject:
-    """The project that a record describes; entities that cannot be read are left out and listed.
+    """Project of a record; unreadable entities are left out and listed.
 
-    ``load`` gives the array of a member and raises ValueError when it is missing or damaged.
+    ``load`` gives the array of a member and raises ValueError if it is missing or damaged.
     """
     if not isinstance(record, dict):
         raise StudioError("'project.json' in the project file is not a record.")
@@ -214,12 +221,12 @@ def project_of(record: Json, load: Callable[[str], Array]) -> ReadProject:
 
 
 def named_members(record: Json) -> set[str]:
-    """Every member name that stands anywhere in a piece of JSON."""
+    """Every member name in a piece of JSON."""
     return {match.group() for match in MEMBER_NAME.finditer(json.dumps(record))}
 
 
 def _records(record: dict[str, Json], collection: str, losses: list[str]) -> list[dict[str, Json]]:
-    """The usable records of a collection: each a record with an id of its own and a whole-numbered schema."""
+    """Valid records of a collection: each an object with a unique id and an integer schema."""
     items = record.get(collection, [])
     usable: dict[str, dict[str, Json]] = {}
     for item in items if isinstance(items, list) else [items]:
@@ -234,7 +241,7 @@ def _records(record: dict[str, Json], collection: str, losses: list[str]) -> lis
 def _part_with_dangling(
     entities: dict[str, dict[str, Entity]], foreign: dict[str, list[Json]], record: Json, losses: list[str]
 ) -> None:
-    """Entities that refer to unknown ones are carried with them; those that refer to lost ones are lost."""
+    """Move entities that refer to unknown ones to these; those that refer to lost ones are lost."""
     carried = {(name, item["id"]) for name, items in foreign.items() for item in items}
     while True:
         project = Project(**entities)  # type: ignore[arg-type]

@@ -48,12 +48,12 @@ _PLAIN_ID = re.compile("[0-9A-Za-z]{1,64}")
 
 
 class ChangedOnDisk(StudioError):  # noqa: N818 - it names what is the matter
-    """Somebody else wrote the file since it was opened here."""
+    """File that another program has written since it was opened here."""
 
 
 @dataclass(frozen=True)
 class OpenedProject:
-    """A project as it was found; with ``problems`` it is not all that was saved: do not replace the file."""
+    """Project as read; with ``problems`` it is incomplete, and the file must not be replaced."""
 
     project: Project
     path: Path
@@ -68,12 +68,12 @@ class OpenedProject:
 
 
 def new_document_id() -> str:
-    """An id for a document, kept by its file under any name."""
+    """Id of a document, kept by its file under any name."""
     return uuid.uuid4().hex
 
 
 def document_id_of(path: Path) -> str | None:
-    """The id of the document in a project's file; None where there is no such file, or it has none."""
+    """Id of the document in a project's file; None without such a file or id."""
     if not path.is_file():
         return None
     try:
@@ -148,7 +148,7 @@ def read_project(path: Path, version: str = PROJECT_FILE) -> OpenedProject:
 
 
 def _document_id(manifest: Mapping[str, Json]) -> str | None:
-    """Files are named by it, so it is believed only where it is plain letters and digits."""
+    """Document id, accepted only if it consists of letters and digits, because files are named by it."""
     found = manifest.get("document")
     return found if isinstance(found, str) and _PLAIN_ID.fullmatch(found) else None
 
@@ -160,7 +160,7 @@ def _manifest(document_id: str, members: Mapping[str, bytes]) -> bytes:
 
 
 def _earlier(path: Path, document_id: str, current: bytes) -> dict[str, bytes]:
-    """The versions to keep from the file that is about to be replaced, with the members that they name."""
+    """Versions to keep from the file that is about to be replaced, with their members."""
     if not path.exists():
         return {}
     try:
@@ -184,7 +184,7 @@ def _named_in(content: bytes) -> set[str]:
 
 
 def _checked(archive: Archive, path: Path, problems: list[str]) -> tuple[dict[str, Json], dict[str, bytes]]:
-    """The manifest ({} when lost) and the members whose hash is right; ``problems`` tells of the others."""
+    """Manifest ({} if lost) and the members with a valid hash; ``problems`` lists the others."""
     manifest: dict[str, Json] = {}
     try:
         found = parsed(archive.members.get(MANIFEST_FILE, b""), MANIFEST_FILE)
@@ -238,7 +238,7 @@ def _array(intact: dict[str, bytes], name: str) -> Array:
 
 
 def _with_foreign_members(project: Project, intact: dict[str, bytes], manifest: dict[str, Json]) -> Project:
-    """The project with the bytes that its unknown parts name, and members that are not known here."""
+    """Project with the bytes of its unknown parts, and unknown members."""
     named = named_members(dict(project.carried))
     own = (MANIFEST_FILE, PROJECT_FILE, THUMBNAIL_FILE)
     listed = {name for name in manifest.get("members", {}) if not MEMBER_NAME.fullmatch(name)}

@@ -1,4 +1,4 @@
-"""Project files of earlier schemas: one function a step, each with a frozen sample in the tests."""
+"""Upgrades of project files of earlier schemas: one function for each step, with a frozen sample in the tests."""
 
 from collections.abc import Callable, Mapping
 
@@ -10,7 +10,7 @@ from studio.io.project.value_json import Json
 def _with_clips_that_have_ids(record: Json) -> Json:
     """Schema 2: clips have ids, and may be retimed, mirrored and placed; constraints and contacts have scopes.
 
-    What was asked was asked of all who play the motion, which is what is meant where no scope stands.
+    Constraints applied to all performers of the motion, which is the meaning of a missing scope.
     """
     performers = record.get("performers", [])
     for performer in performers if isinstance(performers, list) else []:
@@ -26,7 +26,7 @@ UPGRADES: Mapping[int, Callable[[Json], Json]] = {1: _with_clips_that_have_ids}
 
 
 def schema_of(record: Json, name: str) -> int:
-    """The schema of a ``project.json``. Raises StudioError naming the member when it states none."""
+    """Schema of a ``project.json``. Raises StudioError naming the member if it has none."""
     schema = record.get("schema") if isinstance(record, dict) else None
     if type(schema) is not int or schema < 1:
         raise StudioError(f"'{name}' in the project file does not say which version it has.")
@@ -39,7 +39,7 @@ def upgraded(
     steps: Mapping[int, Callable[[Json], Json]] = UPGRADES,
     newest: int = PROJECT_SCHEMA,
 ) -> Json:
-    """``project.json`` of any schema up to the newest, brought to the newest; later ones stay as they are."""
+    """``project.json`` upgraded to the newest schema; one of a later schema is unchanged."""
     for schema in range(schema_of(record, name), newest):
         record = {**steps[schema](record), "schema": schema + 1}
     return record

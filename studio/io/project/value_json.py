@@ -1,4 +1,4 @@
-"""Frozen dataclasses to plain JSON and back, led by their type hints; large arrays become members."""
+"""Frozen dataclasses to plain JSON and back, by their type hints; large arrays become members."""
 
 import types
 from collections.abc import Callable, Mapping
@@ -19,7 +19,7 @@ INLINE_NUMBERS = 64
 
 
 class UnknownKind(ValueError):  # noqa: N818 - it names what is the matter
-    """A record within another says that it is of a kind that this version does not know."""
+    """Inner record of a kind that this version does not know."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class MemberCodec:
 def to_json(value: Any, members: MemberCodec) -> Json:
     """Plain JSON of a value made of dataclasses, enumerations, sequences, mappings, numbers and arrays.
 
-    A dataclass that is one of several kinds says which under ``kind``.
+    A dataclass of a union has its name under ``kind``.
     """
     match value:
         case np.ndarray():
@@ -58,15 +58,15 @@ def to_json(value: Any, members: MemberCodec) -> Json:
 
 
 def _is_written(field: Field[Any], value: Any) -> bool:
-    """True unless a field that was added later has its default: such values are written as they have always been."""
+    """True unless a field that was added later has its default: such values are written as in earlier versions."""
     return not (field.metadata.get("sparse") and getattr(value, field.name) == field.default)
 
 
 def from_json(record: Json, hint: Any, members: MemberCodec) -> Any:
-    """The value of type ``hint`` that ``record`` describes.
+    """Value of type ``hint`` in ``record``.
 
-    Raises ValueError, with the names of the fields on the way, when the record does not fit the hint. Unknown
-    fields are passed over; ``unknown_fields`` finds them.
+    Raises ValueError, with the path of field names, if the record does not fit the hint. Unknown fields are ignored;
+    ``unknown_fields`` finds them.
     """
     origin = get_origin(hint)
     if origin is np.ndarray:
@@ -136,7 +136,7 @@ def _dataclass(record: Json, kind: Any, members: MemberCodec) -> Any:
 
 
 def _as_stored(value: Any, stored: dict[str, Any]) -> Any:
-    """Keep stored arrays to the bit where the constructor only rounded them anew, so that hashes last."""
+    """Keep stored arrays to the bit if the constructor only rounded them again, so that hashes last."""
     for name, array in stored.items():
         built = getattr(value, name)
         if not isinstance(array, np.ndarray) or (built.dtype, built.shape) != (array.dtype, array.shape):
@@ -178,7 +178,7 @@ def _union(record: Json, choices: tuple[Any, ...], members: MemberCodec) -> Any:
 
 
 def _of_kind(record: Json, choices: tuple[Any, ...]) -> tuple[Any, ...]:
-    """Those dataclasses that a record may be: of its ``kind``, or of no kind where it states none."""
+    """Dataclasses that a record may be: those of its ``kind``, or those without a kind."""
     if not isinstance(record, dict):
         return ()
     return tuple(each for each in choices if is_dataclass(each) and getattr(each, "kind", None) == record.get("kind"))

@@ -1,1 +1,1 @@
-"""S4D, the studio's archive of a motion with what is known of it: read and written."""
+"""S4D, the studio's archive of a motion with its annotations: read and written."""

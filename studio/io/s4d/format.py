@@ -1,4 +1,4 @@
-"""S4D as a format of the registry: what such a file begins with, and what goes in and out of it."""
+"""Registration of S4D files, their recognition, and writing of takes."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +21,7 @@ def is_s4d(head: bytes) -> bool:
 
 
 def load_s4d(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
-    """The capture that the file was made from, within 0.1 mm and 0.01 degrees, and all that is stored with it."""
+    """Capture from which the file was made, within 0.1 mm and 0.01 degrees, and its stored annotations."""
     from studio.io.s4d.reader import read_s4d
 
     progress(0.0, f"Reading {path.name}")
@@ -50,7 +50,9 @@ def _as_said(capture: Capture, path: Path, options: ImportOptions) -> Capture:
 
 
 def write_take(path: Path, take: Take, progress: Progress) -> None:
-    """Write the morphology-independent motion of ``take`` with its actor; raises StudioError for what is no human."""
+    """Write the morphology-independent motion of ``take`` with its actor; raises StudioError for a body that is not
+    human.
+    """
     from studio.io.s4d.writer import S4d, write_s4d
 
     def normalising(share: float) -> None:

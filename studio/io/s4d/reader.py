@@ -1,4 +1,4 @@
-"""Reading S4D: bounded, checked member by member, and put together to the capture it was made from."""
+"""Reader of S4D files: bounded, checked member by member, and assembled to the original capture."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -47,7 +47,7 @@ class _Provenance:
 
 @dataclass(frozen=True, eq=False)
 class _Actor:
-    """The record called ``actor``; shapes are checked when its parts are made of it."""
+    """Record called ``actor``; shapes are checked when its parts are made."""
 
     joints: tuple[str, ...]
     parents: tuple[int, ...]
@@ -76,7 +76,7 @@ class _Record:
 
 
 def read_s4d(path: Path, motion_id: str = "") -> S4d:
-    """Content of the file at ``path``; contacts and constraints become those of ``motion_id``.
+    """Content of the file at ``path``; contacts and constraints get the id ``motion_id``.
 
     Raises StudioError naming the file, the member and what to do.
     """
@@ -99,7 +99,7 @@ def read_s4d(path: Path, motion_id: str = "") -> S4d:
 
 
 def _members(path: Path) -> tuple[int, dict[str, bytes]]:
-    """Size of the file, and its four members unpacked, which together stay within what the size allows."""
+    """Size of the file, and its four members unpacked, limited together by a multiple of the size."""
     content = read_bytes(path)
     try:
         names = (RECORD, CHANNELS, ROTATIONS, TRANSLATIONS)
@@ -132,7 +132,7 @@ def _record(content: bytes, path: Path) -> _Record:
 
 
 def _array(content: bytes, name: str, path: Path) -> FloatArray:
-    """The numbers of a member as float64, C-ordered; all finite and believable."""
+    """Numbers of a member as float64, C-ordered; all finite and plausible."""
     try:
         numbers = array_of(content)
     except ValueError as error:
@@ -147,7 +147,7 @@ def _array(content: bytes, name: str, path: Path) -> FloatArray:
 
 
 def _actor(record: _Actor, motion: NormalizedMotion, arrays: dict[str, FloatArray]) -> SourceRig:
-    """Raises StudioError and ValueError when parts are wrong or do not fit each other."""
+    """Actor of a record. Raises StudioError and ValueError if parts are wrong or do not fit each other."""
     layout, joints, frames = BodyLayout(len(motion.spine_places)), len(record.joints), motion.frame_count
     _indices("end_sites", record.end_sites, joints)
     _indices("rotations_of", record.rotations_of, joints)

@@ -1,6 +1,6 @@
-"""S4D, the file of a morphology-independent motion; ``docs/s4d.md`` tells of every field.
+"""Writer of S4D, the file of a morphology-independent motion; ``docs/s4d.md`` describes every field.
 
-A ZIP of one JSON record and of arrays as ``.npy``: ``zipfile`` and ``numpy`` are all it takes to read one.
+A ZIP of one JSON record and of arrays as ``.npy``, which ``zipfile`` and ``numpy`` can read.
 """
 
 import json
@@ -65,7 +65,7 @@ def write_s4d(path: Path, s4d: S4d, progress: Progress = lambda share, text: Non
 
 
 def pass_through_joints(actor: SourceRig) -> tuple[list[int], list[int]]:
-    """The joints whose local rotation, and those whose local translation, no channel and no offset tells."""
+    """Joints whose local rotation, and those whose local translation, is in no channel and no offset."""
     poses, skeleton = actor.pass_through, actor.skeleton
     turned = np.asarray((np.abs(poses.local_rotations[..., :3]) > _STILL).any(axis=(0, 2)))
     turned[actor.segment_joints[actor.segment_joints >= 0]] = False
@@ -117,7 +117,7 @@ def _by_foot(contacts: tuple[ContactInterval, ...]) -> Mapping[str, list[list[in
 
 
 def _numbers(array: FloatArray) -> Any:
-    """Nested lists with the nine digits that tell one float32 from the next."""
+    """Nested lists with nine digits, which distinguish any two float32 numbers."""
     rounded = np.vectorize(lambda number: float(f"{number:.9g}"), otypes=[float])(array) if array.size else array
     return (rounded + 0.0).tolist()  # no "-0"
 
@@ -129,5 +129,5 @@ def _channels(channels: FloatArray) -> NDArray[np.float32]:
 
 
 def _on_grid(values: FloatArray) -> NDArray[np.float32]:
-    """Float32 with the frames of one number side by side, as a ZIP packs them best."""
+    """Float32 with the frames of one number side by side, the order that compresses best."""
     return np.asfortranarray(np.round(values / NUMBER_STEP) * NUMBER_STEP + 0.0, dtype="<f4")

@@ -1,1 +1,1 @@
-"""Scenes of other programs (FBX, USD), read by a library in a child process that hands back plain arrays."""
+"""Scenes of other programs (FBX, USD), read by a library in a child process that returns plain arrays."""

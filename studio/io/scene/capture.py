@@ -1,4 +1,4 @@
-"""Scenes as captures: read by a child process, made upright and rigid here."""
+"""Scenes as captures: read by a child process; scales and mirroring are removed here."""
 
 import json
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ _PARTS = slice(0, 3), _TURN, slice(7, 10)
 
 @dataclass(frozen=True)
 class SceneJoints:
-    """The joints of a file by their rest pose: with all rotations zero the body stands as it was bound."""
+    """Joints of a file relative to their rest pose: with all rotations zero the body is in its bind pose."""
 
     skeleton: Skeleton
     local_rotations: FloatArray
@@ -56,7 +56,7 @@ class SceneJoints:
 
 
 def capture_in(arrays: Arrays, path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
-    """The capture in what the child process has read of ``path``: its longest animation. Raises StudioError."""
+    """Capture in the arrays read from ``path`` by the child process: its longest animation. Raises StudioError."""
     file = scene_joints(arrays, path)
     progress(0.4, f"Reading {path.name}")
 
@@ -79,9 +79,9 @@ def scene_joints(arrays: Arrays, path: Path) -> SceneJoints:
 
 
 def _fill(name: str, frames: FloatArray) -> tuple[str, ...]:
-    """Interpolate in time, in place, what ``frames`` (F, J, 10) do not say; a sentence with how many frames it was.
+    """Interpolate missing values of ``frames`` (F, J, 10) in time, in place; a sentence with the number of frames.
 
-    A place, turn or scale of which no frame says anything stays as it is.
+    A position, rotation or scale that is missing in all frames stays missing.
     """
     lacking = np.flatnonzero(~np.isfinite(frames).all(axis=(1, 2)))
     times = np.arange(len(frames))
@@ -103,7 +103,7 @@ def _fill(name: str, frames: FloatArray) -> tuple[str, ...]:
 def _rigid(
     about: dict[str, object], frames: FloatArray, rest: FloatArray, path: Path, repairs: tuple[str, ...]
 ) -> SceneJoints:
-    """Scales worked into the places, and turns counted from the rest pose."""
+    """Apply scales to the positions, and make rotations relative to the rest pose."""
     names, parents = _one_root(list(about["names"]), list(about["parents"]))  # type: ignore[call-overload]
     added = len(names) - frames.shape[1]
     still = np.array([0.0] * 6 + [1.0] * 4)
@@ -136,7 +136,7 @@ def _rigid(
 
 
 def _upright(names: list[str], turns: FloatArray) -> tuple[FloatArray, tuple[str, ...]]:
-    """Matrices (F, J, 3, 3) that turn, against the rest pose, and what was repaired: none mirrors or flattens."""
+    """Rotations (F, J, 3, 3) relative to the rest pose, and the repairs of mirrored or singular ones."""
     wrong = np.linalg.det(turns) < _FLAT
     if not wrong.any():
         return turns, ()
@@ -150,7 +150,7 @@ def _upright(names: list[str], turns: FloatArray) -> tuple[FloatArray, tuple[str
 
 
 def _one_root(names: list[str], parents: list[int]) -> tuple[list[str], NDArray[np.int64]]:
-    """Names made unique, and a joint above where several have none."""
+    """Unique names, and a joint above all if there are several roots."""
     taken: set[str] = set()
     for place, name in enumerate(names):
         unique, number = name or f"joint{place}", 2
@@ -167,7 +167,7 @@ def _one_root(names: list[str], parents: list[int]) -> tuple[list[str], NDArray[
 
 
 def _world(parents: NDArray[np.int64], local: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Places (F, J, 3) and turns (F, J, 3, 3) of joints with local place, turn and scale (F, J, 10)."""
+    """Positions (F, J, 3) and rotations (F, J, 3, 3) of joints with local position, rotation and scale (F, J, 10)."""
     places = np.empty((*local.shape[:2], 3))
     spaces = to_matrix(normalized(local[..., 3:7])) * local[..., None, 7:]
     for joint, parent in enumerate(parents.tolist()):

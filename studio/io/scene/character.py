@@ -1,4 +1,4 @@
-"""The character in a scene: its joints and its skin as they were bound."""
+"""Character in a scene: its joints and its skin in the bind pose."""
 
 import json
 from pathlib import Path, PureWindowsPath
@@ -26,7 +26,7 @@ CHARACTER_ADVICE = "Export the character as GLB from the program that made it."
 
 
 def character_in(arrays: Arrays, path: Path, options: ImportOptions, progress: Progress) -> ReadCharacter:
-    """The character in what the child process has read of ``path``. Raises StudioError."""
+    """Character in the arrays read from ``path`` by the child process. Raises StudioError."""
     progress(0.5, f"Finding the body in {path.name}")
     try:
         about = json.loads(arrays["about"].tobytes())
@@ -80,7 +80,7 @@ def _square(matrices: FloatArray) -> FloatArray:
 
 
 def _bound(parents: tuple[int, ...], shown: FloatArray, bind: FloatArray) -> FloatArray:
-    """(J, 4, 4) joints as they were bound; one that nothing hangs from keeps its place relative to its parent."""
+    """(J, 4, 4) joints in the bind pose; one without a bind matrix keeps its transform relative to its parent."""
     world = shown.copy()
     for joint, parent in enumerate(parents):
         if np.isfinite(bind[joint]).all():
@@ -91,7 +91,7 @@ def _bound(parents: tuple[int, ...], shown: FloatArray, bind: FloatArray) -> Flo
 
 
 def _pieces(mesh: dict[str, Any], part: Arrays, materials: list[Material]) -> list[MeshPiece]:
-    """A piece of each material, with a vertex for each normal and place in the texture that a point of it has."""
+    """One piece for each material, with a vertex for each combination of point, normal and texture coordinates."""
     to_world, joints, weights = part["to_world"], *_shares(mesh["carrier"], part)
     corners, triangles = part["corners"].astype(np.int64), _triangles(part["faces"].astype(np.int64))
     found = []
@@ -122,7 +122,7 @@ def _pieces(mesh: dict[str, Any], part: Arrays, materials: list[Material]) -> li
 
 
 def _triangles(faces: IntArray) -> IntArray:
-    """(T, 4) corners and material of triangles that fan out from the first corner of each face (F, 3)."""
+    """(T, 4) corners and material of the faces (F, 3), triangulated as fans from their first corner."""
     fans = [np.empty((0, 4), np.int64)]
     for step in range(1, int(faces[:, 1].max(initial=0)) - 1):
         first, _, kind = faces[faces[:, 1] > step + 1].T
@@ -131,7 +131,7 @@ def _triangles(faces: IntArray) -> IntArray:
 
 
 def _shares(carrier: int, part: Arrays) -> tuple[IntArray, FloatArray]:
-    """Joints and weights (V, n) of the vertices; one without any goes with the nearest that has some."""
+    """Joints and weights (V, n) of the vertices; a vertex without weights takes those of the nearest one with some."""
     count = len(part["vertices"])
     if carrier >= 0:
         return np.full((count, 1), carrier), np.ones((count, 1))

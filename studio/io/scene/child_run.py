@@ -1,4 +1,4 @@
-"""Course of a child process that reads a scene: limited memory, one line on standard error where something is wrong."""
+"""Run of a child process that reads a scene: limited memory, one line on standard error for an error."""
 
 import os
 import sys
@@ -14,7 +14,7 @@ MEMORY = 3 << 30
 
 
 def run_child(main: Callable[[str, str, str], None]) -> None:
-    """Call ``main`` with the arguments of the process, which ends then without taking leave of what it has loaded."""
+    """Call ``main`` with the arguments of the process, which then exits without cleaning up its libraries."""
     code = 0
     try:
         source, target, what = sys.argv[1:]
@@ -31,7 +31,7 @@ def run_child(main: Callable[[str, str, str], None]) -> None:
 
 
 def _limit_memory(size: int) -> None:
-    """So that a file that lies about its sizes takes only this process."""
+    """Limit the memory of this process, for files with wrong sizes."""
     try:
         import resource
     except ImportError:  # Windows has no such limit; time is limited there as here

@@ -1,4 +1,4 @@
-"""Readers of scenes: a child process in which a crash, an endless loop or a lying file costs nothing."""
+"""Readers of scenes in a child process, in which a crash, an endless loop or a wrong file costs nothing."""
 
 import subprocess
 import sys
@@ -27,7 +27,7 @@ Arrays = Mapping[str, NDArray[Any]]
 
 @dataclass(frozen=True)
 class SceneReader:
-    """A kind of scene, the module that reads it in a child process, and the package that this takes."""
+    """Kind of scene, the module that reads it in a child process, and the package that it needs."""
 
     format: str
     module: str
@@ -54,7 +54,7 @@ class SceneReader:
                 raise self._refusal(path, str(error)) from error
 
     def _run(self, path: Path, target: Path, what: str, alive: Callable[[], object]) -> None:
-        """A crash, an endless loop or a cancelled import end with the child."""
+        """Run the child process; a crash, an endless loop or a cancelled import end with it."""
         try:
             seconds = _PATIENCE + path.stat().st_size / _BYTES_A_SECOND
         except OSError as error:

@@ -1,4 +1,4 @@
-"""A whole stage on its way out to one file: all performers and props on one clock, each where it stands."""
+"""Whole stage to be exported to one file: all performers and props on one clock, at their positions."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -51,7 +51,7 @@ class ExportedProp:
 
 @dataclass(frozen=True, eq=False)
 class ExportedStage:
-    """Everybody and everything on a stage, in the same ``frame_count`` frames; names are unique."""
+    """All performers and props of a stage, in the same ``frame_count`` frames; names are unique."""
 
     name: str
     takes: tuple[Take, ...]
@@ -73,8 +73,9 @@ class ExportedStage:
 def exported_stage(
     project: Project, performances: Mapping[str, Performance], options: ExportOptions, path: Path
 ) -> ExportedStage:
-    """The stage as it is written to ``path``: at its own frame rate from its first second to its last, or as
-    ``options`` say. Who begins later or ends earlier holds still meanwhile. Raises StudioError.
+    """Stage to be written to ``path``: at its own frame rate from its first second to its last, or by ``options``.
+
+    Performers hold still before their begin and after their end. Raises StudioError.
     """
     options.check(path)
     if not performances:
@@ -119,7 +120,7 @@ def exported_stage(
 
 
 def write_stage(stage: ExportedStage, path: Path, progress: Progress = lambda share, text: None) -> Format:
-    """Write a stage in the format that the suffix of ``path`` asks for, which is returned. Raises StudioError."""
+    """Write a stage in the format of the suffix of ``path``, and return that. Raises StudioError."""
     chosen = format_for(path, "stage_writer")
     chosen.write_stage(path, stage, progress)
     return chosen

@@ -1,4 +1,4 @@
-"""A character's motion on the joints of the file that it came from: their names, hierarchy, rest pose and axes."""
+"""Character's motion on the joints of its own file: their names, hierarchy, rest pose and axes."""
 
 from dataclasses import replace
 
@@ -28,12 +28,11 @@ def has_own_rig(take: Take) -> bool:
 
 
 def on_own_rig(take: Take, suffix: str) -> Take:
-    """The same motion on the character's own joints, with its skin as it hangs from them.
+    """Take on the character's own joints, with its skin bound to them.
 
-    Every joint moves with the segment of the body that it belongs to, so that its skin goes where that of the file
-    would. Fingers turn as those that the take carries along; what else a capture has beside the body is left out.
-    Files with Y up name the axes of all joints anew: so they are named here that those of the file come out in a file
-    of the kind of ``suffix``.
+    Every joint moves with its segment of the body, so that its skin deforms as that of the file would. Fingers rotate
+    like those of the take; other extra joints of a capture are left out. Files with Y up have other joint axes: these
+    are chosen so that those of the original file result in a file of the kind of ``suffix``.
     """
     character, adapted = take.character, take.adapted
     assert character is not None
@@ -95,16 +94,16 @@ def on_own_rig(take: Take, suffix: str) -> Take:
 
 
 def _below_hands(skeleton: Skeleton, body: BodyMap) -> list[int]:
-    """Joints that hang from the hands, parents first."""
+    """Descendants of the hands, parents first."""
     hands = {body[BodyPart.LEFT_HAND], body[BodyPart.RIGHT_HAND]}
     return [joint for joint in range(skeleton.joint_count) if hands & set(skeleton.path(0, joint)[:-1])]
 
 
 def _finger_turns(take: Take, rig: Skeleton, body: BodyMap, hands: FloatArray) -> dict[int, FloatArray]:
-    """(F, 3, 3) rotations from rest of each finger joint of ``rig`` that ``take`` carries, in the hand of the rig.
+    """(F, 3, 3) rotations from rest of each finger joint of ``rig`` that is in ``take``, in the hand of the rig.
 
-    ``rig`` stands as its skin is bound, with its hands turned by ``hands`` (2, 3, 3) from those of the take's
-    skeleton. Where both have a row of knuckles, these say how the hands are turned, so that fingers close on the palm.
+    ``rig`` is in its bind pose, with its hands rotated by ``hands`` (2, 3, 3) from those of the take's skeleton. If
+    both have a row of knuckles, these align the hands, so that fingers close on the palm.
     """
     source = take.skeleton
     assert take.capture.body_map is not None

@@ -1,4 +1,4 @@
-"""A TRC file as a capture."""
+"""TRC file as a capture."""
 
 from pathlib import Path
 
@@ -10,6 +10,6 @@ from studio.io.trc.reader import read_trc
 
 
 def load_trc(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
-    """The body that moves in the TRC file at ``path``, or its bare markers where nobody knows which is which."""
+    """Body solved from the markers of the TRC file at ``path``, or the markers alone if their labels are unknown."""
     file = read_trc(path, lambda share: progress(0.4 * share, f"Reading {path.name}"))
     return read_of_trial(file.trial, file.repairs, Annotations(), options, progress)

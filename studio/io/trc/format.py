@@ -1,4 +1,4 @@
-"""TRC as a format of the registry: what such a file begins with."""
+"""Registration of TRC files, and their recognition."""
 
 
 def is_trc(head: bytes) -> bool:

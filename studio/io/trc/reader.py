@@ -1,4 +1,4 @@
-"""TRC files: three lines of header, a line of marker names, and a row a frame; empty cells were not seen."""
+"""TRC files: three lines of header, a line of marker names, and a row for each frame; empty cells were not seen."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -29,14 +29,14 @@ _FARTHEST = 1e6
 
 @dataclass(frozen=True)
 class TrcFile:
-    """Content of a TRC file, in its own unit and axes, and the repairs that it took to read it."""
+    """Content of a TRC file, in its own unit and axes, and the repairs made while reading."""
 
     trial: Trial
     repairs: tuple[str, ...]
 
 
 def read_trc(path: Path, progress: Callable[[float], object] = lambda share: None) -> TrcFile:
-    """The file at ``path``; raises StudioError with file, line and what to do when it cannot be trusted."""
+    """File at ``path``; raises StudioError with file, line and what to do if it is damaged."""
     name, repairs = path.name, list[str]()
     lines = lines_of(read_bytes(path, _LARGEST))
     if len(lines) <= _NAMES_LINE:
@@ -77,7 +77,7 @@ def _header(keys: bytes, values: bytes) -> dict[str, str]:
 
 
 def _labels(name: str, line: bytes, repairs: list[str]) -> tuple[str, ...]:
-    """A name of its own for each marker; each stands over the first of its three columns."""
+    """Unique name for each marker; each is above the first of its three columns."""
     text = line.decode("utf-8-sig", "replace")
     words = [word.strip() for word in (text.split("\t") if "\t" in text else text.split())]
     found = [word for word in words[_BEFORE:] if word]
@@ -95,7 +95,7 @@ def _labels(name: str, line: bytes, repairs: list[str]) -> tuple[str, ...]:
 
 
 def _first_row(lines: list[bytes]) -> int:
-    """The line after the names from which rows stand: behind that of the axes (X1 Y1 Z1) and blank ones."""
+    """First line of the rows, after that of the axes (X1 Y1 Z1) and blank ones."""
     start = _NAMES_LINE + 1
     while start < len(lines) and (not lines[start].strip() or lines[start].lstrip()[:1].isalpha()):
         start += 1
@@ -155,7 +155,7 @@ def _filled(row: bytes, width: int) -> bytes:
 
 
 def _frame_rate(name: str, said: dict[str, str], times: FloatArray, repairs: list[str]) -> float:
-    """Frames a second as the header says, else as the column of times does; raises StudioError."""
+    """Frame rate in Hz from the header, else from the column of times; raises StudioError."""
     for key in _RATES:
         word = said.get(key, "").replace(",", ".")
         try:

@@ -1,7 +1,7 @@
-"""The child process that reads a USD file: ``python -m studio.io.usd.child IN.usd OUT.npz motion|figure|either``.
+"""Child process that reads a USD file: ``python -m studio.io.usd.child IN.usd OUT.npz motion|figure|either``.
 
 usd-core is written in C++ and the file may be anybody's, so it runs where a crash or an endless loop costs nothing. It
-hands back the same plain arrays as the child process that reads FBX.
+returns the same plain arrays as the child process that reads FBX.
 """
 
 import json
@@ -88,13 +88,13 @@ def _animation(cache: Any, skeleton: Any) -> Any:
 
 
 def _rate(stage: Any) -> float:
-    """Frames a second; where time codes are a clock, those that a program plays."""
+    """Frame rate in Hz; for time codes in a clock's unit, the playback rate."""
     codes = stage.GetTimeCodesPerSecond()
     return float(stage.GetFramesPerSecond() if codes > _CLOCK else codes)
 
 
 def _span(stage: Any, animation: Any) -> list[float]:
-    """Time codes of the frames of an animation, empty where nothing moves."""
+    """Time codes of the frames of an animation, empty without motion."""
     times = animation.GetJointTransformTimeSamples() if animation is not None else []
     if not times:
         return []
@@ -104,7 +104,7 @@ def _span(stage: Any, animation: Any) -> list[float]:
 
 
 def _rest(skeleton: Any, paths: list[str], parents: list[int]) -> FloatArray:
-    """(J, 4, 4) joints to their parents at rest, of column vectors; as they were bound where the file says no rest."""
+    """(J, 4, 4) joints to their parents at rest, of column vectors; the bind pose if the file has no rest pose."""
     rest = skeleton.GetRestTransformsAttr().Get() or ()
     if len(rest) == len(paths):
         return _columns(rest)
@@ -120,7 +120,7 @@ def _rest(skeleton: Any, paths: list[str], parents: list[int]) -> FloatArray:
 
 
 def _bind(skeleton: Any, paths: list[str]) -> FloatArray:
-    """(J, 3, 4) joints in the world as they were bound, NaN where nothing tells."""
+    """(J, 3, 4) joints in the world in the bind pose, NaN if unknown."""
     bind = skeleton.GetBindTransformsAttr().Get() or ()
     return _columns(bind)[:, :3] if len(bind) == len(paths) else np.full((len(paths), 3, 4), np.nan)
 
@@ -142,7 +142,7 @@ def _world(rest: FloatArray, parents: list[int]) -> FloatArray:
 def _motion(
     skeleton: Any, animation: Any, moments: list[float], rest: FloatArray, paths: list[str], up: str
 ) -> dict[str, FloatArray]:
-    """``frames`` (F, J, 10) and ``rest`` (J, 10): place, turn and scale of every joint in its parent."""
+    """``frames`` (F, J, 10) and ``rest`` (J, 10): position, rotation and scale of every joint in its parent."""
     from pxr import UsdGeom
 
     roots = [joint for joint, path in enumerate(paths) if "/" not in path]
@@ -183,7 +183,7 @@ def _matrix(parts: FloatArray) -> FloatArray:
 
 
 def _parts(matrix: FloatArray) -> FloatArray:
-    """Place, turn (x, y, z, w) and scale of a matrix (4, 4), as ten numbers."""
+    """Position, rotation (x, y, z, w) and scale of a matrix (4, 4), as ten numbers."""
     from pxr import Gf
 
     scale = np.linalg.norm(matrix[:3, :3], axis=0)

@@ -1,4 +1,4 @@
-"""The materials of a skin as preview surfaces of USD, their textures as pictures beside."""
+"""Materials of a skin as preview surfaces of USD, with textures as pictures beside."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -53,10 +53,7 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
 
 
 def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
-    """Write everybody and everything of a stage on one clock where it stands, below one prim.
-
-    As ``write_take``.
-    """
+    """Write all performers and props of a stage on one clock at their positions, below one prim. As ``write_take``."""
 
     def fill(made: Any) -> dict[str, bytes]:
         from pxr import UsdGeom
@@ -188,7 +185,7 @@ def _put_camera(stage: Any, camera: SavedCamera, path: str) -> None:
 
 
 def _joint_paths(skeleton: Skeleton) -> list[str]:
-    """``Hips``, ``Hips/Spine`` ...: parents stand in the names of their children."""
+    """Paths ``Hips``, ``Hips/Spine`` ..., with the names of parents before those of their children."""
     paths: list[str] = []
     for name, parent in zip(identifiers(list(skeleton.names)), skeleton.parents.tolist(), strict=True):
         paths.append(f"{paths[parent]}/{name}" if parent >= 0 else name)

@@ -1,24 +1,24 @@
-"""The form of a behaviour: its name, where it begins, and who plays it."""
+"""Form of a behaviour: its name, its start state, and its performers."""
 
-from PySide6.QtWidgets import QLineEdit, QListWidget
+from PySide6.QtWidgets import QListWidget
 
 from studio.core.errors import StudioError
 from studio.core.stage.behaviour import Behaviour
 from studio.document.behaviour_commands import make_own, state_key
 from studio.document.document import Document
+from studio.document.mnemonics import literal
 from studio.engine.live_interface import Live
-from studio.panels.editor import Editor
+from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import ROW_HEIGHT, Choice, Section, labelled, press_button
 
 
 class BehaviourEditor(Editor[Behaviour]):
-    """A behaviour as a whole; its states are listed for who works without a mouse."""
+    """Form of a whole behaviour; its states are listed for use without a mouse."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Behaviour")
-        self._name = QLineEdit()
-        self._name.editingFinished.connect(self._rename)
+        self._name = EntityNameField(self)
         section.add_row("Name", self._name)
         self._start = Choice("Start state", ())
         self._start.value_chosen.connect(lambda name: self.change(f"Begin in {name}", start=name))
@@ -43,7 +43,7 @@ class BehaviourEditor(Editor[Behaviour]):
         self.finish()
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """It names performers."""
+        """True also for performers, which the form names."""
         return super().concerns(collection, entity_id) or collection == "performers"
 
     def refresh(self) -> None:
@@ -51,8 +51,7 @@ class BehaviourEditor(Editor[Behaviour]):
         behaviour: Behaviour | None = self.entity
         if behaviour is None:
             return
-        if not self._name.hasFocus() or not self._name.isModified():
-            self._name.setText(behaviour.name)
+        self._name.show_name()
         names = [each.name for each in behaviour.states]
         self._start.offer([(name, name) for name in names])
         self._start.show_value(behaviour.start)
@@ -64,17 +63,11 @@ class BehaviourEditor(Editor[Behaviour]):
         self._players.setText("\n".join(roles) or "nobody yet")
         active = self.document.active_performer_id or ""
         self._own.setVisible(len(behaviour.cast) > 1 and behaviour.role_of(active) is not None)
-        self._own.setText(f"Make it {called[active]}'s own" if active else "")
+        self._own.setText(literal(f"Make it {called[active]}'s own") if active else "")
         if names != [self._states.item(row).text() for row in range(self._states.count())]:
             self._states.clear()
             self._states.addItems(names)
             self._states.setFixedHeight(ROW_HEIGHT * len(names) + 4)
-
-    def _rename(self) -> None:
-        name = self._name.text().strip()
-        self._name.setModified(False)
-        if self.entity is not None and name and name != self.entity.name:
-            self.change(f"Rename {self.entity.name}", name=name)
 
     def _make_own(self) -> None:
         performer_id = self.document.active_performer_id or ""

@@ -66,7 +66,7 @@ class ConditionSection(Section):
                 self._add_name(condition)
 
     def show_condition(self, condition: Condition, project: Project) -> None:
-        """Show what the document says; it is of the kind that this was made for."""
+        """Show a condition of the document, of the kind for which this section was made."""
         self._condition = condition
         self._kind.show_value(kind_of(condition))
         match condition:

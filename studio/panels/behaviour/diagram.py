@@ -1,4 +1,4 @@
-"""The diagram of a behaviour: boxes are dragged, arrows drawn from their edges; every change is an undo step."""
+"""Diagram of a behaviour: boxes are dragged, arrows drawn from their edges; every change is an undo step."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -14,6 +14,7 @@ from studio.core.stage.project import Project
 from studio.document import colours
 from studio.document.behaviour_commands import BehaviourEdit, edit_behaviour, state_key, transition_key
 from studio.document.document import Document
+from studio.document.mnemonics import literal
 from studio.document.selection import Item
 from studio.panels.behaviour import diagram_drags
 from studio.panels.behaviour.diagram_items import Arrow, Box, StateItem, TransitionItem, bow_of
@@ -26,7 +27,7 @@ DIAGRAM_MARGIN = 16.0
 
 
 class Diagram(QGraphicsView):
-    """Shows one behaviour and keeps no copy of it."""
+    """View of one behaviour that keeps no copy of it."""
 
     def __init__(self, document: Document) -> None:
         super().__init__()
@@ -53,7 +54,7 @@ class Diagram(QGraphicsView):
 
     @property
     def behaviour(self) -> Behaviour | None:
-        """The behaviour as it is now."""
+        """Behaviour in the present project."""
         return self.document.project.behaviours.get(self.behaviour_id)
 
     def show_behaviour(self, behaviour_id: str) -> None:
@@ -131,7 +132,7 @@ class Diagram(QGraphicsView):
         document.selection.set(*bodies, *(items or [("behaviours", self.behaviour_id)]))
 
     def rename(self, name: str) -> None:
-        """Let a state's name be typed in its box, if there is one."""
+        """Edit a state's name in its box, if there is one."""
         self._end_renaming()
         if name not in self.states:
             return
@@ -272,7 +273,7 @@ class Diagram(QGraphicsView):
             self.select(item)
         menu = QMenu(self)
         for text, run in self._choices(place):
-            menu.addAction(text).triggered.connect(lambda _=False, run=run: run())
+            menu.addAction(literal(text)).triggered.connect(lambda _=False, run=run: run())
         menu.exec(event.globalPos())
 
     def _choices(self, place: QPointF) -> list[tuple[str, Callable[[], object]]]:
@@ -372,5 +373,5 @@ class Diagram(QGraphicsView):
 
 
 def colour_of(project: Project, performer_id: str) -> str:
-    """The colour of a performer's character."""
+    """Colour of a performer's character."""
     return project.characters[project.performers[performer_id].character_id].colour

@@ -51,7 +51,7 @@ class DiagramGesture:
 
 
 def begun(view: Diagram, event: QMouseEvent, place: QPointF) -> DiagramGesture | None:
-    """Gesture that a press at ``place`` begins."""
+    """Gesture for a press at ``place``."""
     left = event.button() is Qt.MouseButton.LeftButton
     alt = bool(event.modifiers() & Qt.KeyboardModifier.AltModifier)
     if event.button() is Qt.MouseButton.MiddleButton or (left and alt):
@@ -81,7 +81,7 @@ class Moving(DiagramGesture):
         self._number = view.document.new_gesture()
 
     def drag(self, event: QMouseEvent) -> None:
-        """Put them there; as far as the mouse has gone."""
+        """Move the states by the mouse's displacement."""
         way = self.now - self.begin
         selection, behaviour_id = self.view.document.selection, self.view.behaviour_id
         names = {e.name for e in self._before.states if ("states", state_key(behaviour_id, e.name)) in selection}
@@ -103,14 +103,16 @@ class Moving(DiagramGesture):
 
 
 class Connecting(DiagramGesture):
-    """Draw an arrow from a box: released on another box it makes a transition, on empty ground one to a new state."""
+    """Drag of an arrow from a box: released on another box it makes a transition, on empty ground one
+    to a new state.
+    """
 
     def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF, source: StateItem) -> None:
         super().__init__(view, event, place)
         self._source = source.box.name
 
     def release(self, event: QMouseEvent, place: QPointF) -> None:
-        """Make the transition; a click on the rim, or back on the box, only selects."""
+        """Add the transition; a click on the rim, or a release on the same box, only selects."""
         target = self.view.state_at(place)
         if not self.dragged or (target is not None and target.box.name == self._source):
             self.view.select(("states", state_key(self.view.behaviour_id, self._source)))
@@ -139,7 +141,7 @@ class Connecting(DiagramGesture):
 
 
 class Framing(DiagramGesture):
-    """A rectangle that selects the states in it; a click selects the whole behaviour."""
+    """Selection rectangle for states; a click selects the whole behaviour."""
 
     def release(self, event: QMouseEvent, place: QPointF) -> None:
         """Select the states in the rectangle."""

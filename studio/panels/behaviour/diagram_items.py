@@ -25,7 +25,7 @@ GLOW = 4
 
 
 def font(pixels: int, bold: bool = False) -> QFont:
-    """The application's type in a size."""
+    """Application's font in a size."""
     made = QFont()
     made.setPixelSize(pixels)
     if bold:
@@ -35,7 +35,7 @@ def font(pixels: int, bold: bool = False) -> QFont:
 
 @dataclass(frozen=True)
 class Box:
-    """A state as it is shown: ``lit`` is the colour of the performer that is in it, ``dots`` those of others."""
+    """State as shown: ``lit`` is the colour of the performer that is in it, ``dots`` those of others."""
 
     name: str
     plays: str
@@ -58,7 +58,7 @@ class Box:
 
 
 class StateItem(QGraphicsItem):
-    """The box of a state; ``ready`` shows the rim that an arrow can be drawn from."""
+    """Box of a state; ``ready`` shows the rim from which an arrow can be drawn."""
 
     def __init__(self, box: Box) -> None:
         super().__init__()
@@ -139,7 +139,7 @@ class Arrow:
 
 
 class TransitionItem(QGraphicsItem):
-    """Arrow of a transition; its ``words`` show the conditions, above all arrows."""
+    """Arrow of a transition; its label is a ``WordsItem`` above all arrows."""
 
     def __init__(self, arrow: Arrow) -> None:
         super().__init__()
@@ -208,7 +208,7 @@ def bow_of(order: int, returns: bool) -> float:
 
 
 def towards(rect: QRectF, place: QPointF) -> QPointF:
-    """Point at which the line from the middle of a box to a place leaves the box."""
+    """Point at which the line from the centre of a box to a position leaves the box."""
     centre = rect.center()
     dx, dy = place.x() - centre.x(), place.y() - centre.y()
     share = max(abs(dx) / (rect.width() / 2 + 2.0), abs(dy) / (rect.height() / 2 + 2.0), 1e-6)

@@ -55,7 +55,7 @@ class MannerSection(Section):
                 self._add_times()
 
     def show_manner(self, manner: Manner, project: Project) -> None:
-        """Show what the document says; it is of the kind that this was made for."""
+        """Show a manner of the document, of the kind for which this section was made."""
         self._manner = manner
         self._whom.show_whom(manner.whom, project, with_point=not isinstance(manner, KeepDistance))
         for name, field in self._numbers.items():
@@ -65,7 +65,7 @@ class MannerSection(Section):
         if isinstance(manner, KeepDistance):
             self._legs.show_value(manner.legs)
             for field in self._numbers.values():
-                field.setSuffix(f" {manner.gap.unit}")
+                field.set_unit(manner.gap.unit)
         if isinstance(manner, Meet):
             whole = manner.activation == WHOLE_CLIP
             with QSignalBlocker(self._always):

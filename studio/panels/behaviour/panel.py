@@ -19,7 +19,7 @@ NO_BEHAVIOUR_HINT = (
 
 
 class BehaviourPanel(QWidget):
-    """``wanted`` asks for a ready-made behaviour, by its id."""
+    """Panel of behaviours; ``wanted`` requests a ready-made behaviour, by its id."""
 
     action_requested = Signal(str)
 
@@ -53,7 +53,7 @@ class BehaviourPanel(QWidget):
             self.diagram.refresh()
 
     def refresh(self) -> None:
-        """Show the behaviour that is worked on, and who plays it."""
+        """Show the current behaviour, and its performers."""
         project, performer_id = self.document.project, self.document.active_performer_id
         behaviour_id = shown_behaviour(self.document) or ""
         performer = project.performers.get(performer_id or "")

@@ -18,16 +18,16 @@ PartT_co = TypeVar("PartT_co", State, Transition, covariant=True)
 
 
 class PartEditor(Editor[PartT_co], Generic[PartT_co]):
-    """The form of a part of a behaviour."""
+    """Form of a part of a behaviour."""
 
     @property
     def behaviour_id(self) -> str:
-        """The behaviour that it is a part of; an empty id once it is gone."""
+        """Id of its behaviour; empty if it was deleted."""
         return behaviour_with(self.document.project, self.collection, self.entity_id) or ""
 
     @property
     def behaviour(self) -> Behaviour:
-        """The behaviour as it is now."""
+        """Behaviour in the present project."""
         return self.document.project.behaviours[self.behaviour_id]
 
     def edit(self, edit: BehaviourEdit, text: str) -> bool:
@@ -41,26 +41,26 @@ class PartEditor(Editor[PartT_co], Generic[PartT_co]):
         return True
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """Behaviours name performers, props and motions."""
+        """True for performers, props and motions, which behaviours name."""
         return collection in ("behaviours", "performers", "props", "motions")
 
 
 class PointChoice(Choice):
-    """A point of a body; one without a name of its own is added when it is shown."""
+    """Choice of a point of a body; a point without a name is added when it is shown."""
 
     def __init__(self, name: str, put: Callable[[BodyPoint], None]) -> None:
         super().__init__(name, point_choices())
         self.value_chosen.connect(put)
 
     def show_point(self, point: BodyPoint) -> None:
-        """Show the value that the document has."""
+        """Show the document's value."""
         if not self.offers(point):
             self.add(point, point_name(point).capitalize())
         self.show_value(point)
 
 
 class WhomRows:
-    """Rows that say whom something is about, and which point of it; ``put`` takes what the user chooses."""
+    """Rows for a target and its point; ``put`` is called with the user's choice."""
 
     def __init__(self, section: Section, label: str, put: Callable[[Whom], None]) -> None:
         self._whom: Whom = FollowPartner()
@@ -72,7 +72,7 @@ class WhomRows:
         self._caption = section.add_row("Point followed", self._point)
 
     def show_whom(self, whom: Whom, project: Project, with_point: bool = True) -> None:
-        """Show what the document says; a prop has no points, nor has what is measured over the ground."""
+        """Show the document's values; props, and horizontal distances, have no points."""
         self._whom = whom
         point = getattr(whom, "point", PELVIS_POINT)
         choices: list[tuple[object, str]] = [(("partner", ""), "Partner")]

@@ -125,7 +125,7 @@ class StateEditor(PartEditor[State]):
             self._box.addWidget(section)
 
     def _clips(self) -> dict[object, str]:
-        """Names of all that a state can play: nothing, each whole motion, and each clip of the project."""
+        """Names of everything that a state can play: nothing, each whole motion, and each clip of the project."""
         project = self.document.project
         found: dict[object, str] = {None: "Nothing: holds its pose"}
         for key, motion in project.motions.items():

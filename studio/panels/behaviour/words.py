@@ -16,6 +16,7 @@ from studio.core.stage.conditions import (
 from studio.core.stage.manners import ARM_POINT, FIST_POINT, HEAD_POINT, KeepDistance, LeanAway, Manner
 from studio.core.stage.project import Project
 from studio.core.stage.whom import FollowPartner, Whom
+from studio.document.length_units import length_text
 from studio.engine.point_names import POINT_NAMES, point_words
 
 LEFT_FIST = BodyPoint(BodyPart.LEFT_HAND, FIST_POINT.offset)
@@ -33,7 +34,7 @@ _WAYS = (("behind", "ahead of"), ("right of", "left of"), ("below", "above"))
 
 
 def point_name(point: BodyPoint) -> str:
-    """``right fist``, ``left wrist``, ``a point 0.9 m above the pelvis``."""
+    """``right fist``, ``left wrist``, ``a point 0.90 m above the pelvis``."""
     return NAMED.get(point) or (_offset_words(point) if any(point.offset) else point_words(point))
 
 
@@ -41,17 +42,17 @@ def _offset_words(point: BodyPoint) -> str:
     """Distance of a point from a joint, and on the trunk its direction, in words."""
     axis = max(range(3), key=lambda place: abs(point.offset[place]))
     way = _WAYS[axis][point.offset[axis] > 0.0] if point.part in _UPRIGHT else "off"
-    return f"a point {math.hypot(*point.offset):.2g} m {way} the {point_words(point)}"
+    return f"a point {length_text(math.hypot(*point.offset), 'm', 2)} {way} the {point_words(point)}"
 
 
 def point_choices() -> list[tuple[BodyPoint, str]]:
-    """Every point that has a name, those of fights first."""
+    """All named points, those of fights first."""
     joints = {BodyPoint(part, at_end=at_end): name for (part, at_end), name in POINT_NAMES.items()}
     return [(point, name.capitalize()) for point, name in {**NAMED, **joints}.items()]
 
 
 def whom_name(whom: Whom, project: Project) -> str:
-    """Name of the partner, performer or prop that is meant."""
+    """Name of the target: the partner, a performer or a prop."""
     match whom:
         case FollowPartner():
             return "partner"
@@ -87,7 +88,7 @@ def manner_words(manner: Manner, project: Project) -> str:
         case KeepDistance():
             return f"keeps {manner.distance:.2f} {manner.gap.unit} from {whom}"
         case LeanAway():
-            return f"leans {manner.metres:.2f} m from {_point_of(manner.whom)}"
+            return f"leans {length_text(manner.metres, 'm', 2)} from {_point_of(manner.whom)}"
     return f"{point_name(manner.point)} meets {_point_of(manner.whom)}"
 
 

@@ -12,7 +12,7 @@ LONGEST_ACTIVATION = 3600.0
 
 
 class ActivationSection(Section):
-    """Four times as people think of them: from, to, ease in, ease out."""
+    """Activation as start, end, fade in and fade out."""
 
     def __init__(self, editor: Editor[Constraint]) -> None:
         super().__init__("Activation")
@@ -32,7 +32,7 @@ class ActivationSection(Section):
         return NumberField(name, "", 0.0, LONGEST_ACTIVATION, step, 3)
 
     def refresh(self) -> None:
-        """Fetch the curve."""
+        """Update the curve."""
         curve = self._editor.entity.activation
         self._start.show_value(curve.start)
         self._end.show_value(curve.end)

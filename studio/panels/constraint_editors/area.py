@@ -1,4 +1,4 @@
-"""The form of a restricted area: its shape, place and size, and which side is allowed."""
+"""Form of a restricted area: its shape, position and size, and the allowed side."""
 
 import math
 
@@ -20,22 +20,22 @@ SHAPE_CHOICES = (
 MESH_CHOICE = (AreaShape.MESH, "Mesh")
 """Offered where one is loaded: it comes from a file."""
 SIZE_FIELDS = {
-    AreaShape.SPHERE: ("Diameter  m", (True, False, False)),
-    AreaShape.CYLINDER: ("Width, height", (True, False, True)),
-    AreaShape.HALF_SPACE: ("Normal", (True, True, True)),
-    AreaShape.MESH: ("", (False, False, False)),
+    AreaShape.SPHERE: ("Diameter", "m", (True, False, False)),
+    AreaShape.CYLINDER: ("Width, height", "m", (True, False, True)),
+    AreaShape.HALF_SPACE: ("Normal", "", (True, True, True)),
+    AreaShape.MESH: ("", "", (False, False, False)),
 }
-"""Caption of a size's three numbers, and a flag for each that is used, by shape; other shapes have a box's edges."""
+"""Caption and unit of a size's three numbers, and which of them are used, by shape; other shapes have a box's edges."""
 TURNED = (AreaShape.TABLE, AreaShape.BOX, AreaShape.MESH)
 LEAST_AREA_SIZE = 0.001
 AREA_UP, METRE_SIZE = (0.0, 0.0, 1.0), (1.0, 1.0, 1.0)
 
 
 class AreaEditor(ConstraintEditor[AreaConstraint]):
-    """Only the numbers that the shape uses are shown."""
+    """Form of an area; only the numbers of its shape are shown."""
 
     def add_kind_rows(self, section: Section) -> None:
-        """Shape, side, centre, size, heading."""
+        """Add the rows of shape, side, centre, size and heading."""
         self._shape = Choice("Shape", SHAPE_CHOICES)
         self._shape.value_chosen.connect(self._set_shape)
         section.add_row("Shape", self._shape)
@@ -49,6 +49,8 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         self._source = TargetRows(self, section, "centre")
         self._centre = VectorRow(self, section, "Centre", self._set_centre)
         self._size = VectorRow(self, section, "Size", self._set_size)
+        self._margin = self.bind(NumberField("Margin", "m", 0.0, 10.0, 0.01, 3), self._set_margin)
+        self._margin_caption = section.add_row("Margin", self._margin)
         self._heading = self.bind(NumberField("Heading", "°", -360.0, 360.0, 1.0, 1), self._set_heading)
         self._direction = NumberRows(self, section, "heading")
         self._heading_caption = section.add_row("Heading", self._heading, self._direction.keyed)
@@ -65,11 +67,14 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         self._side.show_value("on" if area.on_surface else "inside" if area.inside else "outside")
         self._whole.setChecked(area.whole)
         self._whole.setEnabled(not (area.inside or area.on_surface))
-        words, used = SIZE_FIELDS.get(area.shape, ("Size  m", (True, True, True)))
-        self._size.caption.setText(words)
+        words, unit, used = SIZE_FIELDS.get(area.shape, ("Size", "m", (True, True, True)))
+        self._size.set_unit(words, unit)
         self._size.set_least(-1.0 if area.shape is AreaShape.HALF_SPACE else LEAST_AREA_SIZE)
         self._size.show_values(area.size)
         self._size.set_visible(*used)
+        self._margin.show_value(area.margin)
+        for widget in (self._margin, self._margin_caption):
+            widget.setVisible(not (area.inside or area.on_surface))
 
     def refresh_moment(self) -> None:
         """Update the rows that depend on the playhead."""
@@ -93,14 +98,17 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         self._set("Choose points of", whole=whole)
 
     def _set_side(self, side: str) -> None:
-        whole = self.entity.whole and side == "outside"
-        self._set("Choose side of", inside=side == "inside", on_surface=side == "on", whole=whole)
+        outside: dict[str, object] = {} if side == "outside" else {"whole": False, "margin": 0.0}
+        self._set("Choose side of", inside=side == "inside", on_surface=side == "on", **outside)
+
+    def _set_margin(self, metres: float) -> None:
+        self._set("Set margin of", margin=metres)
 
     def _set_size(self, size: tuple[float, ...]) -> None:
         self._set("Resize", size=size)
 
     def _set_shape(self, shape: AreaShape) -> None:
-        """A half-space has a direction where the others have a size."""
+        """Set the shape; a half-space has a direction in place of a size."""
         old = self.entity.shape
         size = self.entity.size
         if shape is not old and AreaShape.HALF_SPACE in (shape, old):

@@ -15,12 +15,12 @@ WIDEST_MARGIN = 10.0
 
 
 class BalanceEditor(ConstraintEditor[BalanceConstraint]):
-    """The motion's own place, a given one, or the soles that stand."""
+    """Form of a balance: over the motion's own centre of mass, a position, or the support polygon."""
 
     has_point = False
 
     def add_kind_rows(self, section: Section) -> None:
-        """Over what, the place if it is given, the margin of a support, whether its height counts."""
+        """Add the rows of the target, its position, the margin of a support, and the height."""
         self._mode = Segments(
             "Centre of mass", [(OWN_BALANCE, "Source path"), (PLACE_BALANCE, "Target"), (SUPPORT_BALANCE, "Support")]
         )
@@ -31,7 +31,7 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
         self._margin = self.bind(NumberField("Margin", "cm", 0.0, WIDEST_MARGIN, 0.5, 1), self._set_margin)
         self._margin_caption = section.add_row("Margin", self._margin)
         self._vertical = QCheckBox("its height too")
-        self._vertical.setAccessibleName("The height of the centre of mass is asked too")
+        self._vertical.setAccessibleName("Constrain the height of the centre of mass too")
         self._vertical.clicked.connect(self._set_vertical)
         section.add_row("Holds", self._vertical)
 
@@ -53,7 +53,7 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
         self._vertical.setChecked(self.entity.vertical)
 
     def _set_mode(self, mode: str) -> None:
-        """A given place begins where the active body's centre of mass is now."""
+        """Set the target; a position begins at the active body's present centre of mass."""
         now = (mass_now(self) or (0.0, 0.0, 0.0))[:2]
         place = {OWN_BALANCE: None, PLACE_BALANCE: now, SUPPORT_BALANCE: Support()}[mode]
         self.change(f"Choose place of {self.entity.name}", place=place)

@@ -1,4 +1,4 @@
-"""A body drawn from behind, whose segments can be clicked; its own left is the picture's left."""
+"""Body drawn from behind, with clickable segments; its own left is the picture's left."""
 
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Signal
 from PySide6.QtGui import QColor, QHelpEvent, QMouseEvent, QPainter, QPaintEvent
@@ -34,7 +34,7 @@ SEGMENT_SHAPES: dict[BodyPart, QRectF] = {
 
 
 def _place(point: BodyPoint, shape: QRectF) -> QPointF:
-    """Limbs hang down from their joints, the trunk stands up from them."""
+    """Shape at its joint: limbs hang down, the trunk stands up."""
     rises = point.part in (BodyPart.PELVIS, BodyPart.ABDOMEN, BodyPart.THORAX, BodyPart.NECK, BodyPart.HEAD)
     return QPointF(shape.center().x(), shape.top() if point.at_end == rises else shape.bottom())
 
@@ -57,20 +57,20 @@ class BodyFigure(QWidget):
         return QSize(round(SCALE * BODY_FIGURE_WIDTH), round(SCALE * BODY_FIGURE_HEIGHT))
 
     def show_weights(self, weights: dict[BodyPart, float], point: BodyPoint | None = None) -> None:
-        """Weights from 0 (locked) to 1 (free) by segment, and the point that is constrained."""
+        """Show weights from 0 (locked) to 1 (free) by segment, and the constrained point."""
         self._weights = weights
         shape = None if point is None else SEGMENT_SHAPES.get(point.part)
         self._point = None if point is None or shape is None else _place(point, shape)
         self.update()
 
     def tip(self, part: BodyPart | None) -> str:
-        """Tool tip of a segment, or of the figure beside all of them."""
+        """Tool tip of a segment, or of the whole figure."""
         if part is None:
             return "Click segments to lock or free them."
         return f"{part.label} {'moves' if self._weights[part] > 0.0 else 'is locked'}. Click to change."
 
     def part_at(self, place: QPointF) -> BodyPart | None:
-        """The segment under a point of the widget, if it can be clicked."""
+        """Segment under a point of the widget, if it can be clicked."""
         place = place / SCALE
         grown = ((part, shape.adjusted(-2, -2, 2, 2)) for part, shape in SEGMENT_SHAPES.items())
         return next((part for part, shape in grown if shape.contains(place) and part in self._weights), None)

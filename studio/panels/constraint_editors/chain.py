@@ -29,7 +29,7 @@ def link_words(point: BodyPart) -> dict[str, str]:
 
 
 def link_parts(constraint: Constraint) -> dict[str, tuple[BodyPart, ...]]:
-    """The segments of each link that counts for a constraint."""
+    """Segments of each link that are used by a constraint."""
     side, _, bone = constraint.point.part.value.partition("_")
     links: dict[str, tuple[BodyPart, ...]] = {"trunk": TRUNK_SEGMENTS, "root": (BodyPart.PELVIS,)}
     if bone in ("clavicle", "upper_arm", "forearm", "hand"):
@@ -53,7 +53,7 @@ def _both(*bones: str) -> tuple[BodyPart, ...]:
 
 
 class ChainSection(Section):
-    """Click a segment to lock or free it; the numbers beside say how freely it moves."""
+    """Figure whose segments are locked or freed by a click, with their weights beside it."""
 
     def __init__(self, editor: Editor[Constraint]) -> None:
         super().__init__("Chain")
@@ -87,7 +87,7 @@ class ChainSection(Section):
         return grid
 
     def refresh(self) -> None:
-        """Fetch weights and names."""
+        """Update weights and names."""
         constraint = self._editor.entity
         part, chain = constraint.point.part, constraint.chain
         parts = link_parts(constraint)

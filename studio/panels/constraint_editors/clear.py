@@ -10,7 +10,7 @@ ARM_CHOICES = ((Arms.BOTH, "Both"), (Arms.LEFT, "Left"), (Arms.RIGHT, "Right"))
 
 
 class ClearEditor(ConstraintEditor[ClearConstraint]):
-    """No point and no chain: it is about whole arms and moves nothing else."""
+    """Form without point and chain, since whole arms are constrained and nothing else moves."""
 
     has_point = has_chain = False
     kind_words = "keep clear"
@@ -21,7 +21,7 @@ class ClearEditor(ConstraintEditor[ClearConstraint]):
         self._arms.value_chosen.connect(lambda arms: self.change(f"Choose arms of {self.entity.name}", arms=arms))
         section.add_row("Arms", self._arms)
         self._margin = self.bind(NumberField("Margin", "cm", 0.0, 50.0, 0.5, 1), self._set_margin)
-        self._margin.setToolTip("Room that is left even where the actor touches its body, as for thick clothes")
+        self._margin.setToolTip("Distance kept even where the actor touches its body, as for thick clothes")
         section.add_row("Margin", self._margin)
         self._gives = Segments("May move", [(True, "Wrist, elbow"), (False, "Elbow")])
         self._gives.value_chosen.connect(self._set_gives)
@@ -42,4 +42,4 @@ class ClearEditor(ConstraintEditor[ClearConstraint]):
 
     def _set_gives(self, wrist: bool) -> None:
         chain = replace(self.entity.chain, limb=float(wrist))
-        self.change(f"Choose what gives way for {self.entity.name}", chain=chain)
+        self.change(f"Choose movable parts for {self.entity.name}", chain=chain)

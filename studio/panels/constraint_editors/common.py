@@ -4,7 +4,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Generic, TypeVar
 
-from PySide6.QtWidgets import QCheckBox, QLineEdit
+from PySide6.QtWidgets import QCheckBox
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Constraint
@@ -17,8 +17,8 @@ from studio.panels.constraint_editors.activation import ActivationSection
 from studio.panels.constraint_editors.chain import ChainSection
 from studio.panels.constraint_editors.priority import PrioritySection
 from studio.panels.constraint_editors.worst_residuals import ResidualSection
-from studio.panels.editor import Editor
-from studio.panels.fields import Choice, NumberField, Section
+from studio.panels.editor import Editor, EntityNameField
+from studio.panels.fields import Choice, NumberField, Section, with_unit
 from studio.panels.scope_row import ScopeRow
 
 CENTIMETRE = 0.01
@@ -33,7 +33,7 @@ ConstraintT_co = TypeVar("ConstraintT_co", bound=Constraint, covariant=True)
 
 
 class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
-    """A constraint of any kind; a kind adds its own rows in ``add_kind_rows``."""
+    """Form of a constraint of any kind; a kind adds its own rows in ``add_kind_rows``."""
 
     has_point = True
     """True if the kind has a point; otherwise the rows of the point are not shown."""
@@ -68,8 +68,7 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
         self._enabled.setAccessibleName("Constraint is on")
         self._enabled.toggled.connect(self._set_enabled)
         self._section.head.addWidget(self._enabled)
-        self._name = QLineEdit()
-        self._name.editingFinished.connect(self._rename)
+        self._name = EntityNameField(self)
         self._section.add_row("Name", self._name)
 
     def _add_point(self) -> None:
@@ -79,12 +78,12 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
         caption = self._section.add_row("Point", self._point)
         self._offset = [
             self.bind(
-                NumberField(f"Offset {axis}", "", -100.0, 100.0, 0.5, 1),
+                NumberField(f"Offset {axis}", "cm", -100.0, 100.0, 0.5, 1, suffix=False),
                 partial(self._set_offset, k),
             )
             for k, axis in enumerate("XYZ")
         ]
-        offset_caption = self._section.add_row("Offset  cm", *self._offset)
+        offset_caption = self._section.add_row(with_unit("Offset", "cm"), *self._offset)
         if not self.has_point:
             for widget in (caption, self._point, offset_caption, *self._offset):
                 widget.hide()
@@ -99,8 +98,7 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
         together = [self.document.project.constraints[key] for key in self.together]
         self._enabled.setText("on" if len({each.enabled for each in together}) == 1 else "on (mixed)")
         self._enabled.blockSignals(False)
-        if not self._name.hasFocus() or not self._name.isModified():
-            self._name.setText(constraint.name)
+        self._name.show_name()
         self._scope.refresh()
         self._show_point(constraint.point)
         for field, value in zip(self._offset, constraint.point.offset, strict=True):
@@ -110,14 +108,16 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
         self.refresh_moment()
 
     def refresh_moment(self) -> None:
-        """Fetch what is another at another time: targets that are keyed or follow something."""
+        """Update the values that change over time: targets that are keyed or follow an object."""
 
     def _playhead_moved(self, _: float) -> None:
         if self.entity is not None and is_moving(self.entity):
             self.refresh_moment()
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """Priorities are an order among all constraints; residuals name the performers, targets the props."""
+        """True also for other constraints, whose priorities are an order, performers, which residuals name, and props,
+        which targets name.
+        """
         return collection in ("constraints", "performers", "characters", "props")
 
     def _show_point(self, point: BodyPoint) -> None:
@@ -125,14 +125,8 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
             self._point.add((point.part, point.at_end), point_words(point).capitalize())
         self._point.show_value((point.part, point.at_end))
 
-    def _rename(self) -> None:
-        name = self._name.text().strip()
-        if name and name != self.entity.name:
-            self.change(f"Rename {self.entity.name}", name=name)
-        self._name.setModified(False)
-
     def _ask(self, scope: Scope) -> None:
-        self.change(f"Ask {self.entity.name} of others", scope=scope)
+        self.change(f"Change scope of {self.entity.name}", scope=scope)
 
     def _set_enabled(self, enabled: bool) -> None:
         self.change(f"Turn {'on' if enabled else 'off'} {self.entity.name}", enabled=enabled)

@@ -1,4 +1,4 @@
-"""Row of a form: the largest angle by which an axis may leave its direction."""
+"""Form row for the largest angle by which an axis may leave its direction."""
 
 import math
 
@@ -12,7 +12,7 @@ CONE_LABEL = "Max. angle"
 
 
 class ConeRow:
-    """The field ``cone`` of a constraint, in degrees; 0 holds the axis exactly."""
+    """Field ``cone`` of a constraint, in degrees; 0 keeps the axis exactly."""
 
     def __init__(self, editor: Editor[ParallelConstraint | UprightConstraint], section: Section, tip: str) -> None:
         self._editor = editor

@@ -14,10 +14,10 @@ OUTSIDE = None
 
 
 class DistanceEditor(ConstraintEditor[DistanceConstraint]):
-    """Metres, and the other end: a point of the body or a place outside."""
+    """Metres, and the other end: a point of the body or a fixed position."""
 
     def add_kind_rows(self, section: Section) -> None:
-        """Distance, other end, and the place if it is outside."""
+        """Add the rows of the distance, the other end, and its position if it is fixed."""
         self._distance = self.bind(NumberField("Distance", "m", 0.0, VECTOR_LIMIT, 0.005, 3), self._set_distance)
         self._length = NumberRows(self, section, "distance")
         section.add_row("Distance", self._distance, self._length.keyed)
@@ -52,7 +52,7 @@ class DistanceEditor(ConstraintEditor[DistanceConstraint]):
         self._source.put(place, f"Move place of {self.entity.name}")
 
     def _set_other(self, choice: tuple[BodyPart, bool] | None) -> None:
-        """A place outside begins where the other end was."""
+        """Set the other end; a fixed position begins at the former one."""
         other: object = None
         if choice is not None:
             other = BodyPoint(choice[0], at_end=choice[1])

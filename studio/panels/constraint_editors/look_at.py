@@ -4,4 +4,4 @@ from studio.panels.constraint_editors.position import PositionEditor
 
 
 class LookAtEditor(PositionEditor):
-    """The place that is looked at, in metres, as a position's target."""
+    """Position of the gaze target in metres, as for a position constraint."""

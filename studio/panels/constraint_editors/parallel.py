@@ -13,7 +13,7 @@ from studio.panels.fields import Choice, Section, labelled
 
 
 class ParallelEditor(ConstraintEditor[ParallelConstraint]):
-    """A segment, an axis of each, and a cone in degrees."""
+    """Other segment, an axis of each, and a cone in degrees."""
 
     def add_kind_rows(self, section: Section) -> None:
         """Add the rows, and a button that takes the other axis from the pose at the playhead."""

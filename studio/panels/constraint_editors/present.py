@@ -1,4 +1,4 @@
-"""Pose of the active body at the playhead, from which a new target of a constraint begins."""
+"""Pose of the active body at the playhead, from which new targets of a constraint are made."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from studio.panels.editor import Editor
 
 
 def moment_now(editor: Editor[Constraint]) -> TargetContext | None:
-    """The active performer at the playhead, among all others; None while nobody performs."""
+    """Active performer at the playhead, among all others; None without performers."""
     document = editor.document
     posed = posed_performers(document.project, editor.live.result, document.playhead.time)
     pose = posed.get(document.active_performer_id or "")
@@ -18,7 +18,7 @@ def moment_now(editor: Editor[Constraint]) -> TargetContext | None:
 
 
 def place_now(editor: Editor[Constraint], point: BodyPoint) -> Vector | None:
-    """Position of a point of the body, metres in the motion's space; None while nobody performs."""
+    """Position of a point of the body, metres in the motion's space; None without performers."""
     from studio.core.solver.adapt import place_of  # not before a result is there: it loads kernels
 
     moment = moment_now(editor)
@@ -34,7 +34,7 @@ def mass_now(editor: Editor[Constraint]) -> Vector | None:
 
 
 def turn_now(editor: Editor[Constraint], part: BodyPart) -> np.ndarray | None:
-    """Rotation matrix (3, 3) of a segment in the motion's space; None while nobody performs."""
+    """Rotation matrix (3, 3) of a segment in the motion's space; None without performers."""
     moment = moment_now(editor)
     if moment is None:
         return None

@@ -1,4 +1,4 @@
-"""Priorities as an order: the list of the motion's constraints, to be dragged; some may share a place by weight."""
+"""Priorities as an order: the list of the motion's constraints, to be dragged; some may share a priority by weight."""
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QKeyEvent
@@ -15,7 +15,7 @@ ID = Qt.ItemDataRole.UserRole
 
 
 class OrderList(QListWidget):
-    """Rows that the mouse drags, and Alt with the arrow keys moves."""
+    """Rows that are moved by dragging, and by Alt with the arrow keys."""
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         steps = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
@@ -25,7 +25,7 @@ class OrderList(QListWidget):
             super().keyPressEvent(event)
 
     def move_row(self, place: int, goal: int) -> None:
-        """Put a row elsewhere, as a drag would."""
+        """Move a row, as a drag would."""
         if 0 <= place < self.count() and 0 <= goal < self.count():
             parent = self.rootIndex()
             self.model().moveRow(parent, place, parent, goal + (1 if goal > place else 0))
@@ -33,7 +33,7 @@ class OrderList(QListWidget):
 
 
 class PrioritySection(Section):
-    """The first is kept exactly before anything is spent on the second."""
+    """Order of priorities: the first constraint is met exactly before the second one counts."""
 
     def __init__(self, editor: Editor[Constraint]) -> None:
         super().__init__("Priority")
@@ -49,14 +49,14 @@ class PrioritySection(Section):
         self.add_wide(self._list)
         self._tied = QCheckBox("Same priority as above")
         self._tied.setObjectName("tie")
-        self._tied.setToolTip("Neither goes before the other: where both cannot be had, they share by weight.")
+        self._tied.setToolTip("Equal priorities: if both cannot be met, they share by weight.")
         self._tied.toggled.connect(self._tie)
         self.add_wide(self._tied)
         self._weight = editor.bind(NumberField("Weight among equals", "", 0.1, 10.0, 0.1, 2), self._set_weight)
         self._weight_name = self.add_row("Weight", self._weight)
 
     def refresh(self) -> None:
-        """Fetch the order."""
+        """Update the order."""
         project = self._editor.document.shown_project
         constraints = project.constraints_of(self._editor.entity.motion_id)
         places = project.places_of(self._editor.entity.motion_id)
@@ -94,7 +94,7 @@ class PrioritySection(Section):
         before = list(self._editor.document.project.constraints_of(self._editor.entity.motion_id))
         current = self._list.currentItem()
         moved = _moved([current.data(ID)] if current else [], before, order) or self._editor.entity_id
-        ties = ties_with_moved(constraints, order, moved)
+        ties = ties_with_moved(constraints, order, {moved})
         self._put_places(order, ties, f"Reorder priority of {constraints[moved].name}")
 
     def _tie(self, tied: bool) -> None:

@@ -1,4 +1,4 @@
-"""The numbers of a place that moves by a rule: rows of the form of a constraint or a prop."""
+"""Numbers of a position that moves by a rule: form rows of a constraint or a prop."""
 
 import math
 from dataclasses import dataclass
@@ -21,13 +21,13 @@ _MAKERS = {each.kind: each for each in (CirclePlace, PendulumPlace, NoisePlace)}
 
 
 def ruled(kind: str, place: Vector) -> ProceduralPlace:
-    """A place of one of ``RULES`` about ``place``."""
+    """Position by one of ``RULES`` about ``place``."""
     return _MAKERS[kind](centre=place)
 
 
 @dataclass(frozen=True)
 class _Number:
-    """A number of a rule: its field's words, and how much of the rule's own unit is one of the field's."""
+    """Number of a rule: its field's label, and its factor from the field's unit."""
 
     name: str
     label: str
@@ -56,7 +56,7 @@ _NUMBERS = (
 
 
 class ProceduralRows:
-    """The rows of whichever rule the value ``field`` of the entity has; none where it has no rule."""
+    """Rows of the rule of the entity's value ``field``; none if it has no rule."""
 
     def __init__(self, editor: Editor[Named], section: Section, field: str) -> None:
         self._editor, self._field = editor, field
@@ -73,7 +73,7 @@ class ProceduralRows:
         return place
 
     def refresh(self) -> None:
-        """Show the numbers that there are."""
+        """Show the numbers of the rule."""
         place = self._place if isinstance(self._place, ProceduralPlace) else None
         for number, box, caption in self._rows:
             shown = hasattr(place, number.name)

@@ -1,4 +1,4 @@
-"""Weights of single segments, which stand in place of those of their group: a list to add to and to take from."""
+"""Weights of single segments, which replace those of their group: a list to which segments are added."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
@@ -14,7 +14,7 @@ from studio.panels.fields import Choice, NumberField, labelled, press_button
 
 
 def weight_field(name: str) -> NumberField:
-    """A number from 0, locked, to 1, free."""
+    """Number field from 0, locked, to 1, free."""
     field = NumberField(name, "", 0.0, 1.0, 0.05, 2)
     field.setFixedWidth(56)
     field.setAlignment(Qt.AlignmentFlag.AlignRight)
@@ -22,7 +22,9 @@ def weight_field(name: str) -> NumberField:
 
 
 def weighable(constraint: Constraint) -> tuple[BodyPart, ...]:
-    """The segments whose own weights count for a constraint: of limbs, those of its points, or that a balance turns."""
+    """Segments whose own weights affect a constraint: of limbs, those of its points, or those that a
+    balance rotates.
+    """
     other = getattr(constraint, "other", None)
     points = (constraint.point, other) if isinstance(other, BodyPoint) else (constraint.point,)
     bones = [bone for each in points for bone in limb_bones(each.part)]
@@ -32,7 +34,7 @@ def weighable(constraint: Constraint) -> tuple[BodyPart, ...]:
 
 
 class SegmentWeights(QWidget):
-    """A row for each segment with a weight of its own, and a list of those that may get one."""
+    """Row for each segment with a weight of its own, and a list of those that may get one."""
 
     def __init__(self, editor: Editor[Constraint]) -> None:
         super().__init__()
@@ -47,7 +49,7 @@ class SegmentWeights(QWidget):
             field = self._editor.bind(weight_field(f"Own weight of {part.label}"), partial(self.put, part))
             remove = press_button("−", partial(self._remove, part))
             remove.setAccessibleName(f"Remove own weight of {part.label}")
-            remove.setToolTip("It moves as its group again.")
+            remove.setToolTip("Use the weight of its group again.")
             remove.setFixedWidth(30)
             self._rows[part] = labelled(part.label, "second"), field, remove
             for column, widget in enumerate(self._rows[part]):
@@ -59,7 +61,7 @@ class SegmentWeights(QWidget):
         grid.addWidget(self._add, len(SINGLE), 0, 1, 3)
 
     def refresh(self) -> None:
-        """Fetch the weights."""
+        """Update the weights."""
         own = dict(self._editor.entity.chain.segments)
         for part, row in self._rows.items():
             for widget in row:
@@ -71,7 +73,7 @@ class SegmentWeights(QWidget):
         self._add.setVisible(bool(left))
 
     def put(self, part: BodyPart, weight: float) -> None:
-        """Give a segment a weight of its own, as one step or a part of the gesture's."""
+        """Set a segment's own weight, as one step or a part of the gesture's."""
         self._change(
             lambda chain: ((part, weight) if each == part else (each, old) for each, old in chain.segments),
             f"Set weight of {part.label.lower()}",

@@ -1,4 +1,4 @@
-"""Form rows of a target: fixed, keyed over time, moving by a rule, or following something; and of its keys."""
+"""Form rows of a target: fixed, keyed over time, moving by a rule, or following an object; and of its keys."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,6 +16,7 @@ from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.target import Place, Turn, own_place_of, with_own_place
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
+from studio.document.mnemonics import literal
 from studio.engine.moments import TargetContext
 from studio.engine.performance import motion_time, stage_time
 from studio.engine.point_names import POINT_NAMES, point_words
@@ -94,7 +95,7 @@ class TargetRows:
         return getattr(self._editor.entity, self._field)
 
     def now(self) -> Any:
-        """The numbers that the target has at the playhead; None while they are not known."""
+        """Target's numbers at the playhead; None while they are unknown."""
         if isinstance(self.target, tuple):
             return self.target
         moment = moment_now(self._editor)
@@ -157,7 +158,7 @@ class TargetRows:
         for widget in (self._apart, self._apart_caption):
             widget.setVisible(shown)
         if own is not None and performer is not None:
-            self._apart.setText(f"{short(performer.name, self._apart)} has its own")
+            self._apart.setText(literal(f"{short(performer.name, self._apart)} has its own"))
             self._apart.setAccessibleName(f"{performer.name} has an offset of its own")
             self._apart.setChecked(document.active_performer_id in dict(own.own))
 
@@ -170,13 +171,13 @@ class TargetRows:
             self._change(with_own_place(self.target, own.with_own(performer_id, (0.0,) * 3 if apart else None)), text)
 
     def _set_each(self, each: bool) -> None:
-        """Count keys or a rule from each character's own position, or have one position for all."""
+        """Make keys or a rule relative to each character's own position, or shared by all."""
         editor = self._editor
         text = f"{'Per character' if each else 'Shared'}: {editor.entity.name}"
         editor.put(lambda: with_fields(editor.entity, **{self._field: self._counted(each)}), text)
 
     def _counted(self, each: bool) -> KeyedPlace | KeyedOwnPlace | ProceduralPlace:
-        """The keys or the rule per character or shared, with the active character's position of now kept."""
+        """Keys or rule per character or shared, with the active character's present position unchanged."""
         target, now, moment = self.target, self._known_now(), self._known_moment()
         seconds, leg_length = moment.pose.seconds, moment.pose.motion.body.leg_length
         here = target.at([seconds])[0]
@@ -223,7 +224,7 @@ class TargetRows:
         editor.put(lambda: with_fields(editor.entity, **{self._field: self._first(kind, things)}), text)
 
     def _first(self, kind: str, things: Sequence[tuple[Any, str]]) -> Place | Turn:
-        """First target of another kind, placed where the old one is now if possible."""
+        """First target of another kind, at the present position of the old one if possible."""
         editor, point, now = self._editor, self._editor.entity.point, self.now()
         moment = moment_now(editor)
         match kind:
@@ -253,13 +254,13 @@ class TargetRows:
 
     @property
     def _is_per_character(self) -> bool:
-        """True if the position is another one on every body, so that what it becomes leaves each its own."""
+        """True if the position differs between bodies, so that a new target has to keep that of each."""
         return not self._turns and (own_place_of(self.target) is not None or isinstance(self.target, FollowBody))
 
     def _known_now(self) -> Any:
         now = self.now()
         if now is None:
-            raise ValueError("Where the target is now is not known yet. Wait until the body is adapted.")
+            raise ValueError("The present target is not known yet. Wait until the body is adapted.")
         return now
 
     def _known_moment(self) -> TargetContext:
@@ -269,10 +270,10 @@ class TargetRows:
         return moment
 
     def _own_place(self, now: tuple[float, ...]) -> OwnPlace:
-        """Per-character position that is at ``now`` on the active character: the old one where there is one.
+        """Per-character position that is at ``now`` on the active character: the old one if there is one.
 
-        A new one counts from the followed point of the body at the playhead; else from the constrained one there, or
-        nearest to it at full activation.
+        A new one is relative to the followed point of the body at the playhead; else to the constrained one there, or
+        at the nearest full activation.
         """
         target, moment, curve = self.target, self._known_moment(), self._editor.entity.activation
         if isinstance(target, OwnPlace):
@@ -284,11 +285,11 @@ class TargetRows:
             point, seconds = target.point, moment.pose.seconds
         own = moment.own_place(point, _full(now), seconds)
         if own is None:
-            raise ValueError("Where each body has it is not known yet. Wait until the bodies are adapted.")
+            raise ValueError("Its position on each body is not known yet. Wait until the bodies are adapted.")
         return own
 
     def _attached(self, follow: FollowProp, now: Any, moment: TargetContext | None) -> Place | Turn:
-        """Target that follows a prop from where it is now."""
+        """Target that follows a prop, at its present position."""
         if now is None or moment is None:
             return follow
         held = with_fields(self._editor.entity, **{self._field: follow})
@@ -330,7 +331,7 @@ class KeyRow:
         self._caption = section.add_row("Keys", self._words, *self._buttons)
 
     def refresh(self, known: bool = True) -> None:
-        """Show the keys, where there are any."""
+        """Show the keys, if there are any."""
         keyed = self._keyed() if known else None
         for widget in (self._caption, self._words, *self._buttons):
             widget.setVisible(keyed is not None)
@@ -345,7 +346,7 @@ class KeyRow:
         return value if isinstance(value, Keys) else None
 
     def _seconds(self) -> float:
-        """The time of the motion at the playhead."""
+        """Time of the motion at the playhead."""
         document = self._editor.document
         clip = document.active_clip
         if clip is None:
@@ -361,14 +362,14 @@ class KeyRow:
             self._show_time(min(ahead, key=lambda each: abs(each - now)))
 
     def _show_time(self, seconds: float) -> None:
-        """Put the playhead where the motion has this time."""
+        """Move the playhead to a time of the motion."""
         document = self._editor.document
         clip = document.active_clip
         if clip is not None:
             document.playhead.set_time(stage_time(clip, document.project.frame_rate_of(clip), seconds))
 
     def _set(self) -> None:
-        """A key with what is there now."""
+        """Set a key with the present value."""
         keyed, now = self._keyed(), self._seconds()
         value = keyed.at([now])[0]
         if isinstance(keyed, KeyedTurn):
@@ -405,7 +406,7 @@ class NumberRows:
 
     @property
     def now(self) -> float:
-        """The number at the playhead."""
+        """Number at the playhead."""
         value = getattr(self._editor.entity, self._field)
         return float(value.at([self._keys._seconds()])[0, 0]) if isinstance(value, KeyedNumber) else float(value)
 
@@ -422,7 +423,7 @@ class NumberRows:
 
 
 def _kind_of(target: object) -> str | None:
-    """The kind as ``PLACE_KINDS`` lists it; None where the value is no target."""
+    """Key of the kind in ``PLACE_KINDS``; None if the value is no target."""
     if isinstance(target, KeyedOwnPlace):
         return KEYED_KIND
     return getattr(target, "kind", FIXED_KIND if isinstance(target, tuple) else None)
@@ -432,5 +433,5 @@ _THINGS = ("performer_id", "prop_id", "joint")
 
 
 def _full(numbers: Sequence[float]) -> Any:
-    """Position (x, y, z): one on the ground (x, y) gets height 0; a rotation as it is."""
+    """Position (x, y, z): one on the ground (x, y) gets height 0; a rotation is unchanged."""
     return (*numbers, 0.0) if len(numbers) == 2 else numbers

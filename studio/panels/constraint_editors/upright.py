@@ -11,10 +11,10 @@ from studio.panels.fields import Section, labelled
 
 
 class UprightEditor(ConstraintEditor[UprightConstraint]):
-    """A cone in degrees, the way it opens, and the axis of the segment that stays in it."""
+    """Cone in degrees, its direction, and the axis of the segment that stays in it."""
 
     def add_kind_rows(self, section: Section) -> None:
-        """Cone, direction, axis, and a button that takes the axis from the pose at the playhead."""
+        """Add the rows of cone, direction and axis, and a button that takes the axis from the pose at the playhead."""
         self._cone = ConeRow(self, section, "How far the axis may lean away from its direction: 0 holds it exactly")
         self._direction = VectorRow(self, section, "Direction", self._set_direction, unit="")
         self._axis = VectorRow(self, section, "Axis", self._set_axis, unit="")

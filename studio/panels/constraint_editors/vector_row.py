@@ -1,19 +1,18 @@
-"""Some numbers of one value of a constraint in one row: a target, a centre, a size."""
+"""Row of the components of one value of a constraint: a target, a centre, a size."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from PySide6.QtCore import QSignalBlocker
 from PySide6.QtWidgets import QLabel
 
 from studio.panels.editor import Editor
-from studio.panels.fields import NumberField, Section
+from studio.panels.fields import NumberField, Section, with_unit
 
 VECTOR_LIMIT = 1000.0
 
 
 class VectorRow:
-    """A field for each of X, Y, Z, to type or to drag; ``put`` takes all of them when one is changed."""
+    """Field for each of X, Y, Z, to type or to drag; ``put`` is called with all of them when one is changed."""
 
     def __init__(
         self,
@@ -27,13 +26,22 @@ class VectorRow:
         self._values: list[float] = [0.0] * len(axes)
         self._put = put
         self.fields = [
-            editor.bind(NumberField(f"{label} {axis}", "", -VECTOR_LIMIT, VECTOR_LIMIT, 0.01, 3), partial(self._set, k))
+            editor.bind(
+                NumberField(f"{label} {axis}", unit, -VECTOR_LIMIT, VECTOR_LIMIT, 0.01, 3, suffix=False),
+                partial(self._set, k),
+            )
             for k, axis in enumerate(axes)
         ]
-        self.caption: QLabel = section.add_row(f"{label}  {unit}".rstrip(), *self.fields)
+        self.caption: QLabel = section.add_row(with_unit(label, unit), *self.fields)
+
+    def set_unit(self, label: str, unit: str) -> None:
+        """Show numbers of another meaning, with another caption."""
+        self.caption.setText(with_unit(label, unit))
+        for field in self.fields:
+            field.set_unit(unit)
 
     def show_values(self, values: Sequence[float]) -> None:
-        """Show the value that the document has."""
+        """Show the document's value."""
         self._values = list(values)
         for field, value in zip(self.fields, values, strict=True):
             field.show_value(value)
@@ -41,11 +49,10 @@ class VectorRow:
     def set_least(self, low: float) -> None:
         """Allow no number below ``low``."""
         for field in self.fields:
-            with QSignalBlocker(field):
-                field.setMinimum(low)
+            field.set_least(low)
 
     def set_visible(self, *visible: bool) -> None:
-        """Show the fields that mean something; the row goes with the last of them."""
+        """Show the fields that are used; the row is hidden without any."""
         for field, shown in zip(self.fields, visible, strict=True):
             field.setVisible(shown)
         self.caption.setVisible(any(visible))

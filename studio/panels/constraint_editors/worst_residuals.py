@@ -22,7 +22,7 @@ WIDEST = "0000 mm*"
 
 @dataclass(frozen=True)
 class BodyResidual:
-    """Body and its worst residual, None where the constraint is not active; ``unsolved`` says why it is not known."""
+    """Body and its worst residual, None if the constraint is inactive; ``unsolved`` is the reason why it is unknown."""
 
     name: str
     colour: str
@@ -31,7 +31,7 @@ class BodyResidual:
 
     @property
     def state(self) -> tuple[str, str]:
-        """(word, colour) of the state, so that colour alone never carries it."""
+        """(word, colour) of the state, which is never shown by colour alone."""
         if self.unsolved:
             return self.unsolved, colours.TEXT_THIRD
         if self.worst is None:
@@ -44,7 +44,7 @@ class BodyResidual:
 
 
 def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyResidual]:
-    """One for each visible performer of whom the constraint is asked."""
+    """Residual of each visible performer to which the constraint applies."""
     constraint, unsolved = project.constraints[constraint_id], unsolved_words(live)
     return [
         BodyResidual(
@@ -65,7 +65,7 @@ def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyR
 
 
 class ResidualTable(QWidget):
-    """The bodies in two columns where their names have room, else in one: dot, name, amount."""
+    """Bodies in two columns if their names fit, else in one: dot, name, amount."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -128,7 +128,7 @@ class ResidualTable(QWidget):
 
 
 def words_of(residual: BodyResidual) -> str:
-    """``short by 42 mm at 23``, or that it holds, or that it is not active."""
+    """``short by 42 mm at 23``, or that it is met, or that it is inactive."""
     word, _ = residual.state
     if residual.worst is None or word == "held":
         return word
@@ -137,7 +137,7 @@ def words_of(residual: BodyResidual) -> str:
 
 
 def short_words_of(residual: BodyResidual) -> str:
-    """``42 mm``, or that it holds, or that it is not active; a star where it is never fully active."""
+    """``42 mm``, or that it is met, or that it is inactive; with a star if it is never fully active."""
     word, _ = residual.state
     if residual.unsolved:
         return "…"
@@ -153,7 +153,7 @@ class ResidualSection(Section):
         super().__init__("Residuals")
         self._editor = editor
         self._table = ResidualTable()
-        self._table.setAccessibleName("How well it holds on each body")
+        self._table.setAccessibleName("Residual on each body")
         self.add_wide(self._table)
         editor.live.reported_changed.connect(self._reported_changed)
 

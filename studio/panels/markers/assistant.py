@@ -1,4 +1,4 @@
-"""The map assistant: the proposed map on a body, the markers of the trial beside it, finished by clicks."""
+"""Map assistant: the proposed map on a body, the markers of the trial beside it, completed by clicks."""
 
 from collections.abc import Mapping
 
@@ -20,8 +20,9 @@ NOT_USED = "-"
 
 
 class MarkerAssistant(QWidget):
-    """Choose a place on the figure, then its marker in the list, or the other way round; nothing is kept here but the
-    map that is being made."""
+    """Editor of a marker map: choose a position on the figure, then its marker in the list, or the other way round; it
+    keeps only the unfinished map.
+    """
 
     changed = Signal()
     """The map or the subject is another one now."""
@@ -96,26 +97,26 @@ class MarkerAssistant(QWidget):
 
     @property
     def words(self) -> str:
-        """Sentence on the limbs that can be followed with the marker map, or the markers missing."""
+        """Sentence about the limbs that can be tracked with the marker map, or the missing markers."""
         there = self.marker_map.among(self._labels())
         parts = [word for word, has in (("legs", there.has_legs()), ("arms", there.has_arms())) if has]
         if len(parts) == 2:
-            return "Legs and arms can be followed."
+            return "Legs and arms can be tracked."
         if parts:
             other = "arms" if parts == ["legs"] else "legs"
-            return f"The {parts[0]} can be followed; the {other} will stand in a plain rest."
+            return f"The {parts[0]} can be tracked; the {other} stay in a rest pose."
         lacking, more = there.lacking()[:4], len(there.lacking()) > 4
-        return f"No body can be followed yet. Still missing: {', '.join(lacking)}{' and others' if more else ''}."
+        return f"No body can be tracked yet. Still missing: {', '.join(lacking)}{' and others' if more else ''}."
 
     def choose_role(self, role: str) -> None:
-        """Show what lies at a place, and give it the next marker that is clicked."""
+        """Choose a position: show its markers, and assign the next clicked one to it."""
         self._role = role
         self._show()
 
     def put_marker(self, label: str) -> None:
-        """Put a marker on the chosen place; where it is there already, take it away.
+        """Add a marker to the chosen position, or remove it if it is there.
 
-        Thighs and shanks take several, which together show how the bone turns; other places take one.
+        Thighs and shanks have several, which together show the rotation of the bone; other positions have one.
         """
         own = self.marker_map.markers.get(self._role, ())
         cluster = self._role.endswith(("thigh", "shank"))
@@ -126,11 +127,11 @@ class MarkerAssistant(QWidget):
         self._set(self.marker_map.with_role(self._role, labels))
 
     def clear_role(self) -> None:
-        """No marker on the chosen place."""
+        """Remove all markers from the chosen position."""
         self._set(self.marker_map.with_role(self._role, ()))
 
     def save(self) -> None:
-        """Keep the map under its name among the user's own."""
+        """Save the map under its name among the user's own."""
         name = self.name.text().strip() or "My markers"
         self.marker_map = MarkerMap(name, self.marker_map.markers, self.marker_map.centres)
         path = save_map(self.marker_map)
@@ -177,7 +178,7 @@ class MarkerAssistant(QWidget):
             self.list.addTopLevelItem(item)
 
     def _face(self) -> None:
-        """See the recorded markers from behind, as the figure is."""
+        """Show the recorded markers from behind, like the figure."""
         self.cloud.show_markers(tuple(seen_labels(self._trial, self.subject)), (), ())
         left, right = (
             {label for role, labels in self.marker_map.markers.items() if role.startswith(side) for label in labels}

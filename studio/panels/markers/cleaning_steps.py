@@ -18,7 +18,7 @@ OFFERED: tuple[tuple[Callable[[], Step], str], ...] = (
 
 
 class StepList(QWidget):
-    """The list of steps in their order: add one, take one away, set its number."""
+    """List of steps in their order: add one, remove one, set its number."""
 
     changed = Signal()
 

@@ -1,4 +1,4 @@
-"""The markers where the cameras saw them, at the playhead: to be turned, and clicked, to find out which is which."""
+"""Recorded markers at the playhead, which can be rotated and clicked to identify them."""
 
 from collections.abc import Collection
 
@@ -25,7 +25,7 @@ CLICK = 4
 
 
 class MarkerCloud(QWidget):
-    """Drag to turn it about the vertical; click a marker to choose it."""
+    """Drag to rotate it about the vertical; click a marker to choose it."""
 
     marker_chosen = Signal(str)
     """A label without subject."""
@@ -50,7 +50,7 @@ class MarkerCloud(QWidget):
         return QSize(CLOUD_WIDTH, 2 * CLOUD_WIDTH)
 
     def show_markers(self, labels: Collection[str], used: Collection[str], marked: Collection[str]) -> None:
-        """The labels (with subject) that are shown; bare ones that have a place, and that lie at the chosen one."""
+        """Show labels (with subject); ``used`` are bare labels in the map, ``marked`` those at the chosen position."""
         places = tuple(self._trial.labels.index(label) for label in labels)
         if places != self._places:
             self._places = places
@@ -61,9 +61,9 @@ class MarkerCloud(QWidget):
         self.update()
 
     def face(self, left: Collection[str], right: Collection[str]) -> None:
-        """Turn it so that the body is seen from behind: the markers on its ``left`` (bare labels) to the left.
+        """Rotate it so that the body is seen from behind: the markers on its ``left`` (bare labels) to the left.
 
-        Without any on one side the markers are seen where they lie farthest apart.
+        Without any on one side the view shows the greatest extent.
         """
         points = self._at(self._best_frame())
         sides = [points[[k for k, label in enumerate(self._labels) if label in side]] for side in (left, right)]
@@ -83,7 +83,7 @@ class MarkerCloud(QWidget):
         self.update()
 
     def dots(self) -> dict[str, QPointF]:
-        """Widget position of each marker that is seen at the current frame."""
+        """Widget position of each visible marker at the current frame."""
         points = self._at(self._frame)
         seen = whole(points)
         if not seen.any():
@@ -98,7 +98,7 @@ class MarkerCloud(QWidget):
         }
 
     def label_at(self, place: QPointF) -> str:
-        """The marker under a point of the widget; empty beside all."""
+        """Marker under a point of the widget; empty without one."""
         near = {label: (dot - place).manhattanLength() for label, dot in self.dots().items()}
         label = min(near, key=lambda each: near[each], default="")
         return label if label and near[label] < 1.4 * CLOUD_REACH else ""
@@ -155,7 +155,7 @@ class MarkerCloud(QWidget):
         return int(np.argmax(whole(self._trial.points[:, list(self._places)]).sum(axis=1)))
 
     def _reach(self) -> tuple[float, float]:
-        """Half of the usual extent across and up, in metres."""
+        """Half of the usual extent horizontally and vertically, in metres."""
         frames = np.linspace(0, self._trial.frame_count - 1, 40).astype(int)
         sizes = [np.ptp(points[whole(points)], axis=0) for points in map(self._at, frames) if whole(points).any()]
         if not sizes:

@@ -1,4 +1,4 @@
-"""A body on which the places of markers are shown: filled where a marker lies, hollow where one could."""
+"""Body with the positions of markers: filled if a marker is there, hollow if not."""
 
 from collections.abc import Mapping, Sequence
 
@@ -27,7 +27,7 @@ _LIMBS: tuple[tuple[tuple[float, float], tuple[float, float], float], ...] = (
 
 
 class MarkerFigure(QWidget):
-    """Click a place to choose it; its own left is the picture's left, as on the other figures of the studio."""
+    """Click a position to choose it; its own left is the picture's left, as on the other figures of the studio."""
 
     role_chosen = Signal(str)
     """A role."""
@@ -46,7 +46,7 @@ class MarkerFigure(QWidget):
         return QSize(ROLE_FIGURE_WIDTH, ROLE_FIGURE_HEIGHT)
 
     def show_map(self, markers: Mapping[str, Sequence[str]], role: str) -> None:
-        """Labels by role, and the role that is chosen."""
+        """Show labels by role, and the chosen role."""
         self._markers, self._role = markers, role
         self.update()
 
@@ -55,7 +55,7 @@ class MarkerFigure(QWidget):
         return _place(*ROLE[role].spot)
 
     def role_at(self, point: QPointF) -> str:
-        """The role under a point of the widget; empty beside all."""
+        """Role under a point of the widget; empty without one."""
         role, distance = min(
             ((role.id, (self.place_of(role.id) - point).manhattanLength()) for role in ROLES), key=lambda pair: pair[1]
         )

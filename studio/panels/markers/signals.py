@@ -24,7 +24,7 @@ SIGNAL_AXES = ("x", "y", "z")
 
 
 class SignalPlot(QWidget):
-    """Tick signals in the list; the plot shows them, the events as lines, and the playhead."""
+    """Plot of the checked signals, with lines for events and the playhead."""
 
     marked = Signal(object)
     """Labels, without subject, of the marker that is selected in the list and of those that are ticked."""
@@ -70,17 +70,17 @@ class SignalPlot(QWidget):
         self._playhead.setValue(seconds)
 
     def plotted_names(self) -> list[str]:
-        """Names of what is plotted."""
+        """Names of the plotted signals."""
         return [item.text(0) for item, _, _ in self._sources if item.checkState(0) is Qt.CheckState.Checked]
 
     def tick(self, name: str, on: bool = True) -> None:
-        """Plot a signal, or not any more."""
+        """Check or uncheck a signal."""
         for item, _, _ in self._sources:
             if item.text(0) == name:
                 item.setCheckState(0, Qt.CheckState.Checked if on else Qt.CheckState.Unchecked)
 
     def refresh(self) -> None:
-        """Draw what is ticked anew."""
+        """Draw the checked signals again."""
         self.plot.clear()
         units, number = [], 0
         for item, make, unit in self._sources:

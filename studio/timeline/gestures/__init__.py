@@ -1,1 +1,1 @@
-"""Drags of the timeline, one gesture a file: start, update, finish or cancel."""
+"""Drags of the timeline, one gesture in each file: start, update, finish or cancel."""

@@ -15,7 +15,7 @@ from studio.timeline.snapping import Snapped
 
 
 def with_time(curve: ActivationCurve, part: ItemPart, time: float) -> ActivationCurve:
-    """The curve with one of its times set; those in its way are pushed along."""
+    """Curve with one of its times changed; others are pushed along."""
     moved = with_times(curve, {HANDLES.index(part): time})
     assert isinstance(moved, ActivationCurve)
     return moved
@@ -27,14 +27,14 @@ def time_of(curve: ActivationCurve, part: ItemPart) -> float:
 
 
 def moved(constraint: Constraint, seconds: float, keys_stay: bool) -> Constraint:
-    """The constraint with its activation later, and its keys unless they stay."""
+    """Constraint with its activation later, and its keys unless they stay."""
     keys = {name: value for name, value in vars(constraint).items() if isinstance(value, Keys) and not keys_stay}
     times = {name: value.moved(seconds) for name, value in keys.items()}
     return with_fields(constraint, activation=constraint.activation.moved(seconds), **times)
 
 
 class DragHandle(EditGesture[Constraint]):
-    """Drag one of the four times, within the motion."""
+    """Drag of one of the four times, within the motion."""
 
     collection = "constraints"
 
@@ -44,7 +44,7 @@ class DragHandle(EditGesture[Constraint]):
         self.text = f"Move {part} of {self.words}"
 
     def update(self, position: QPointF, free: bool) -> None:
-        """The time under the mouse, snapped."""
+        """Set the time to that of the mouse, snapped."""
         subject, old = self.shown.subject, time_of(self.original.activation, self.part)
         caught = self.snap(subject.to_stage(old) + self.moved(position), free)
         seconds = subject.to_motion(caught.time) - old
@@ -62,9 +62,9 @@ class DragHandle(EditGesture[Constraint]):
 
 
 class MoveActivation(EditGesture[Constraint]):
-    """Drag the bar: the whole curve moves with its keys, whichever of its times catches.
+    """Drag of the bar: the whole curve moves with its keys, and any of its times may snap.
 
-    ``free`` leaves the keys where they are, and catches on nothing.
+    ``free`` leaves the keys in place, and turns snapping off.
     """
 
     collection = "constraints"
@@ -74,7 +74,7 @@ class MoveActivation(EditGesture[Constraint]):
         self.text = f"Move {self.words} in time"
 
     def update(self, position: QPointF, free: bool) -> None:
-        """All four times later or earlier by the same."""
+        """Move all four times by the same amount."""
         curve, subject = self.original.activation, self.shown.subject
         begin = subject.to_stage(curve.start)
         caught = self._catch(begin + self.moved(position), free)
@@ -89,7 +89,7 @@ class MoveActivation(EditGesture[Constraint]):
         self.mark = DragHint(subject.to_stage(start), text, caught.caught)
 
     def _catch(self, begin: float, free: bool) -> Snapped:
-        """The snapped begin: by a magnet near one of the four times, else by the frame of the begin."""
+        """Snapped begin: by a magnet near one of the four times, else by the frame of the begin."""
         curve = self.original.activation
         for part in HANDLES:
             ahead = time_of(curve, part) - curve.start

@@ -1,4 +1,4 @@
-"""Start of a drag by the place of the mouse, and the cursor before the button is pressed."""
+"""Start of a drag by the position of the mouse, and the cursor before the button is pressed."""
 
 from PySide6.QtCore import QPointF, Qt
 
@@ -18,7 +18,7 @@ Cursor = Qt.CursorShape
 
 
 def gesture_at(hit: Hit, shown: RowContext, press: QPointF, stretch: bool = False) -> TimelineGesture | None:
-    """The drag of what was hit, or None where there is nothing to drag; ``stretch`` changes the speed of a clip."""
+    """Drag for a hit, or None; ``stretch`` changes the speed of a clip."""
     if hit.part == ItemPart.TIME:
         return Scrub(shown.document.playhead, shown.axis)
     if hit.kind == "constraints" and hit.part in HANDLES:
@@ -49,7 +49,7 @@ MOVED = ("constraints", "contacts", "clips", "props", "labels", "corrections", "
 
 
 def cursor_at(hit: Hit) -> Cursor:
-    """Arrows for what moves, a hand for what is chosen, a cross where a contact or label may be added."""
+    """Cursor for a hit: arrows for movable parts, a hand for choices, a cross where a contact or label may be added."""
     if hit.part in HANDLES or hit.part in (*EDGES, ItemPart.KEY) or hit.kind == "playhead":
         return Cursor.SizeHorCursor
     if hit.part == ItemPart.BODY and hit.kind in MOVED:

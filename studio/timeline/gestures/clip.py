@@ -1,4 +1,4 @@
-"""Drags on clips: in time, an end of one, or its speed; wherever they are played, as one undo step."""
+"""Drags on clips: in time, an end of one, or its speed; on all performers, as one undo step."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -21,7 +21,7 @@ SHORTEST_STRETCH = 1e-6
 
 
 class ClipGesture(EditGesture[Clip]):
-    """A drag that edits clips in the rows of all who play them."""
+    """Drag that edits clips in the rows of all their performers."""
 
     collection = "clips"
 
@@ -39,24 +39,26 @@ class ClipGesture(EditGesture[Clip]):
 
     @property
     def words(self) -> str:
-        """``Walk``, or ``2 clips``."""
+        """Name of the dragged clips: ``Walk``, or ``2 clips``."""
         return super().words if len(self.clip_ids) > 1 else name_of(self.shown.project, self.original)
 
     @property
     def is_there(self) -> bool:
-        """True if the clips are still there: a key may have removed them meanwhile."""
+        """True if the clips still exist: a key may have removed them meanwhile."""
         return all(clip_id in self.shown.project.clips for clip_id in self.clip_ids)
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Nothing when a clip has been removed meanwhile."""
+        """Drag the clips; does nothing if one has been removed meanwhile."""
         if self.is_there:
             self.drag(position, free)
 
     def drag(self, position: QPointF, free: bool) -> None:
-        """As ``update``, while the clips are there."""
+        """Drag the clips, which exist."""
 
     def put_each(self, edit: ClipEdit) -> None:
-        """Show the rows with the dragged clips edited from what they were; not of performers that are gone."""
+        """Show the rows with the dragged clips edited from their state at the begin; without performers that were
+        removed.
+        """
         document = self.shown.document
         with document.group(self.text, self._number):
             for key, performer in self._performers.items():
@@ -75,7 +77,7 @@ class ClipGesture(EditGesture[Clip]):
         self.finish()
 
     def _find_magnets(self) -> tuple[float, ...]:
-        """The playhead, and both ends of every other clip on the stage."""
+        """Magnets: the playhead, and both ends of every other clip on the stage."""
         project = self.shown.project
         others: Mapping[str, Clip] = {key: clip for key, clip in project.clips.items() if key not in self.clip_ids}
         ends = {time for clip in others.values() for time in (clip.start, end_of(self.shown, clip))}
@@ -83,14 +85,14 @@ class ClipGesture(EditGesture[Clip]):
 
 
 class MoveClips(ClipGesture):
-    """Drag bars in time: one that begins where another ends catches there."""
+    """Drag of bars in time, which snap to the ends of others."""
 
     def __init__(self, shown: RowContext, clip_id: str, press: QPointF) -> None:
         super().__init__(shown, clip_id, press)
         self.text = f"Move {self.words} in time"
 
     def drag(self, position: QPointF, free: bool) -> None:
-        """All by as much as the one that is held."""
+        """Move all by as much as the grabbed one."""
         begin, length = self.original.start, end_of(self.shown, self.original) - self.original.start
         caught = self.snap(begin + self.moved(position), free)
         end = self.snap(begin + length + self.moved(position), free)
@@ -104,7 +106,7 @@ class MoveClips(ClipGesture):
 
 
 class TrimClip(ClipGesture):
-    """Drag an end: the frames that are left play when they did."""
+    """Drag of an end: the remaining frames keep their times."""
 
     def __init__(self, shown: RowContext, clip_id: str, part: ItemPart, press: QPointF) -> None:
         super().__init__(shown, clip_id, press)
@@ -112,7 +114,7 @@ class TrimClip(ClipGesture):
         self.text = f"Trim {self.words}"
 
     def drag(self, position: QPointF, free: bool) -> None:
-        """Drag by whole frames; ``free`` only keeps it from catching on what lies near."""
+        """Drag by whole frames; ``free`` turns off magnets."""
         clip, first = self.original, self.part == ItemPart.FIRST
         grabbed = clip.start if first else end_of(self.shown, clip)
         caught = self.snap(grabbed + self.moved(position), free)
@@ -137,9 +139,9 @@ class TrimClip(ClipGesture):
 
 
 class StretchClip(ClipGesture):
-    """Drag an end to change the speed: the same frames play in more or less time.
+    """Drag of an end to change the speed: the same frames play in more or less time.
 
-    The other end stays where it is; clips of the same rows beyond the dragged end move along.
+    The other end is fixed; later clips of the same rows move along with the dragged end.
     """
 
     def __init__(self, shown: RowContext, clip_id: str, part: ItemPart, press: QPointF) -> None:
@@ -159,7 +161,7 @@ class StretchClip(ClipGesture):
         return tuple(dict.fromkeys((clip_id, *beyond)))
 
     def drag(self, position: QPointF, free: bool) -> None:
-        """The dragged end follows the mouse as far as the range of speeds allows."""
+        """Move the dragged end with the mouse, within the range of speeds."""
         old, first = self.original, self.part == ItemPart.FIRST
         end = end_of(self.shown, old)
         grabbed = old.start if first else end

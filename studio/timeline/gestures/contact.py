@@ -1,4 +1,4 @@
-"""Drags on a contact, and how long a new one is: contacts of one point never overlap."""
+"""Drags on a contact, and the length of a new one: contacts of one point never overlap."""
 
 from collections.abc import Collection
 from dataclasses import replace
@@ -18,7 +18,7 @@ LONGEST_NEW = 0.3
 def free_stretch(
     shown: RowContext, point: ContactPoint | Touch, frame: int, without: Collection[str] = ()
 ) -> tuple[int, int] | None:
-    """First and last frame about ``frame`` that no contact of the point takes; None where one stands."""
+    """First and last frame of the gap about ``frame`` between contacts of the point; None within a contact."""
     first, last = 0, shown.subject.last_frame
     for key, contact in contacts_shown(shown).items():
         if contact.point != point or key in without:
@@ -33,7 +33,7 @@ def free_stretch(
 
 
 def new_contact(shown: RowContext, point: ContactPoint | Touch, frame: int) -> ContactInterval | None:
-    """A contact about ``frame``, at most 0.3 s long and up to its neighbours; None where one stands."""
+    """Contact about ``frame``, at most 0.3 s long and up to its neighbours; None within a contact."""
     subject, room = shown.subject, free_stretch(shown, point, frame)
     if room is None:
         return None
@@ -44,12 +44,12 @@ def new_contact(shown: RowContext, point: ContactPoint | Touch, frame: int) -> C
 
 
 def contacts_shown(shown: RowContext) -> dict[str, ContactInterval]:
-    """Contacts of the clip that the active performer plays, by id."""
+    """Contacts of the active performer's clip, by id."""
     return shown.project.contacts_for(shown.subject.performer_id, shown.subject.clip)
 
 
 class DragContact(EditGesture[ContactInterval]):
-    """Drag a contact's body to move it, an end to trim it; it stops at its neighbours."""
+    """Drag of a contact's body to move it, of an end to trim it; it stops at its neighbours."""
 
     collection = "contacts"
 
@@ -70,7 +70,7 @@ class DragContact(EditGesture[ContactInterval]):
         return super().words if len(self.originals) > 1 else f"{self.original.point.words} contact"
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Drag by whole frames; ``free`` only keeps it from catching on what lies near."""
+        """Drag by whole frames; ``free`` turns off magnets."""
         subject, old = self.shown.subject, self.original
         caught = self._catch(old.last if self.part == ItemPart.LAST else old.first, position, free)
         if self.part == ItemPart.BODY and caught.caught is None:
@@ -86,11 +86,11 @@ class DragContact(EditGesture[ContactInterval]):
         self.mark = DragHint(subject.stage_time(shown_frame), text, caught.caught)
 
     def _catch(self, grabbed: int, position: QPointF, free: bool) -> Snapped:
-        """Time to which one of its ends snaps."""
+        """Snapped time of one of its ends."""
         return self.snap(self.shown.subject.stage_time(grabbed) + self.moved(position), free)
 
     def _within(self, frames: int) -> int:
-        """As many frames as there is room for where all move."""
+        """Frames by which all contacts can move."""
         if self.part != ItemPart.BODY:
             return frames
         rooms = [(self._rooms[key], each) for key, each in self.originals.items()]

@@ -12,7 +12,7 @@ from studio.timeline.time_words import moment
 
 
 class DragCorrectionRange(EditGesture[Correction]):
-    """Drag one of the four times of a correction's range."""
+    """Drag of one of the four times of a correction's range."""
 
     collection = "corrections"
 
@@ -22,7 +22,7 @@ class DragCorrectionRange(EditGesture[Correction]):
         self.text = f"Move {part} of {self.words}"
 
     def update(self, position: QPointF, free: bool) -> None:
-        """The time under the mouse, snapped."""
+        """Set the time to that of the mouse, snapped."""
         old = time_of(self.original.activation, self.part)
         caught = self.snap(old + self.moved(position), free)
         seconds = caught.time - old
@@ -37,7 +37,7 @@ class DragCorrectionRange(EditGesture[Correction]):
 
 
 class MoveCorrection(EditGesture[Correction]):
-    """Drag the bar: the range moves with its keys; ``free`` leaves the keys where they are."""
+    """Drag of the bar: the range moves with its keys; ``free`` leaves the keys in place."""
 
     collection = "corrections"
 
@@ -46,7 +46,7 @@ class MoveCorrection(EditGesture[Correction]):
         self.text = f"Move {self.words} in time"
 
     def update(self, position: QPointF, free: bool) -> None:
-        """All times later or earlier by the same."""
+        """Move all times by the same amount."""
         start = self.original.activation.start
         caught = self.snap(start + self.moved(position), free)
         seconds = caught.time - start

@@ -1,4 +1,4 @@
-"""Gesture: one drag, from the button's press to its release or to Esc."""
+"""Gesture: one drag, from the press of a button to its release or to Esc."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from studio.timeline.snapping import Snapped, beat_times, magnets_of, snapped
 
 @dataclass(frozen=True)
 class DragHint:
-    """Words of a drag beside the mouse: a sentence at a stage time, and the time that it has snapped to."""
+    """Text of a drag beside the mouse, at a stage time, and the time to which it has snapped."""
 
     time: float
     text: str
@@ -22,20 +22,20 @@ class DragHint:
 
 
 class TimelineGesture:
-    """A drag that changes nothing that could be undone."""
+    """Drag that changes nothing undoable."""
 
     mark: DragHint | None = None
     modifiers = Qt.KeyboardModifier.NoModifier
     """The keys that are held with the mouse."""
 
     def update(self, position: QPointF, free: bool) -> None:
-        """The mouse stands at ``position``; ``free`` asks for no snapping."""
+        """Handle the mouse at ``position``; ``free`` turns off snapping."""
 
     def finish(self) -> None:
-        """The button was let go."""
+        """Finish, after the button is released."""
 
     def cancel(self) -> None:
-        """Esc: everything as before."""
+        """Restore the state before the drag (Esc)."""
 
 
 EntityT = TypeVar("EntityT", bound=Entity | Clip)
@@ -43,7 +43,7 @@ EntityT = TypeVar("EntityT", bound=Entity | Clip)
 
 
 class EditGesture(TimelineGesture, Generic[EntityT]):
-    """A drag that edits an entity, and all of its kind that are selected with it: a single undo step.
+    """Drag that edits an entity, and all selected ones of its kind: a single undo step.
 
     Every visible character follows.
     """
@@ -70,7 +70,7 @@ class EditGesture(TimelineGesture, Generic[EntityT]):
         return f"{count} {self.collection}" if count > 1 else str(getattr(self.original, "name", ""))
 
     def put(self, entity: EntityT) -> None:
-        """Show the entity that was grabbed as the drag makes it."""
+        """Show the grabbed entity with the edit of the drag."""
         self.put_all(lambda key, each: entity if key == self.entity_id else each)
 
     def put_all(self, edit: Callable[[str, EntityT], EntityT]) -> None:
@@ -82,11 +82,11 @@ class EditGesture(TimelineGesture, Generic[EntityT]):
                     document.replace_shown(self.collection, key, cast(Entity, edit(key, original)), self.text)
 
     def finish(self) -> None:
-        """Let the whole clip be solved."""
+        """Request a solve of the whole clip."""
         self.shown.live.interactive = False
 
     def cancel(self) -> None:
-        """Put everything back; the step vanishes."""
+        """Restore everything; the step vanishes."""
         self.put_all(lambda _, original: original)
         self.finish()
 
@@ -95,7 +95,7 @@ class EditGesture(TimelineGesture, Generic[EntityT]):
         return self.shown.axis.time_at(position.x()) - self.press_time
 
     def snap(self, stage_time: float, free: bool) -> Snapped:
-        """The stage time as it catches on frames, the playhead and contacts."""
+        """Stage time snapped to frames, the playhead and contacts."""
         return snapped(self.shown.axis, stage_time, self._magnets, free)
 
     def _find_magnets(self) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""Drags on the time in which a prop is held."""
+"""Drags on the hold of a prop."""
 
 from PySide6.QtCore import QPointF
 
@@ -10,7 +10,7 @@ from studio.timeline.tracks.hold import hold_under
 
 
 class DragHold(EditGesture[Prop]):
-    """Drag the bar to hold the prop at another time, an end to pick it up or put it down at another moment."""
+    """Drag of the bar to move a hold in time, of an end to change the pick-up or put-down."""
 
     collection = "props"
 
@@ -22,7 +22,7 @@ class DragHold(EditGesture[Prop]):
         self.text = f"{verb} {self.original.name} at another time"
 
     def update(self, position: QPointF, free: bool) -> None:
-        """The ends stay in order; the moment at which it is handed on is dragged for both."""
+        """Move the ends, which stay in order; the time of a hand-over changes for both holds."""
         hold = self._hold
         first, last = (-1e9 if hold.begin is None else hold.begin), (1e9 if hold.end is None else hold.end)
         grabbed = hold.end if self.part == ItemPart.LAST or hold.begin is None else hold.begin

@@ -14,7 +14,7 @@ from studio.timeline.tracks.keys import fields_in, key_height, keys_between, sta
 
 
 class DragKeys(TimelineGesture):
-    """Move the selected keys in time; with ``scaling`` scale them about the playhead. A single undo step."""
+    """Drag of the selected keys in time; with ``scaling`` they are scaled about the playhead. A single undo step."""
 
     def __init__(self, shown: RowContext, grabbed: KeyRef, press: QPointF, scaling: bool) -> None:
         self.shown, self.scaling = shown, scaling
@@ -25,7 +25,7 @@ class DragKeys(TimelineGesture):
         shown.live.interactive = True
 
     def update(self, position: QPointF, free: bool) -> None:
-        """The grabbed key follows the mouse; ``free`` keeps it from catching."""
+        """Move the grabbed key with the mouse; ``free`` turns off snapping."""
         axis, here = self.shown.axis, self.shown.document.playhead.time
         wanted = self._grabbed + axis.time_at(position.x()) - self._press_time
         caught = snapped(axis, wanted, self._magnets, free)
@@ -40,17 +40,17 @@ class DragKeys(TimelineGesture):
             self.mark = DragHint(caught.time, f"{words}  × {max(factor, 0.01):.3g}", caught.caught)
 
     def finish(self) -> None:
-        """Let the whole clip be solved."""
+        """Request a solve of the whole clip."""
         self.shown.live.interactive = False
 
     def cancel(self) -> None:
-        """Put everything back; the step vanishes."""
+        """Restore everything; the step vanishes."""
         self._drag.cancel()
         self.finish()
 
 
 class BoxSelect(TimelineGesture):
-    """Select the keys in a box; with ``add`` beside those that are selected."""
+    """Selection of the keys in a box; with ``add`` in addition to the selected ones."""
 
     def __init__(self, sheet: Sheet, press: QPointF, add: bool) -> None:
         self._sheet, self._press = sheet, press
@@ -60,7 +60,7 @@ class BoxSelect(TimelineGesture):
         self.box = QRectF(press, press)
 
     def update(self, position: QPointF, free: bool) -> None:
-        """All keys between the press and the mouse, over the rows that the box touches."""
+        """Select all keys between the press and the mouse, in the rows that the box touches."""
         sheet, shown = self._sheet, self._sheet.shown
         self.box = QRectF(self._press, position).normalized()
         reach = self.box.adjusted(-KEY_REACH, -KEY_REACH, KEY_REACH, KEY_REACH)
@@ -80,5 +80,5 @@ class BoxSelect(TimelineGesture):
         shown.document.keys.set(found | self._kept)
 
     def cancel(self) -> None:
-        """Select what was selected."""
+        """Restore the selection."""
         self._sheet.shown.document.keys.set(self._before)

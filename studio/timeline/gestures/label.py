@@ -11,7 +11,7 @@ from studio.timeline.time_words import moment
 
 
 class DragLabel(EditGesture[Label]):
-    """Drag a label to another frame of the motion, or an end of its stretch to trim it."""
+    """Drag of a label to another frame of the motion, or of an end of its range."""
 
     collection = "labels"
 
@@ -21,7 +21,7 @@ class DragLabel(EditGesture[Label]):
         self.text = f"{'Move' if part == ItemPart.BODY else 'Trim'} label {self.original.name}"
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Move by whole frames; ``free`` only keeps it from catching on what lies near."""
+        """Move by whole frames; ``free`` turns off magnets."""
         subject, old = self.shown.subject, self.original
         grabbed = old.last if self.part == ItemPart.LAST else old.first
         caught = self.snap(subject.stage_time(grabbed) + self.moved(position), free)

@@ -12,7 +12,7 @@ from studio.timeline.time_words import moment
 
 
 class MoveMedia(EditGesture[SoundTrack | Footage]):
-    """Drag the bar of a sound or of footage to let it begin at another time."""
+    """Drag of the bar of a sound or of footage to change its start."""
 
     def __init__(self, shown: RowContext, collection: str, entity_id: str, press: QPointF) -> None:
         self.collection = collection
@@ -20,7 +20,7 @@ class MoveMedia(EditGesture[SoundTrack | Footage]):
         self.text = f"Move {self.original.name}"
 
     def update(self, position: QPointF, free: bool) -> None:
-        """The begin catches on frames, contacts and the playhead."""
+        """Move the start, snapped to frames, contacts and the playhead."""
         caught = self.snap(self.original.start + self.moved(position), free)
         self.put(replace(self.original, start=caught.time))
         self.mark = DragHint(caught.time, moment(caught.time * self.shown.axis.frame_rate, caught.time), caught.caught)

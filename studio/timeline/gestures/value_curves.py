@@ -19,16 +19,16 @@ from studio.timeline.tracks.value_curves import (
 
 LOCK = 5.0
 """Pixels below which a drag does not change time, or value, so that a hand need not be exact."""
-SNAP_STEPS = {"m": 0.01, "°": 5.0, "×": 0.01}
+SNAP_STEPS = {"m": 0.01, "cm": 1.0, "in": 0.5, "°": 5.0, "×": 0.01}
 """Steps to which values snap with Ctrl, by unit."""
 FINE_KEY_DRAG = 0.1
 Modifier = Qt.KeyboardModifier
 
 
 class DragCurveKeys(TimelineGesture):
-    """Move the selected keys in time, and those of the grabbed channel in value: one undo step.
+    """Drag of the selected keys in time, and those of the grabbed channel in value: one undo step.
 
-    Shift is finer, Ctrl catches on round values.
+    Shift is finer, Ctrl snaps to round values.
     """
 
     def __init__(self, shown: RowContext, curves: ValueCurves, row: QRect, grabbed: HandleRef, press: QPointF) -> None:
@@ -45,7 +45,7 @@ class DragCurveKeys(TimelineGesture):
         shown.live.interactive = True
 
     def update(self, position: QPointF, free: bool) -> None:
-        """The grabbed key follows the mouse."""
+        """Move the grabbed key with the mouse."""
         way, channel = position - self._press, self._grabbed.channel
         self._is_moved |= abs(way.x()) >= LOCK
         self._is_raised |= abs(way.y()) >= LOCK
@@ -65,19 +65,20 @@ class DragCurveKeys(TimelineGesture):
         self.mark = DragHint(time, text.strip(), caught.caught if self._is_moved else None)
 
     def finish(self) -> None:
-        """Let the whole clip be solved."""
+        """Request a solve of the whole clip."""
         self.shown.live.interactive = False
 
     def cancel(self) -> None:
-        """Put everything back; the step vanishes."""
+        """Restore everything; the step vanishes."""
         self._drag.cancel()
         self.finish()
 
 
 class DragTangent(TimelineGesture):
-    """Drag the handle of a tangent: its rate and its weight. One undo step.
+    """Drag of a tangent's handle: its rate and its weight.
 
-    The other side turns with it unless they are broken, or Alt breaks them now; Shift is finer, Ctrl keeps the weight.
+    One undo step. The other side rotates with it unless they are broken, or Alt breaks them now; Shift is finer, Ctrl
+    keeps the weight.
     """
 
     def __init__(self, shown: RowContext, curves: ValueCurves, row: QRect, handle: HandleRef, press: QPointF) -> None:
@@ -93,7 +94,7 @@ class DragTangent(TimelineGesture):
         shown.live.interactive = True
 
     def update(self, position: QPointF, free: bool) -> None:
-        """The end of the handle follows the mouse."""
+        """Move the end of the handle with the mouse."""
         channel, shown = self._handle.channel, self.shown
         share = FINE_KEY_DRAG if self.modifiers & Modifier.ShiftModifier else 1.0
         way = self._begin + (position - self._press) * share - self._key
@@ -110,17 +111,17 @@ class DragTangent(TimelineGesture):
         self.mark = DragHint(time, f"{channel.name} {rate:.3g} {channel.unit}/s")
 
     def finish(self) -> None:
-        """Let the whole clip be solved."""
+        """Request a solve of the whole clip."""
         self.shown.live.interactive = False
 
     def cancel(self) -> None:
-        """Put everything back; the step vanishes."""
+        """Restore everything; the step vanishes."""
         replace_fields(self.shown.document, {self._handle.channel.field: self._before}, "Move tangent", self._gesture)
         self.finish()
 
 
 class BoxSelectCurves(TimelineGesture):
-    """Select the keys whose diamonds are in a box; with ``add`` beside those that are selected."""
+    """Selection of the keys in a box; with ``add`` in addition to the selected ones."""
 
     def __init__(self, shown: RowContext, curves: ValueCurves, row: QRect, press: QPointF, add: bool) -> None:
         self._shown, self._points = shown, list(curves.points(shown, plot_area(row)))
@@ -129,11 +130,11 @@ class BoxSelectCurves(TimelineGesture):
         self.box = QRectF(press, press)
 
     def update(self, position: QPointF, free: bool) -> None:
-        """All keys between the press and the mouse."""
+        """Select all keys between the press and the mouse."""
         self.box = QRectF(self._press, position).normalized()
         found = {handle.key for handle, point in self._points if self.box.contains(point)}
         self._shown.document.keys.set(found | self._kept)
 
     def cancel(self) -> None:
-        """Select what was selected."""
+        """Restore the selection."""
         self._shown.document.keys.set(self._before)

@@ -1,4 +1,4 @@
-"""Drags that only change where one looks: the playhead and the stretch of time that is shown."""
+"""Drags that change only the view: the playhead and the visible range of time."""
 
 from collections.abc import Callable
 
@@ -10,7 +10,7 @@ from studio.timeline.gestures.gesture import TimelineGesture
 
 
 class Scrub(TimelineGesture):
-    """The playhead goes to the frame under the mouse, at once; Esc brings it back."""
+    """Drag of the playhead to the frame under the mouse; Esc returns it."""
 
     def __init__(self, playhead: Playhead, axis: TimeAxis) -> None:
         self.playhead, self.axis = playhead, axis
@@ -18,7 +18,7 @@ class Scrub(TimelineGesture):
         playhead.pause()
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Whole frames within what there is; between frames when ``free``."""
+        """Move by whole frames within the extent; between frames if ``free``."""
         time = min(max(self.axis.time_at(position.x()), self.axis.begin), self.axis.end)
         if free:
             self.playhead.set_time(time)
@@ -26,19 +26,19 @@ class Scrub(TimelineGesture):
             self.playhead.set_frame(round(time * self.axis.frame_rate))
 
     def cancel(self) -> None:
-        """Back to where it was."""
+        """Return to the former time."""
         self.playhead.set_time(self._before)
 
 
 class Pan(TimelineGesture):
-    """The rows follow the mouse, sideways and upright."""
+    """Drag that scrolls the rows in both directions."""
 
     def __init__(self, axis: TimeAxis, scroll: Callable[[float], None], press: QPointF) -> None:
-        """``scroll`` moves what is shown by so many pixels, downwards."""
+        """``scroll`` moves the content down by a number of pixels."""
         self.axis, self._scroll, self._last = axis, scroll, press
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Scroll by the pixels that the mouse moved since the last event."""
+        """Scroll by the mouse's displacement since the last event."""
         step = self._last - position
         self._last = position
         self.axis.scroll(step.x())

@@ -1,1 +1,1 @@
-"""Rows of the timeline, one kind a file: layout, drawing, and hit tests."""
+"""Rows of the timeline, one kind in each file: layout, drawing, and hit tests."""

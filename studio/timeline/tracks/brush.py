@@ -1,4 +1,4 @@
-"""The pens, fonts and labels that all rows share."""
+"""Pens, fonts and labels of all rows."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetrics, QGuiApplication, QPainter, QPen, QPolygonF
@@ -12,7 +12,7 @@ KEY_REACH = 5.0
 
 
 def font(pixels: int = 12) -> QFont:
-    """The timeline's type; figures stand in columns."""
+    """Font of the timeline, with tabular figures."""
     chosen = QFont(QGuiApplication.font())
     chosen.setPixelSize(pixels)
     chosen.setFeature(QFont.Tag("tnum"), 1)
@@ -27,12 +27,12 @@ def translucent(colour: str, share: float) -> QColor:
 
 
 def hairline(colour: str | QColor, width: float = 1.0) -> QPen:
-    """A pen of so many device-independent pixels."""
+    """Pen of a width in device-independent pixels."""
     return QPen(QColor(colour), width)
 
 
 def paint_label(painter: QPainter, area: QRect, text: str, colour: str, pixels: int = 12) -> None:
-    """One line in the label column, cut with an ellipsis where it is too long."""
+    """Draw one line in the label column, elided if it is too long."""
     painter.setFont(font(pixels))
     painter.setPen(QColor(colour))
     room = area.adjusted(LABEL_INDENT, 0, -8, 0)
@@ -41,7 +41,7 @@ def paint_label(painter: QPainter, area: QRect, text: str, colour: str, pixels: 
 
 
 def paint_fold(painter: QPainter, line: QRect, folded: bool) -> None:
-    """A small arrow at the left of a label: to the right where its row is folded, else down."""
+    """Draw a small arrow at the left of a label: to the right for a folded row, else down."""
     x, y = line.left() + 7.0, line.center().y() + 0.5
     ways = ((-2.0, -3.0), (2.0, 0.0), (-2.0, 3.0)) if folded else ((-3.0, -2.0), (0.0, 2.0), (3.0, -2.0))
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -51,7 +51,7 @@ def paint_fold(painter: QPainter, line: QRect, folded: bool) -> None:
 
 
 def paint_dot(painter: QPainter, centre: QPointF, radius: float, fill: str, edge: str | None = None) -> None:
-    """A round mark; an edge of the ground's colour lifts it off what lies below."""
+    """Draw a round mark with an edge in the background colour."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.setPen(hairline(edge, 1.5) if edge else Qt.PenStyle.NoPen)
     painter.setBrush(QColor(fill))
@@ -59,7 +59,7 @@ def paint_dot(painter: QPainter, centre: QPointF, radius: float, fill: str, edge
 
 
 def paint_key(painter: QPainter, place: QPointF, colour: str, selected: bool = False) -> None:
-    """A small diamond where something has a key, with a light edge where it is selected."""
+    """Draw the diamond of a key, with a light edge if it is selected."""
     x, y, reach = place.x(), place.y(), KEY_REACH + (1.0 if selected else 0.0)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.setPen(hairline(colours.SELECTED_HANDLE, 2.0) if selected else hairline(colours.PANEL, 1.0))
@@ -69,7 +69,7 @@ def paint_key(painter: QPainter, place: QPointF, colour: str, selected: bool = F
 
 
 def paint_bar(painter: QPainter, bar: QRectF, fill: QColor, radius: float, edge: str | None = None) -> None:
-    """A bar with rounded corners."""
+    """Draw a bar with rounded corners."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.setBrush(fill)
     painter.setPen(hairline(edge, 1.5) if edge else Qt.PenStyle.NoPen)
@@ -77,5 +77,5 @@ def paint_bar(painter: QPainter, bar: QRectF, fill: QColor, radius: float, edge:
 
 
 def time_area(row: QRect) -> QRect:
-    """The part of a row that lies over time."""
+    """Rectangle of a row to the right of its label."""
     return row.adjusted(ROW_LABEL_WIDTH, 0, 0, 0)

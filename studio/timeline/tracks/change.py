@@ -1,4 +1,4 @@
-"""Change from one clip of a row to the next: a mark on its bar, and what happens there in a sentence."""
+"""Transition from one clip of a row to the next: a mark on its bar, and a sentence about it."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -20,9 +20,8 @@ CHANGE_HALF_WIDTH = 4.0
 
 @dataclass(frozen=True)
 class TakeOver:
-    """A clip takes over ``after`` seconds from its start; where it is ``cut`` the body is there at once.
-
-    Where it ``fades`` it begins to there; else it is led on from where the body is.
+    """Transition into a clip ``after`` seconds from its start; a ``cut`` without blend, a cross-fade if it ``fades``,
+    else inertialised.
     """
 
     after: float
@@ -31,23 +30,23 @@ class TakeOver:
     overlaps: bool
 
     def words(self, clip: Clip) -> str:
-        """Words for the transition, with advice where it looks wrong."""
+        """Text about the transition, with advice if it looks wrong."""
         at = f"{clip.start + self.after:.3f} s"
         if self.cut:
             return (
-                f"The body jumps at {at}: this begins more than {FOOT_STEP_LIMIT:g} leg lengths away, farther than a"
-                " step. Let it begin where the last one ends, or move it nearer"
+                f"The body jumps at {at}: the clip begins more than {FOOT_STEP_LIMIT:g} leg lengths away, farther than"
+                " a step. Choose Follow previous clip, or move it nearer"
             )
         if self.fades:
-            return f"Fades in from {at} on, as hands, knees or seat stand in the row, or a layer over it has them stand"
+            return f"Cross-fades from {at} on, because hands, knees or the seat carry the body in this row or a layer"
         alike = ", where both are most alike" if self.overlaps else ""
-        return f"Takes over at {at}{alike}: the body goes on from where it is, standing feet stay until they are lifted"
+        return f"Takes over at {at}{alike}: the body continues from its pose, standing feet stay until they are lifted"
 
 
 def take_over(shown: RowContext, performer_id: str, clip: Clip) -> TakeOver | None:
-    """Transition into a clip of a performer; None for the first one, and while it is not known.
+    """Transition into a clip of a performer; None for the first one, and while it is unknown.
 
-    While the clip is dragged it is known of where it was last solved, and goes with it.
+    During a drag of the clip it is the last solved one, and moves with it.
     """
     result, clips = shown.result(performer_id), shown.project.performers[performer_id].clips
     if result is None or result.composite is None or clip not in clips:
@@ -59,7 +58,7 @@ def take_over(shown: RowContext, performer_id: str, clip: Clip) -> TakeOver | No
 
 
 def _from(before: Played, played: Played, composite: Composite) -> TakeOver | None:
-    """None where it goes on as the one before would, as parts of a split clip do."""
+    """Transition; None if the clip continues the one before, as parts of a split clip do."""
     after = composite.timing.stage_time(played.first) - played.piece.start
     overlaps, changes = before.piece.end > played.piece.start, composite.motion.changes
     change = next((each for each in changes if each.first == played.first), None)
@@ -69,7 +68,7 @@ def _from(before: Played, played: Played, composite: Composite) -> TakeOver | No
 
 
 def paint_take_over(painter: QPainter, bar: QRectF, x: float, cut: bool) -> None:
-    """A line across a bar where its clip takes over, with a head; amber where the body jumps."""
+    """Draw a line with a head across a bar at its transition; amber for a jump."""
     colour = colours.PARTLY if cut else colours.TEXT
     painter.setPen(hairline(translucent(colour, 0.9), 1.2))
     painter.drawLine(QPointF(x, bar.top()), QPointF(x, bar.bottom()))

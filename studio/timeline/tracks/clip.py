@@ -1,4 +1,4 @@
-"""The clips of a performer: one bar each, of two that overlap the one above that plays."""
+"""Clips of a performer: a bar for each; where two overlap, the one above plays."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPainterPath, QPen, QPolygonF
@@ -22,20 +22,20 @@ PARTED = " · "
 
 
 def clip_bar(shown: RowContext, row: QRect, clip: Clip) -> QRectF:
-    """Rectangle of a clip, all its repeats together."""
+    """Rectangle of a clip with all its repeats."""
     left = shown.axis.x_of_time(clip.start)
     right = shown.axis.x_of_time(clip.start + clip.length(shown.project.frame_rate_of(clip)))
     return QRectF(left, row.top() + 3, max(right - left, 2.0), row.height() - 6)
 
 
 def bars_of(shown: RowContext, row: QRect, performer_id: str) -> list[tuple[Clip, QRectF]]:
-    """The bars of a performer, later ones over earlier ones."""
+    """Bars of a performer, later ones over earlier ones."""
     clips = sorted(shown.project.performers[performer_id].clips, key=lambda clip: clip.start)
     return [(clip, clip_bar(shown, row, clip)) for clip in clips]
 
 
 def clip_text(shown: RowContext, clip: Clip) -> str:
-    """``front_kick · 70 frames at 30 Hz``, and how it plays where that is not as it is."""
+    """``front_kick · 70 frames at 30 Hz``, and changes of its playback."""
     motion, frames = shown.project.motions[clip.motion_id], clip.last - clip.first + 1
     words = [motion.name, f"{frames} frame{'' if frames == 1 else 's'} at {rate(shown.project.frame_rate_of(clip))}"]
     if isinstance(clip.speed, KeyedNumber):
@@ -48,7 +48,7 @@ def clip_text(shown: RowContext, clip: Clip) -> str:
 
 
 def row_text(shown: RowContext, clip: Clip) -> str:
-    """As ``clip_text``; where one row stands for all, on how many bodies, or that all are hidden."""
+    """As ``clip_text``, with the number of bodies if one row represents several, or a note that all are hidden."""
     text = clip_text(shown, clip)
     if shown.apart:
         return text
@@ -59,7 +59,7 @@ def row_text(shown: RowContext, clip: Clip) -> str:
 
 
 def paint_clips(painter: QPainter, row: QRect, shown: RowContext, performer_id: str) -> None:
-    """Quiet bars that say what plays: a clip lies over the one before it from where it takes over."""
+    """Draw the bars of the clips; each covers the one before it from its transition on."""
     bars = bars_of(shown, row, performer_id)
     failure = shown.live.failure(performer_id)
     if failure:
@@ -91,7 +91,7 @@ def paint_clips(painter: QPainter, row: QRect, shown: RowContext, performer_id: 
 def _paint_failure(
     painter: QPainter, row: QRect, shown: RowContext, bars: list[tuple[Clip, QRectF]], failure: str
 ) -> None:
-    """Outlines of what would play, and why it does not."""
+    """Draw outlines of the clips, and the reason for the failure."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     for _, bar in bars:
         painter.setBrush(translucent(colours.NOT_REACHED, 0.12))
@@ -108,7 +108,7 @@ def _rounded(bar: QRectF) -> QPainterPath:
 
 
 def _rising(bar: QRectF, fade: float) -> QPainterPath:
-    """A bar that rises over ``fade`` pixels, as a blend does."""
+    """Bar that rises over ``fade`` pixels, like a blend."""
     shares = [step / CURVE_STEPS for step in range(CURVE_STEPS + 1)]
     heights = [bar.bottom() - float(ease(share, EaseShape.QUINTIC)) * bar.height() for share in shares]
     rise = [QPointF(bar.left() + share * fade, height) for share, height in zip(shares, heights, strict=True)]
@@ -119,7 +119,7 @@ def _rising(bar: QRectF, fade: float) -> QPainterPath:
 
 
 def _paint_unplayed(painter: QPainter, bar: QRectF) -> None:
-    """Only the outline of what of a clip does not play, because the one before it still does."""
+    """Draw only the outline of the part of a clip before its transition."""
     if bar.width() >= 2.0:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setBrush(Qt.BrushStyle.NoBrush)
@@ -128,7 +128,7 @@ def _paint_unplayed(painter: QPainter, bar: QRectF) -> None:
 
 
 def paint_clip_bar(painter: QPainter, shown: RowContext, performer_id: str, clip: Clip, path: QPainterPath) -> None:
-    """A bar in the colour of its body, or of all bodies, stronger where it is selected."""
+    """Draw a bar in the colour of its body, or of all bodies, stronger if it is selected."""
     project = shown.project
     colour = colours.KINDS["position"]
     if shown.apart:
@@ -142,7 +142,7 @@ def paint_clip_bar(painter: QPainter, shown: RowContext, performer_id: str, clip
 
 
 def _paint_repeats(painter: QPainter, clip: Clip, bar: QRectF) -> None:
-    """A notch where it plays again."""
+    """Draw a notch at each repeat."""
     painter.setPen(hairline(translucent(colours.TEXT, 0.6)))
     for repeat in range(1, clip.repeats):
         x = bar.left() + bar.width() * repeat / clip.repeats
@@ -156,7 +156,7 @@ def seen_part(shown: RowContext, room: QRectF) -> QRectF:
 
 
 def paint_clip_text(painter: QPainter, words: str, room: QRectF, colour: str = colours.TEXT) -> None:
-    """Words at the left of a bar, as many as it has room for."""
+    """Draw as many words as fit at the left of a bar."""
     painter.setFont(font())
     painter.setPen(QColor(colour))
     area = room.adjusted(10, 0, -4, 0)
@@ -164,7 +164,7 @@ def paint_clip_text(painter: QPainter, words: str, room: QRectF, colour: str = c
 
 
 def shortened(words: str, metrics: QFontMetrics, width: int) -> str:
-    """As many of the parts between dots as are seen whole; of the first one as much as there is room for."""
+    """As many of the parts between dots as fit completely; the first one is elided."""
     parts = words.split(PARTED)
     for count in range(len(parts), 1, -1):
         if metrics.horizontalAdvance(PARTED.join(parts[:count])) <= width:
@@ -185,13 +185,13 @@ def paint_clip_label(painter: QPainter, row: QRect, shown: RowContext, performer
 
 
 def folds(shown: RowContext, performer_id: str) -> bool:
-    """True if the rows of all performers are folded and unfolded at this one's."""
+    """True if this performer's row folds and unfolds those of all performers."""
     performers = list(shown.project.performers)
     return len(performers) > 1 and (not shown.apart or performer_id == performers[0])
 
 
 def clip_hit(bars: list[tuple[Clip, QRectF]], performer_id: str, point: QPointF) -> Hit:
-    """An end of a clip, its body, or the empty place between these ``bars``."""
+    """End of a clip, its body, or the empty place between these ``bars``."""
     for clip, bar in reversed(bars):
         reach = min(CLIP_EDGE_REACH, bar.width() / 4)
         if not bar.adjusted(-reach / 2, 0, reach / 2, 0).contains(point):

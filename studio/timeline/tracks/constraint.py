@@ -1,4 +1,4 @@
-"""A constraint's row: the bar that is its activation curve, four handles, and its strips, one a body."""
+"""Row of a constraint: a bar with its activation curve, four handles, and its strips, one for each body."""
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRect, Qt
@@ -23,12 +23,12 @@ LOW_ABOVE, LOW_CURVE = 2, 11
 
 
 def height(body_count: int) -> int:
-    """Pixels of a row with so many strips, or of its two lines of text."""
+    """Height in pixels of a row with this number of strips, or of its two lines of text."""
     return max(CURVE_TOP_PX + CURVE + STRIP_GAP_PX + PITCH * body_count + STRIP_BOTTOM_PX, ROOM_FOR_LABEL)
 
 
 def baseline(row: QRect) -> int:
-    """The pixel at which the activation is 0; a curve's height above it is 1."""
+    """Pixel of activation 0; a curve's height above it is 1."""
     return row.top() + (LOW_ABOVE if is_folded(row) else CURVE_TOP_PX) + curve_height(row)
 
 
@@ -53,14 +53,14 @@ def handle_points(shown: RowContext, row: QRect, constraint: Constraint) -> dict
 
 
 def looks_of(constraint: Constraint | None) -> object:
-    """All of a constraint that its row shows: equal ones look the same but for how well they hold."""
+    """All of a constraint that its row shows except results: rows of equal values look the same."""
     if constraint is None:
         return None
     return (constraint.name, constraint.enabled, constraint.priority, constraint.activation, *key_times(constraint))
 
 
 def paint_constraint(painter: QPainter, row: QRect, shown: RowContext, constraint_id: str) -> None:
-    """The curve filled at 40 per cent in the kind's colour; light and with larger handles when selected."""
+    """Draw the curve, filled at 40 per cent in the kind's colour; lighter and with larger handles if selected."""
     constraint = shown.project.constraints[constraint_id]
     colour = colours.kind_colour(constraint.kind) if constraint.enabled else colours.TEXT_THIRD
     line = line_colour(shown, constraint_id)
@@ -75,19 +75,19 @@ def paint_constraint(painter: QPainter, row: QRect, shown: RowContext, constrain
 
 
 def line_colour(shown: RowContext, constraint_id: str) -> str:
-    """The colour of a curve and its handles."""
+    """Colour of a curve and its handles."""
     selected = shown.is_selected("constraints", constraint_id)
     return colours.SELECTED_HANDLE if selected else key_colour(shown, constraint_id)
 
 
 def key_colour(shown: RowContext, constraint_id: str) -> str:
-    """The colour of a constraint's keys."""
+    """Colour of a constraint's keys."""
     constraint = shown.project.constraints[constraint_id]
     return colours.kind_colour(constraint.kind) if constraint.enabled else colours.TEXT_THIRD
 
 
 def paint_handles(painter: QPainter, row: QRect, shown: RowContext, constraint_id: str) -> None:
-    """The four handles of the activation."""
+    """Draw the four handles of the activation."""
     constraint, selected = shown.project.constraints[constraint_id], shown.is_selected("constraints", constraint_id)
     line = line_colour(shown, constraint_id)
     for part, point in handle_points(shown, row, constraint).items():
@@ -96,7 +96,7 @@ def paint_handles(painter: QPainter, row: QRect, shown: RowContext, constraint_i
 
 
 def paint_constraint_label(painter: QPainter, row: QRect, shown: RowContext, constraint_id: str) -> None:
-    """Priority and name, and who misses it most."""
+    """Draw priority and name, and the worst body."""
     constraint = shown.project.constraints[constraint_id]
     order = shown.project.places_of(constraint.motion_id)[constraint_id]
     area = label_area(row)
@@ -116,7 +116,7 @@ def paint_constraint_label(painter: QPainter, row: QRect, shown: RowContext, con
 
 
 def constraint_hit(shown: RowContext, row: QRect, constraint_id: str, point: QPointF) -> Hit:
-    """The nearest handle within reach, else the bar, else nothing of it."""
+    """Nearest handle within reach, else the bar, else nothing."""
     constraint = shown.project.constraints[constraint_id]
     near = {
         part: place
@@ -130,7 +130,7 @@ def constraint_hit(shown: RowContext, row: QRect, constraint_id: str, point: QPo
 
 
 def _nearest(near: dict[ItemPart, QPointF], point: QPointF) -> ItemPart:
-    """Handle, of those that lie on one another, the one that the mouse comes from: earlier ones from the left."""
+    """Handle among coincident ones by the side of the mouse: earlier ones from the left."""
     return min(
         near,
         key=lambda part: (
@@ -141,7 +141,7 @@ def _nearest(near: dict[ItemPart, QPointF], point: QPointF) -> ItemPart:
 
 
 def _curve_path(shown: RowContext, row: QRect, constraint: Constraint) -> QPainterPath:
-    """The activation over the visible pixels, closed along the baseline."""
+    """Activation over the visible pixels, closed along the baseline."""
     curve, axis = constraint.activation, shown.axis
     corners = (curve.start, curve.full, curve.full_end, curve.end)
     corner_xs = [shown.x_of_motion_time(time) for time in corners]
@@ -161,7 +161,7 @@ def _curve_path(shown: RowContext, row: QRect, constraint: Constraint) -> QPaint
 
 
 def strip_top(row: QRect, place: int) -> int:
-    """The pixel at which the strip of the ``place``-th body begins."""
+    """Top pixel of the strip of the ``place``-th body."""
     return baseline(row) + 1 + STRIP_GAP_PX + PITCH * place
 
 
@@ -179,7 +179,7 @@ def _paint_strips(painter: QPainter, row: QRect, shown: RowContext, constraint_i
 
 
 def bodies_of(shown: RowContext, row: QRect, constraint_id: str) -> tuple[Body, ...]:
-    """The bodies whose strips a row shows: all, or folded the one that misses it most, or of which least is known."""
+    """Bodies with strips in a row: all, or folded the one with the worst residual, or an unknown one."""
     bodies = tuple(shown.subject.bodies)
     asked = [body for body in bodies if shown.applies_to(constraint_id, body.performer_id)]
     if not is_folded(row) or not asked:
@@ -195,13 +195,13 @@ def bodies_of(shown: RowContext, row: QRect, constraint_id: str) -> tuple[Body, 
 
 
 def strip_body(shown: RowContext, row: QRect, constraint_id: str, y: float) -> str | None:
-    """The performer whose strip lies at a height, or None."""
+    """Performer whose strip is at a height, or None."""
     bodies, place = bodies_of(shown, row, constraint_id), int((y - strip_top(row, 0)) // PITCH)
     return bodies[place].performer_id if 0 <= place < len(bodies) else None
 
 
 def verdict(shown: RowContext, constraint_id: str) -> tuple[str, str]:
-    """``Child 42 mm at frame 23`` in the state's colour, that all hold it, or that this is not known."""
+    """``Child 42 mm at frame 23`` in the state's colour, that it is met on all, or that this is unknown."""
     if not shown.project.constraints[constraint_id].enabled:
         return "off", colours.TEXT_THIRD
     bodies = [body for body in shown.subject.bodies if shown.applies_to(constraint_id, body.performer_id)]
@@ -224,5 +224,5 @@ def verdict(shown: RowContext, constraint_id: str) -> tuple[str, str]:
 
 
 def row_ground(selected: bool) -> QColor:
-    """The grey behind a label."""
+    """Grey behind a label."""
     return QColor(colours.SELECTED_ROW if selected else colours.PANEL)

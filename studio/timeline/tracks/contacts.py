@@ -1,4 +1,4 @@
-"""Contacts with the ground, and what hands touch: a thin line a point, heel above ball, left above right."""
+"""Contacts with the ground, and touches of the hands: a thin line for each point, heel above ball, left above right."""
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRect, QRectF
@@ -35,17 +35,17 @@ FILLS = (colours.mixed(colours.KINDS["contact"], colours.PANEL, 0.30), colours.K
 
 
 def rows_with(points: set[ContactPoint | Touch]) -> tuple[str, ...]:
-    """The rows of a motion whose contacts are of these points: feet always, others where they touch."""
+    """Rows for contacts of these points: feet always, others if there are any."""
     return tuple(row for row, lanes in LANES.items() if row in PERMANENT_ROWS or not points.isdisjoint(lanes))
 
 
 def row_of(point: ContactPoint | Touch) -> str:
-    """The row in which a point's contacts lie."""
+    """Row of a point's contacts."""
     return next(row for row, lanes in LANES.items() if point in lanes)
 
 
 def lane(row: QRect, point: ContactPoint | Touch) -> QRectF:
-    """The height at which a point's contacts lie in its row."""
+    """Height of a point's contacts in its row."""
     lanes, line = LANES[row_of(point)], THIN_LINE if is_folded(row) else CONTACT_LINE_PX
     middle = row.top() + row.height() / 2
     top = middle - line / 2 if len(lanes) == 1 else middle + 0.5 - (line + 1) * (1 - lanes.index(point))
@@ -58,7 +58,7 @@ def is_folded(row: QRect) -> bool:
 
 
 def contact_bar(shown: RowContext, row: QRect, contact: ContactInterval) -> QRectF:
-    """Rectangle of a contact: from its first frame to its last, three pixels at least."""
+    """Rectangle of a contact: from its first frame to its last, at least three pixels."""
     line, (first, last) = lane(row, contact.point), played_frames(shown, contact)
     left, right = shown.x_of_frame(first), shown.x_of_frame(last)
     spare = max(LEAST_BAR - (right - left), 0.0) / 2
@@ -66,13 +66,13 @@ def contact_bar(shown: RowContext, row: QRect, contact: ContactInterval) -> QRec
 
 
 def played_frames(shown: RowContext, contact: ContactInterval) -> tuple[int, int]:
-    """First and last frame of a contact that the clip plays."""
+    """First and last frame of a contact within the clip."""
     clip = shown.subject.clip
     return max(contact.first, clip.first), min(contact.last, clip.last)
 
 
 def paint_contacts(painter: QPainter, row: QRect, shown: RowContext, row_id: str) -> None:
-    """Bars that lie on one another, as most of an hour on a thousand pixels, are one; the selected has a light edge."""
+    """Draw bars, joined if they overlap in pixels, as in a capture of an hour; the selected one has a light edge."""
     contacts = _contacts(shown, row_id)
     for point, fill in zip(LANES[row_id], FILLS, strict=False):
         line = lane(row, point)
@@ -90,16 +90,15 @@ def paint_contacts(painter: QPainter, row: QRect, shown: RowContext, row_id: str
 
 
 def _paint_own(painter: QPainter, bar: QRectF, shown: RowContext) -> None:
-    """A line in the body's colour under contacts that are its alone."""
+    """Draw a line in the body's colour under contacts of that body alone."""
     performer = shown.project.performers[shown.subject.performer_id]
     colour = shown.project.characters[performer.character_id].colour
     painter.fillRect(QRectF(bar.left(), bar.bottom() - 2, bar.width(), 2), QColor(colour))
 
 
 def seen_bars(shown: RowContext, spans: list[tuple[int, int]]) -> list[tuple[float, float]]:
-    """Pixels from and to which the bars of ``spans`` (first and last frame, in time) reach in the visible stretch.
-
-    Those that lie on one another are joined.
+    """First and last pixel of the visible bars of ``spans`` (first and last frame, in time order), overlapping ones
+    joined.
     """
     ends = shown.xs_of_frames(np.array(spans, dtype=np.float64).reshape(-1, 2))
     spare = np.maximum(LEAST_BAR - (ends[:, 1] - ends[:, 0]), 0.0) / 2
@@ -113,7 +112,7 @@ def seen_bars(shown: RowContext, spans: list[tuple[int, int]]) -> list[tuple[flo
 
 
 def paint_contacts_label(painter: QPainter, row: QRect, row_id: str) -> None:
-    """Draw the name of the contact points; the lines are named when pointed at."""
+    """Draw the name of the contact points; lines have tooltips."""
     folded = is_folded(row)
     paint_fold(painter, row, folded)
     colour, pixels = (colours.TEXT_SECOND, 10) if folded else (colours.TEXT, 12)
@@ -139,7 +138,7 @@ def contacts_hit(shown: RowContext, row: QRect, row_id: str, point: QPointF) -> 
 
 
 def _grip(bar: QRectF, x: float) -> list[tuple[float, ItemPart]]:
-    """The part of a bar at ``x`` with its distance; ends reach beyond the bar, and leave a third as body."""
+    """Part of a bar at ``x`` with its distance; ends extend beyond the bar, and leave a third as body."""
     reach = min(CONTACT_EDGE_REACH, bar.width() / 3)
     if bar.left() - CONTACT_EDGE_REACH <= x <= bar.left() + reach:
         return [(abs(x - bar.left()), ItemPart.FIRST)]

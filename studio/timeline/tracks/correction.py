@@ -1,4 +1,4 @@
-"""The row of a manual correction: its range as a curve with four handles, under the clips of its body."""
+"""Row of a manual correction: its range as a curve with four handles, under the clips of its body."""
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRect, Qt
@@ -45,7 +45,7 @@ def paint_correction_handles(painter: QPainter, row: QRect, shown: RowContext, c
 
 
 def paint_correction_label(painter: QPainter, row: QRect, shown: RowContext, correction_id: str) -> None:
-    """Write the name, and whether it lies above the constraints."""
+    """Draw the name, and if it is above the constraints."""
     correction = shown.project.corrections[correction_id]
     text = f"{correction.name} · above" if correction.above else correction.name
     colour = colours.TEXT_SECOND if correction.enabled else colours.TEXT_THIRD
@@ -64,7 +64,7 @@ def line_colour(shown: RowContext, correction_id: str) -> str:
 
 
 def correction_hit(shown: RowContext, row: QRect, correction_id: str, point: QPointF) -> Hit:
-    """The nearest handle within reach, else the bar, else the row's empty place."""
+    """Nearest handle within reach, else the bar, else the row's empty place."""
     curve = shown.project.corrections[correction_id].activation
     near = {
         part: (place - point).manhattanLength()
@@ -78,7 +78,7 @@ def correction_hit(shown: RowContext, row: QRect, correction_id: str, point: QPo
 
 
 def _curve_path(shown: RowContext, row: QRect, curve: ActivationCurve, weight: float) -> QPainterPath:
-    """The range over time, closed along the bottom of the row."""
+    """Range over time, closed along the bottom of the row."""
     low, high = row.bottom() - CORRECTION_MARGIN_PX, row.top() + CORRECTION_MARGIN_PX
     start, full, full_end, end = curve.times
     ramps = [np.linspace(*ramp, CORRECTION_RAMP_POINTS) for ramp in ((start, full), (full_end, end))]

@@ -1,4 +1,6 @@
-"""One body's error strip: coloured by state, and higher the farther off, to be read without colour."""
+"""Error strip of one body: coloured by state, and higher for greater residuals, so that it can be read
+without colour.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +26,7 @@ STRIP_COLOURS = (
 
 
 def paint_unknown(painter: QPainter, axis_right: float, left: float, right: float, top: int, colour: str) -> None:
-    """A hatched line where it is not known yet how a constraint holds."""
+    """Draw a hatched line for unknown results."""
     begin, end = max(left, ROW_LABEL_WIDTH + ROOM_FOR_DOT), min(right, axis_right + 20)
     if begin < end:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
@@ -36,7 +38,7 @@ def paint_unknown(painter: QPainter, axis_right: float, left: float, right: floa
 def paint_strip(
     painter: QPainter, shown: RowContext, strip: Strip, left: float, right: float, top: int, colour: str
 ) -> None:
-    """A line from pixel ``left`` to ``right`` at the bottom of its five pixels; the body's dot before it."""
+    """Draw a line from pixel ``left`` to ``right`` at the bottom of its five pixels, after the body's dot."""
     xs = np.arange(round(max(left, ROW_LABEL_WIDTH + ROOM_FOR_DOT)), round(min(right, shown.axis.right + 20)) + 1)
     active = np.flatnonzero(strip.state_indices)
     if not len(xs) or not len(active):

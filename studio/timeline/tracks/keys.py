@@ -1,4 +1,4 @@
-"""Keys as diamonds in the rows: where they lie, how they look, which are under the mouse or in a box."""
+"""Keys as diamonds in the rows: positions, drawing, and hit tests."""
 
 from collections.abc import Iterable
 
@@ -39,19 +39,19 @@ FIELD_NAMES = {"proportions": "measures"}
 
 
 def sheet_id(field: KeyedField) -> str:
-    """The id of a field's row."""
+    """Id of a field's row."""
     return "/".join(field)
 
 
 def field_of(row_id: str) -> KeyedField:
-    """The field of a row."""
+    """Field of a row."""
     collection, _, rest = row_id.partition("/")
     entity_id, _, name = rest.rpartition("/")
     return KeyedField(collection, entity_id, name)
 
 
 def sheet_fields(shown: RowContext) -> dict[KeyedField, Keyed]:
-    """Keyed fields of the dope sheet: those of the selection, or else all of the stage."""
+    """Keyed fields of the dope sheet: those of the selection, or else of the stage."""
     chosen = selected_fields(shown.project, shown.document.selection.items)
     if chosen:
         return chosen
@@ -75,7 +75,7 @@ def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
 
 
 def fields_in(shown: RowContext, row: TimelineRow) -> tuple[KeyedField, ...]:
-    """The fields whose keys a row shows; a constraint's bar shows its activation by handles of its own."""
+    """Fields whose keys a row shows; a constraint's bar has handles for its activation."""
     match row.kind:
         case "clip":
             clips = shown.project.performers[row.id].clips
@@ -97,7 +97,7 @@ def _keys_of(shown: RowContext, collection: str, entity_id: str) -> tuple[KeyedF
 
 
 def stage_times(shown: RowContext, field: KeyedField) -> FloatArray:
-    """(K,) seconds of the stage at which the keys of a field lie."""
+    """(K,) seconds of the stage of the keys of a field."""
     value = keyed_value(shown.project, field)
     times = value.seconds if isinstance(value, Keys) else np.array(value.times if value is not None else ())
     counted = counted_in(shown.project, shown.subject.clip, field)
@@ -105,7 +105,7 @@ def stage_times(shown: RowContext, field: KeyedField) -> FloatArray:
 
 
 def keys_between(shown: RowContext, fields: Iterable[KeyedField], begin: float, end: float) -> tuple[KeyRef, ...]:
-    """The keys from one second of the stage to another."""
+    """Keys from one second of the stage to another."""
     found = []
     for field in fields:
         times = stage_times(shown, field)
@@ -115,7 +115,7 @@ def keys_between(shown: RowContext, fields: Iterable[KeyedField], begin: float, 
 
 
 def keys_at(shown: RowContext, row: TimelineRow, area: QRect, point: QPointF) -> tuple[KeyRef, ...]:
-    """The keys of the diamond under the mouse: all of the row that lie at one time; none beside diamonds."""
+    """Keys of the diamond under the mouse: all of the row at one time; none outside diamonds."""
     if abs(point.y() - key_height(row, area)) > KEY_REACH + 1.0:
         return ()
     fields, axis, reach = fields_in(shown, row), shown.axis, KEY_REACH + 1.0
@@ -128,7 +128,7 @@ def keys_at(shown: RowContext, row: TimelineRow, area: QRect, point: QPointF) ->
 
 
 def key_height(row: TimelineRow, area: QRect) -> float:
-    """The pixel at which the diamonds of a row lie."""
+    """Pixel of the diamonds of a row."""
     if row.kind == "constraints":
         from studio.timeline.tracks import constraint
 
@@ -137,7 +137,7 @@ def key_height(row: TimelineRow, area: QRect) -> float:
 
 
 def paint_keys(painter: QPainter, shown: RowContext, row: TimelineRow, area: QRect, colour: str) -> None:
-    """Diamonds, with a light edge where they are selected; a bar where they lie closer than they can be told apart."""
+    """Draw diamonds, with a light edge if selected; a bar if they are too dense."""
     axis = shown.axis
     begin, end = axis.time_at(axis.left - KEY_REACH), axis.time_at(axis.right + 20.0)
     plain: list[FloatArray] = [np.empty(0)]
@@ -201,7 +201,7 @@ def field_words(field: KeyedField) -> str:
 
 
 def row_colour(shown: RowContext, row: TimelineRow) -> str:
-    """The colour of a row's diamonds: of the kind of the constraint, or of the body."""
+    """Colour of a row's diamonds: of the kind of the constraint, or of the body."""
     if row.kind == SUMMARY:
         return colours.TEXT_SECOND
     field = field_of(row.id)
@@ -214,7 +214,7 @@ def row_colour(shown: RowContext, row: TimelineRow) -> str:
 
 
 def paint_sheet(painter: QPainter, row: TimelineRow, area: QRect, shown: RowContext) -> None:
-    """A row of the dope sheet."""
+    """Draw a row of the dope sheet."""
     if row.kind == SUMMARY:
         painter.fillRect(area, QColor(colours.BAR))
     paint_keys(painter, shown, row, area, row_colour(shown, row))
@@ -231,5 +231,5 @@ def growth_rows(shown: RowContext, performer_id: str) -> list[tuple[str, str, in
 
 
 def growth_fields(shown: RowContext, performer_id: str) -> tuple[KeyedField, ...]:
-    """The keyed measures of a performer; none of a body that stays as it is."""
+    """Keyed measures of a performer; none for a constant body."""
     return _keys_of(shown, "characters", shown.project.performers[performer_id].character_id)

@@ -1,4 +1,4 @@
-"""Labels: named moments and stretches of the motion, as flags on a row of their own."""
+"""Labels: named moments and ranges of the motion, as flags on a row of their own."""
 
 from collections.abc import Iterator
 
@@ -17,19 +17,19 @@ PIXELS = 11
 
 
 def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
-    """Kind, id and height of the row of labels; none while the motion has no label."""
+    """Kind, id and height of the row of labels; none without labels."""
     return [("labels", "", LABEL_ROW_HEIGHT)] if shown.project.labels_of(shown.subject.motion_id) else []
 
 
 def flag_area(shown: RowContext, row: QRect, label: Label) -> QRectF:
-    """Rectangle of a label's flag: from its first frame over its stretch, at least as wide as its name."""
+    """Rectangle of a label's flag: its range from its first frame, at least as wide as its name."""
     left, right = shown.x_of_frame(label.first), shown.x_of_frame(label.last)
     width = QFontMetrics(font(PIXELS)).horizontalAdvance(label.name) + 2 * LABEL_MARGIN_PX + LABEL_POLE_PX
     return QRectF(left, row.top() + 3.0, max(right - left, width), row.height() - 6.0)
 
 
 def paint_labels(painter: QPainter, row: QRect, shown: RowContext) -> None:
-    """Draw a pole at the first frame of each label, its stretch as a band, and its name; the selected one is light."""
+    """Draw a pole at the first frame of each label, its range as a band, and its name; the selected one is light."""
     painter.setFont(font(PIXELS))
     for key, label in shown.project.labels_of(shown.subject.motion_id).items():
         selected = shown.is_selected("labels", key)
@@ -51,12 +51,12 @@ def paint_labels(painter: QPainter, row: QRect, shown: RowContext) -> None:
 
 
 def paint_labels_label(painter: QPainter, row: QRect) -> None:
-    """Write what the row shows."""
+    """Draw the name of the row."""
     paint_label(painter, label_area(row), "Labels", colours.TEXT_SECOND)
 
 
 def labels_hit(shown: RowContext, row: QRect, point: QPointF) -> Hit:
-    """The label under ``point``, the one that begins last where they overlap, and its end; else the empty row."""
+    """Label under ``point``, the last one to begin if they overlap, and its end; else the empty row."""
     found = max(_parts(shown, row, point.x()), default=None, key=lambda each: each[0])
     return Hit("labels", found[1], found[2]) if found else Hit("labels", "", ItemPart.EMPTY)
 

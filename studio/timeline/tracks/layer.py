@@ -1,4 +1,4 @@
-"""The layers of a performer: a row for each region of the body, under its clips; bars as high as their weight."""
+"""Layers of a performer: a row for each region of the body, under its clips; bars as high as their weight."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF
 from PySide6.QtGui import QPainter, QPainterPath, QPolygonF
@@ -30,12 +30,12 @@ def performer_of(row_id: str) -> str:
 
 
 def clip_bars(shown: RowContext, row: QRect, row_id: str) -> list[tuple[Clip, QRectF]]:
-    """The bars of a row, each as high as the row, so that it can be taken hold of."""
+    """Bars of a row, each as high as the row, for hit tests."""
     return [(each.clip, clip_bar(shown, row, each.clip)) for each in _layers(shown, row_id)]
 
 
 def paint_layers(painter: QPainter, row: QRect, shown: RowContext, row_id: str) -> None:
-    """Bars that rise and fall as the layers fade."""
+    """Draw bars that rise and fall like the layers' fades."""
     for layer, (clip, bar) in zip(_layers(shown, row_id), clip_bars(shown, row, row_id), strict=True):
         low = bar.adjusted(0, (1.0 - max(layer.weight, LEAST_BAR_PART)) * bar.height(), 0, 0)
         paint_clip_bar(painter, shown, performer_of(row_id), clip, _outline(shown, low, layer))

@@ -22,13 +22,13 @@ def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
 
 
 def media_bar(shown: RowContext, row: QRect, media: SoundTrack | Footage) -> QRectF:
-    """From where the sound or footage begins to where it ends."""
+    """Rectangle from the start to the end of the sound or footage."""
     left, right = shown.axis.x_of_time(media.start), shown.axis.x_of_time(media.end)
     return QRectF(left, row.top() + 2, max(right - left, 2.0), row.height() - 4)
 
 
 def paint_waveform(painter: QPainter, row: QRect, shown: RowContext, sound_id: str) -> None:
-    """Draw the loudness, a column a pixel, and a line at each beat."""
+    """Draw the loudness, a column for each pixel, and a line at each beat."""
     sound, selected = shown.project.sounds[sound_id], shown.is_selected("sounds", sound_id)
     bar = media_bar(shown, row, sound)
     _paint_media_bar(painter, bar, selected)
@@ -73,6 +73,6 @@ def paint_media_label(painter: QPainter, row: QRect, shown: RowContext, kind: st
 
 
 def media_hit(shown: RowContext, row: QRect, kind: str, media_id: str, point: QPointF) -> Hit:
-    """The bar of the sound or footage, or the row's empty place."""
+    """Bar of the sound or footage, or the row's empty place."""
     inside = media_bar(shown, row, shown.project.get(kind, media_id)).contains(point)
     return Hit(kind, media_id, ItemPart.BODY if inside else ItemPart.EMPTY)

@@ -1,4 +1,4 @@
-"""The plot: a curve a body, drawn by pyqtgraph into the tracks' picture."""
+"""Plot: a curve for each body, drawn by pyqtgraph into the timeline's picture."""
 
 from collections.abc import Callable
 from functools import partial
@@ -9,6 +9,7 @@ from PySide6.QtGui import QColor, QPainter
 from PySide6.QtWidgets import QWidget
 
 from studio.document import colours
+from studio.document.length_units import shown_unit
 from studio.engine.scheduler import SolveScheduler
 from studio.timeline.curves import Curve, CurveQuery, Plotted, Quantity, error_measure, plotted_constraint, seen_curve
 from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext, label_area
@@ -28,7 +29,7 @@ Known = tuple[Basis, Curve | None]
 
 
 class PlotPicture(QObject):
-    """A pyqtgraph plot that is never shown itself: it is drawn where the rows want it."""
+    """Hidden pyqtgraph plot that is rendered into the rows."""
 
     arrived = Signal()
     """A curve is there that took longer."""
@@ -55,9 +56,9 @@ class PlotPicture(QObject):
         self._order = 0
 
     def fetch(self, shown: RowContext) -> None:
-        """Take the newest results; of a body whose result is that of the last time, the curve of the last time.
+        """Update the curves of changed results.
 
-        Curves of long motions are made by a worker, and until then the last ones are shown.
+        Those of long motions are computed by a worker; the old ones are shown until then.
         """
         project, constraint_id = shown.project, plotted_constraint(shown)
         asked = CurveQuery(project, shown.subject, self.quantity, constraint_id)
@@ -108,7 +109,7 @@ class PlotPicture(QObject):
         raise error
 
     def paint(self, painter: QPainter, row: QRect, shown: RowContext) -> None:
-        """The curves over the axis' own stretch of time, so that they line up with the bars to the pixel."""
+        """Draw the curves over the axis' own range of time, aligned with the bars to the pixel."""
         area = row.adjusted(ROW_LABEL_WIDTH, 4, 0, -3)
         axis = shown.axis
         if self._widget.size() != area.size():
@@ -147,13 +148,16 @@ class PlotPicture(QObject):
             return
         paint_label(painter, QRect(0, row.top() + 4, ROW_LABEL_WIDTH - 44, 20), self.title(shown), colours.TEXT)
         count = len(self.curves)
-        note = f"{self.quantity.unit(shown)} · {count} {'body' if count == 1 else 'bodies'}"
+        unit = shown_unit(self.quantity.unit(shown))
+        note = f"{unit.symbol} · {count} {'body' if count == 1 else 'bodies'}"
         paint_label(painter, QRect(0, row.top() + 22, ROW_LABEL_WIDTH, 18), note, colours.TEXT_THIRD, 11)
         painter.setFont(font(10))
         painter.setPen(QColor(colours.TEXT_THIRD))
         for value in (0.0, self.top) if self.curves else ():
             place = QRect(area.right() - 60, round(self.y_of(row, value)) - 8, 54, 16)
-            painter.drawText(place, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, _figure(value))
+            painter.drawText(
+                place, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, _figure(unit.factor * value)
+            )
 
     def title(self, shown: RowContext) -> str:
         """``Foot speed`` or ``Error: Kick target``."""
@@ -162,23 +166,24 @@ class PlotPicture(QObject):
         return self.quantity.value + name
 
     def words(self, shown: RowContext, value: float) -> str:
-        """A value that is drawn, with its unit."""
+        """Drawn value with its unit."""
         if self.quantity is not Quantity.ERROR:
-            return f"{value:.2f} {self.quantity.unit(shown)}"
+            unit = shown_unit(self.quantity.unit(shown))
+            return f"{value * unit.factor:.2f} {unit.symbol}"
         measure = error_measure(shown)
         return measure.words(value / measure.factor)
 
     def nearest(self, row: QRect, seconds: float, y: float) -> tuple[Curve, float] | None:
-        """The curve that passes nearest to a height at a time, with its value there."""
+        """Curve nearest to a height at a time, with its value there."""
         values = [(curve, curve.at(seconds)) for curve in self.curves]
         return min(values, key=lambda pair: abs(self.y_of(row, pair[1]) - y), default=None)
 
     def forget(self) -> None:
-        """Keep nothing of results that are shown no more."""
+        """Drop the curves of results that are not shown any more."""
         self._known, self._asked, self.curves = {}, {}, []
 
     def close(self) -> None:
-        """Let go of the plot, once the worker has ended."""
+        """Release the plot, after the worker has ended."""
         if self._worker is not None:
             self._worker.close()
         self._widget.close()

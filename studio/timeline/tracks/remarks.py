@@ -14,7 +14,7 @@ REMARK_HALF_WIDTH, REMARK_LINE_PX = 4.0, 2
 
 
 def paint_remarks(painter: QPainter, ruler: QRect, shown: RowContext) -> None:
-    """A small head where something odd begins, and a line for as long as it lasts."""
+    """Draw a small head at the begin of a remark, and a line for its duration."""
     painter.save()
     painter.setClipRect(ruler.adjusted(ROW_LABEL_WIDTH, 0, 0, 0), Qt.ClipOperation.IntersectClip)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -37,7 +37,7 @@ def paint_remarks(painter: QPainter, ruler: QRect, shown: RowContext) -> None:
 
 
 def remark_text(shown: RowContext, x: float) -> str:
-    """The sentences of the marks at a pixel; empty where there is none."""
+    """Sentences of the marks at a pixel; empty without any."""
     there = (
         remark.sentence
         for remark, left, right in _marks(shown)
@@ -47,7 +47,7 @@ def remark_text(shown: RowContext, x: float) -> str:
 
 
 def _marks(shown: RowContext) -> Iterator[tuple[Remark, float, float]]:
-    """Each remark with where it begins and ends, on the frames that the clip plays; what always holds lies over all."""
+    """Begin and end of each remark in the frames of the clip; remarks on the whole capture cover all."""
     clip = shown.subject.clip
     for remark in shown.remarks:
         for first, last in remark.spans or ((clip.first, clip.last),):

@@ -1,4 +1,4 @@
-"""The ruler: frame numbers, ticks as dense as the eye can tell apart, and the range that plays."""
+"""Ruler: frame numbers, ticks at readable distances, and the range."""
 
 from collections.abc import Iterator
 from itertools import count
@@ -24,14 +24,14 @@ def major_step(axis: TimeAxis) -> int:
 
 
 def major_frames(axis: TimeAxis) -> range:
-    """The frames that carry a number, over the visible stretch."""
+    """Frames with a number, in the visible range."""
     return _multiples(axis, major_step(axis))
 
 
 def paint_ruler(painter: QPainter, area: QRect, axis: TimeAxis, playhead: Playhead, live: bool = False) -> None:
-    """Numbers stand right over their ticks; outside the range that plays the ruler is dim.
+    """Draw numbers above their ticks; outside the range the ruler is dim.
 
-    While the stage plays ``live`` it says so: the playhead waits.
+    During ``live`` play it says that the playhead is paused.
     """
     painter.fillRect(area, QColor(colours.mixed(colours.BAR, colours.LIVE, 0.22) if live else colours.BAR))
     if live:
@@ -63,7 +63,7 @@ def _paint_range(painter: QPainter, area: QRect, axis: TimeAxis, playhead: Playh
 
 
 def _paint_overview(painter: QPainter, area: QRect, axis: TimeAxis) -> None:
-    """While not all of time is shown: which part of it, as a thin line along the top."""
+    """Draw the visible part of all time as a thin line along the top, unless all is visible."""
     share = axis.width / axis.scale / (axis.end - axis.begin)
     if share < 1.0:
         begin = (axis.start - axis.begin) / (axis.end - axis.begin)

@@ -1,4 +1,4 @@
-"""The curve editor: values of keyed channels over the plot's time, with keys, tangents and handles."""
+"""Curve editor: values of keyed channels over the plot's time, with keys, tangents and handles."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ SAMPLE = 2.0
 """Pixels between the points of a curve."""
 CURVE_FRAME_MARGIN = 0.12
 """Parts of the height left free above and below framed curves."""
-LEAST_SPAN = {"m": 0.05, "°": 5.0, "×": 0.05, "": 1.0}
+LEAST_SPAN = {"m": 0.05, "cm": 5.0, "in": 2.0, "°": 5.0, "×": 0.05, "": 1.0}
 """The least difference of values that is framed, by unit."""
 CHANNEL_COLOURS = {
     "x": "#E4706A",
@@ -37,7 +37,7 @@ CHANNEL_COLOURS = {
 
 
 class HandleRef(NamedTuple):
-    """The handle of a tangent, or with no side the key of a channel."""
+    """Handle of a tangent, or without a side the key of a channel."""
 
     channel: Channel
     place: int
@@ -45,13 +45,13 @@ class HandleRef(NamedTuple):
 
     @property
     def key(self) -> KeyRef:
-        """The key it belongs to."""
+        """Its key."""
         return KeyRef(self.channel.field, self.place)
 
 
 @dataclass(frozen=True)
 class ValueRange:
-    """The values at the bottom and at the top of the plot."""
+    """Values at the bottom and at the top of the plot."""
 
     low: float
     high: float
@@ -67,12 +67,12 @@ class ValueCurves:
         """The channel that was taken hold of last, whose value the field shows."""
 
     def channels(self, shown: RowContext) -> list[tuple[Channel, Keyed]]:
-        """The channels of what is selected."""
+        """Channels of the selection."""
         fields = selected_fields(shown.project, shown.document.selection.items)
         return [(channel, value) for field, value in fields.items() for channel in channels_of(field, value)]
 
     def frame(self, shown: RowContext, selected: bool) -> None:
-        """Show all values, or with ``selected`` those of the selected keys, and their times."""
+        """Fit all values, or with ``selected`` those of the selected keys, and their times."""
         keys = shown.document.keys.by_field() if selected else {}
         found: dict[str, list[float]] = {}
         times: list[float] = []
@@ -91,7 +91,7 @@ class ValueCurves:
             shown.axis.show(min(times), max(times))
 
     def range_of(self, shown: RowContext, unit: str) -> ValueRange:
-        """The values between which a unit is shown; all of them until it is framed."""
+        """Visible range of values of a unit; all of them until it is framed."""
         if unit not in self.ranges:
             values = [
                 value
@@ -106,13 +106,13 @@ class ValueCurves:
         return self.ranges[unit]
 
     def zoom(self, factor: float, share: float) -> None:
-        """Spread the values by ``factor`` about a ``share`` of the height from the bottom."""
+        """Scale the values by ``factor`` about a fraction ``share`` of the height from the bottom."""
         for unit, old in self.ranges.items():
             fixed, span = old.low + share * (old.high - old.low), (old.high - old.low) / factor
             self.ranges[unit] = ValueRange(fixed - share * span, fixed + (1.0 - share) * span)
 
     def scroll(self, share: float) -> None:
-        """Move the values up by a share of the height."""
+        """Move the values up by a fraction of the height."""
         for unit, old in self.ranges.items():
             step = share * (old.high - old.low)
             self.ranges[unit] = ValueRange(old.low - step, old.high - step)
@@ -123,7 +123,7 @@ class ValueCurves:
         return area.bottom() - (value - span.low) / (span.high - span.low) * area.height()
 
     def value_of(self, shown: RowContext, area: QRect, unit: str, pixels: float) -> float:
-        """The difference of values that so many pixels upwards are."""
+        """Difference of values for a number of pixels upwards."""
         span = self.range_of(shown, unit)
         return pixels / area.height() * (span.high - span.low)
 
@@ -145,7 +145,7 @@ class ValueCurves:
         return QPointF(x, self.y_of(shown, area, handle.channel.unit, there))
 
     def handles(self, shown: RowContext, area: QRect) -> Iterator[tuple[HandleRef, QPointF]]:
-        """The handles of the selected keys."""
+        """Handles of the selected keys."""
         selected = shown.document.keys.by_field()
         for channel, keyed in self.channels(shown):
             for place in selected.get(channel.field, ()):
@@ -156,13 +156,13 @@ class ValueCurves:
                         yield handle, point
 
     def points(self, shown: RowContext, area: QRect) -> Iterator[tuple[HandleRef, QPointF]]:
-        """The keys of all channels."""
+        """Keys of all channels."""
         for channel, keyed in self.channels(shown):
             for place in range(len(keyed.times)):
                 yield HandleRef(channel, place), self.point(shown, area, channel, keyed, place)
 
     def hit(self, shown: RowContext, area: QRect, position: QPointF) -> HandleRef | None:
-        """The handle, or else the key, under the mouse; of several the nearest, in the active channel first."""
+        """Handle, or else key, under the mouse; of several the nearest, in the active channel first."""
         for candidates in (self.handles(shown, area), self.points(shown, area)):
             near = [(each, at) for each, at in candidates if within(position, at.x(), at.y(), CURVE_KEY_REACH)]
             if near:
@@ -172,7 +172,7 @@ class ValueCurves:
         return None
 
     def paint(self, painter: QPainter, row: QRect, shown: RowContext) -> None:
-        """The curves, their keys, and the handles of those that are selected."""
+        """Draw the curves, their keys, and the handles of selected ones."""
         area = plot_area(row)
         channels = self.channels(shown)
         painter.save()
@@ -192,7 +192,7 @@ class ValueCurves:
         painter.restore()
 
     def _paint_scale(self, painter: QPainter, area: QRect, shown: RowContext, unit: str) -> None:
-        """Lines at round values of one unit, with their figures."""
+        """Draw lines at round values of one unit, with their numbers."""
         span = self.range_of(shown, unit)
         step = 10.0 ** np.floor(np.log10((span.high - span.low) / 2.0))
         step *= 2.0 if (span.high - span.low) / step > 8.0 else 1.0
@@ -236,17 +236,17 @@ def plot_area(row: QRect) -> QRect:
 
 
 def colour_of(channel: Channel) -> str:
-    """The colour of a curve: of its axis, or light."""
+    """Colour of a curve: of its axis, or light."""
     return CHANNEL_COLOURS.get(channel.name, colours.TEXT_SECOND)
 
 
 def stage_time(shown: RowContext, field: KeyedField, seconds: float) -> float:
-    """Seconds of the stage at which seconds of a field lie."""
+    """Seconds of the stage for seconds of a field."""
     return to_stage(shown.project, shown.subject.clip, field, seconds)
 
 
 def own_times(shown: RowContext, field: KeyedField, stage: ArrayLike) -> FloatArray:
-    """The opposite of ``stage_time``, for one or many."""
+    """Inverse of ``stage_time``, for one or many."""
     seconds = np.asarray(stage, dtype=np.float64)
     counted = counted_in(shown.project, shown.subject.clip, field)
     return seconds if counted is None else counted.motion_seconds(seconds, shown.project.frame_rate_of(counted))
@@ -271,7 +271,7 @@ def _framed(values: Iterable[float], unit: str) -> ValueRange:
 
 
 def _paint_legend(painter: QPainter, area: QRect, channels: list[Channel]) -> None:
-    """The names of the curves in their colours."""
+    """Draw the names of the curves in their colours."""
     painter.setFont(font(11))
     x = float(area.left() + 6)
     for name, colour in dict.fromkeys((f"{each.name} {each.unit}".strip(), colour_of(each)) for each in channels):

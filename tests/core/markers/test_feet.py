@@ -28,6 +28,28 @@ def test_toes_lie_between_the_first_and_the_fifth_metatarsal(side: str, out: flo
     assert np.abs(found - AXIS).max() < 0.006
 
 
+@pytest.mark.parametrize(("side", "out"), [("left", 1.0), ("right", -1.0)])
+@pytest.mark.parametrize("name", ["big_toe", "toe"])
+@pytest.mark.parametrize("without", ["", "heel", "front_hip"])
+def test_a_marker_on_the_tip_of_the_big_toe_is_beyond_the_ball(side: str, out: float, name: str, without: str) -> None:
+    """A foot of 27 cm, whose hallux ends 67 mm before its ball and 22 mm inside its long axis."""
+    tracks = _tracks(side, **{name: np.array([0.257, -out * 0.022, 0.025])})
+    tracks.pop(f"{side}_{without}", None)
+    found = feet_axes(tracks)[f"{side}_toe"]
+    assert np.abs(found - AXIS).max() < (0.03 if without == "heel" else 0.015)
+
+
+@pytest.mark.parametrize("name", ["big_toe", "toe"])
+def test_a_marker_on_the_ball_stays_there_whatever_it_is_called(name: str) -> None:
+    np.testing.assert_allclose(feet_axes(_tracks("left", **{name: AXIS}))["left_toe"][0], AXIS, atol=1e-12)
+
+
+def test_the_fifth_metatarsal_is_surer_than_the_tip_of_a_toe() -> None:
+    edge, tip = np.array([0.0, HALF, 0.0]), np.array([0.257, -0.022, 0.025])
+    found = feet_axes(_tracks("left", big_toe=tip, outer_toe=AXIS + edge))["left_toe"]
+    assert np.abs(found - AXIS).max() < 0.006
+
+
 def test_both_metatarsals_are_surer_than_the_tip_of_a_toe() -> None:
     edge, tip = np.array([0.0, HALF, 0.0]), AXIS + np.array([0.06, -0.03, 0.0])
     found = feet_axes(_tracks("left", toe=tip, inner_toe=AXIS - edge, outer_toe=AXIS + edge))

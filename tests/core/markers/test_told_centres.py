@@ -64,7 +64,7 @@ def test_points_that_an_image_shows_at_each_joint_are_centres_where_hips_are_too
         ("LVMH", ("left", "outer_toe")), ("RTHAP", ("right", "thigh")), ("LTIAD", ("left", "shank")),
         ("WaistLFront", ("left", "front_hip")), ("RToeOut", ("right", "outer_toe")), ("LHeel", ("left", "heel")),
         ("pRightASI", ("right", "front_hip")), ("pLeftKneeMedEpicondyle", ("left", "inner_knee")),
-        ("R.TO", ("right", "toe")), ("LBigToe", ("left", "toe")), ("RMT5", ("right", "outer_toe")),
+        ("R.TO", ("right", "toe")), ("LBigToe", ("left", "big_toe")), ("RMT5", ("right", "outer_toe")),
         ("LKJC", ("left", "knee centre")), ("r_shank_4X4", ("right", "knee centre")),
         ("LLEL", ("left", "elbow")), ("RFAradius", ("right", "wrist")), ("LFAulna", ("left", "outer_wrist")),
         ("R.Acromium", ("right", "shoulder")), ("LCAJ", ("left", "shoulder")), ("RLMA", ("right", "ankle")),

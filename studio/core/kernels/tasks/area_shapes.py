@@ -6,17 +6,19 @@ from studio.core.kernels.algebra.rotation_tuples import compose, rotation_from_m
 from studio.core.kernels.algebra.vectors import copy_matrix, copy_point
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.tasks.goals import end_position, interpolate_point
-from studio.core.kernels.tasks.mesh_distance_field import nearest_allowed_in_field
+from studio.core.kernels.tasks.mesh_distance_field import nearest_allowed_in_field, nearest_beyond_margin
 
 HALF_SPACE_SHAPE, BOX_SHAPE, SPHERE_SHAPE, CYLINDER_SHAPE, TABLE_SHAPE, MESH_SHAPE, LINE_SHAPE = range(7)
 """Shapes of an area."""
 OUTSIDE_AREA, INSIDE_AREA, ON_AREA_SURFACE = 0, 1, 2
 """Allowed side of the point."""
-AREA_SHAPE, AREA_SIDE, CENTRE_X, CENTRE_Y, CENTRE_Z, SIZE_X, SIZE_Y, SIZE_Z, AREA_COSINE, AREA_SINE = range(10)
+(
+    AREA_SHAPE, AREA_SIDE, CENTRE_X, CENTRE_Y, CENTRE_Z, SIZE_X, SIZE_Y, SIZE_Z, AREA_COSINE, AREA_SINE, AREA_MARGIN,
+) = range(11)  # fmt: skip
 """Columns of an area; cosine and sine are those of the heading. The size of a half-space is its normal, that of a line
-half of its extent, both as vectors.
+half of its extent, both as vectors. The margin is the distance in metres that a point outside keeps.
 """
-AREA_NUMBERS = 10
+AREA_NUMBERS = 11
 """Number of these columns; the field of a mesh follows (``kernels.tasks.mesh_distance_field``), in the area's own
 space.
 """
@@ -25,6 +27,8 @@ TABLE_EDGE = 0.1
 """Distance in metres from a table's edge within which its outward direction turns sideways, so that a hand from the
 side does not pop, and from its lower face within which it turns back down.
 """
+MARGIN_BISECTIONS = 32
+"""Halvings of a way on which the end of a margin is found."""
 AREA_ENGAGED = 1e-6
 """Penetration in metres from which an area is engaged."""
 
@@ -68,7 +72,7 @@ def area_residual(row, area, pose):
 
 @kernel
 def place_area(area, centre, rotation):
-    """Move an area (10,) to ``centre`` (3,) with the heading of ``rotation`` (3, 3); a centre of NaN leaves it.
+    """Move an area (11,) to ``centre`` (3,) with the heading of ``rotation`` (3, 3); a centre of NaN leaves it.
 
     The normal of a half-space and the direction of a line are the first column of their rotation.
     """
@@ -92,7 +96,10 @@ def nearest_allowed_point(area, point):
     x, y = c * x + s * y, c * y - s * x
     side = int(area[AREA_SIDE])
     if int(area[AREA_SHAPE]) == MESH_SHAPE:
-        nx, ny, nz = nearest_allowed_in_field(area[AREA_NUMBERS:], x, y, z, side)
+        if area[AREA_MARGIN] > 0.0:
+            nx, ny, nz = nearest_beyond_margin(area[AREA_NUMBERS:], x, y, z, area[AREA_MARGIN])
+        else:
+            nx, ny, nz = nearest_allowed_in_field(area[AREA_NUMBERS:], x, y, z, side)
     else:
         nx, ny, nz = nearest_on_shape(area, x, y, z, side == INSIDE_AREA)
         if side == ON_AREA_SURFACE and nx == x and ny == y and nz == z:
@@ -103,28 +110,62 @@ def nearest_allowed_point(area, point):
 
 @kernel
 def nearest_on_shape(area, x, y, z, inside):
-    """Nearest position on the allowed side of a shape, in the area's own space."""
-    shape = int(area[AREA_SHAPE])
+    """Nearest position on the allowed side of a shape, in the area's own space; outside, beyond its margin."""
+    shape, margin = int(area[AREA_SHAPE]), area[AREA_MARGIN]
     if shape == HALF_SPACE_SHAPE:
         return nearest_on_half_space(area, x, y, z, inside)
     if shape == LINE_SHAPE:
         return nearest_on_line(x, y, z, area[SIZE_X], area[SIZE_Y], area[SIZE_Z])
     if shape == SPHERE_SHAPE:
-        return nearest_on_sphere(x, y, z, 0.5 * area[SIZE_X], inside)
+        return nearest_on_sphere(x, y, z, 0.5 * area[SIZE_X] + margin, inside)
+    a, b, h = 0.5 * area[SIZE_X], 0.5 * area[SIZE_Y], 0.5 * area[SIZE_Z]
     if shape == CYLINDER_SHAPE:
-        return nearest_on_cylinder(x, y, z, 0.5 * area[SIZE_X], 0.5 * area[SIZE_Z], inside)
-    return nearest_on_box(
-        x, y, z, 0.5 * area[SIZE_X], 0.5 * area[SIZE_Y], 0.5 * area[SIZE_Z], inside, shape == TABLE_SHAPE
-    )
+        nx, ny, nz = nearest_on_cylinder(x, y, z, a + margin, h + margin, inside)
+    else:
+        nx, ny, nz = nearest_on_box(x, y, z, a + margin, b + margin, h + margin, inside, shape == TABLE_SHAPE)
+    if margin > 0.0:
+        share = share_to_margin(area, x, y, z, nx, ny, nz)
+        return x + share * (nx - x), y + share * (ny - y), z + share * (nz - z)
+    return nx, ny, nz
+
+
+@kernel
+def share_to_margin(area, x, y, z, nx, ny, nz):
+    """Fraction of the way from (x, y, z) to (nx, ny, nz), which is allowed, at which an area's margin ends.
+
+    The margin is rounded at edges and corners, where (nx, ny, nz) lies on planes that meet.
+    """
+    if distance_to_shape(area, x, y, z) >= area[AREA_MARGIN]:
+        return 0.0
+    low, high = 0.0, 1.0
+    for _ in range(MARGIN_BISECTIONS):
+        middle = 0.5 * (low + high)
+        distance = distance_to_shape(area, x + middle * (nx - x), y + middle * (ny - y), z + middle * (nz - z))
+        if distance < area[AREA_MARGIN]:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+@kernel
+def distance_to_shape(area, x, y, z):
+    """Distance in metres to a box, a table or an upright cylinder about 0; 0 inside."""
+    a, b, h = 0.5 * area[SIZE_X], 0.5 * area[SIZE_Y], 0.5 * area[SIZE_Z]
+    if int(area[AREA_SHAPE]) == CYLINDER_SHAPE:
+        level = max(math.sqrt(x * x + y * y) - a, 0.0)
+    else:
+        level = math.sqrt(max(abs(x) - a, 0.0) ** 2 + max(abs(y) - b, 0.0) ** 2)
+    return math.sqrt(level * level + max(abs(z) - h, 0.0) ** 2)
 
 
 @kernel
 def nearest_on_half_space(area, x, y, z, inside):
-    """Nearest position on the allowed side of the plane through 0 with the normal of an area."""
+    """Nearest position on the allowed side of the plane through 0 with the normal of an area, beyond its margin."""
     nx, ny, nz = area[SIZE_X], area[SIZE_Y], area[SIZE_Z]
     length = math.sqrt(nx * nx + ny * ny + nz * nz)
     nx, ny, nz = nx / length, ny / length, nz / length
-    height = x * nx + y * ny + z * nz
+    height = x * nx + y * ny + z * nz - area[AREA_MARGIN]
     wrong = height > 0.0 if inside else height < 0.0
     if wrong:
         return x - height * nx, y - height * ny, z - height * nz

@@ -190,6 +190,19 @@ def nearest_allowed_in_field(field, x, y, z, side):
     return qx, qy, qz
 
 
+@allocating_kernel
+def nearest_beyond_margin(field, x, y, z, margin):
+    """Nearest position that is ``margin`` metres outside of the mesh, along the normal of its nearest surface point."""
+    weights, slope = np.empty((3, 2, 4)), np.empty(3)
+    qx, qy, qz = nearest_allowed_in_field(field, x, y, z, 2)
+    distance_at(field, qx, qy, qz, weights, slope)
+    steep = max(math.sqrt(slope[0] ** 2 + slope[1] ** 2 + slope[2] ** 2), 0.5)
+    if (x - qx) * slope[0] + (y - qy) * slope[1] + (z - qz) * slope[2] >= margin * steep:
+        return x, y, z
+    scale = margin / steep
+    return qx + scale * slope[0], qy + scale * slope[1], qz + scale * slope[2]
+
+
 @kernel
 def clamp_to_grid(field, axis, coordinate):
     """Coordinate clamped to the grid."""

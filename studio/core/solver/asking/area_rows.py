@@ -24,7 +24,7 @@ _SHAPES = {
 
 
 def area_row(constraint: AreaConstraint, centre: FloatArray = AREA_ORIGIN, heading: float = 0.0) -> FloatArray:
-    """Row (10,) of an area for ``kernels.tasks.area_shapes``, followed by its distance field for a mesh.
+    """Row (11,) of an area for ``kernels.tasks.area_shapes``, followed by its distance field for a mesh.
 
     The kernel moves it frame by frame (``place_area``).
     """
@@ -36,7 +36,7 @@ def area_row(constraint: AreaConstraint, centre: FloatArray = AREA_ORIGIN, headi
         if constraint.inside
         else area_shapes.OUTSIDE_AREA
     )
-    row = np.array([shape, side, *centre, *constraint.size, *rotation], dtype=np.float64)
+    row = np.array([shape, side, *centre, *constraint.size, *rotation, constraint.margin], dtype=np.float64)
     if constraint.shape is not AreaShape.MESH or constraint.mesh is None:
         return row
     return np.concatenate([row, distance_field(constraint.mesh)])

@@ -32,8 +32,8 @@ class ChainJoints:
     """Joints that any of some chains frees, for ``kernels.search.joints``.
 
     ``weights`` (C + L, N) of each chain, then of each level with all above it; ``joints`` (N,); ``joint_of_segment`` (S
-    + 1,); ``limits`` (N,) the tangent of half the greatest angle. ``recruited`` (n,) of them are shoulders and hips, of
-    ``limbs`` (n,).
+    + 1,); ``limits`` (N,) the tangent of half the greatest angle. ``recruited`` (n,) are the indices of shoulders and
+    hips among them, of the ``limbs`` (n,).
     """
 
     weights: FloatArray
@@ -76,7 +76,7 @@ def _without_clavicles(chain: Chain, limb: int) -> Chain:
 def joints_of_chains(chains: tuple[Chain, ...], ranks: tuple[int, ...], layout: BodyLayout) -> ChainJoints:
     """Joints of pelvis, spine, clavicles, neck, head, redundant limbs and root translation that ``chains`` free.
 
-    ``levels`` (C,) are those of the chains' constraints.
+    ``ranks`` (C,) are the levels of the chains' constraints.
     """
     k = layout.spine_count
     segments = np.array([*range(k), k + 2, k + 6, k, k + 1, k + 3, k + 7, k + 10, k + 14, ROOT_TRANSLATION])

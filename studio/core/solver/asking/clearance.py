@@ -44,9 +44,9 @@ def pack_clearance(
 ) -> ClearanceArrays:
     """Arrays of Q self-collision constraints for the kernels, which write residuals into ``misses`` (Q, F).
 
-    ``activations`` (Q, F) in the ``window`` of frames. The first ``held`` of the ``others`` are contacts and stand
-    above, as do those of the same or a higher priority. An unknown actor counts as touching itself all the time; an
-    unknown volume is the usual one.
+    ``activations`` (Q, F) in the ``window`` of frames. The first ``held`` of the ``others`` are contacts and have a
+    higher level, as do those of the same or a higher priority. An unknown actor counts as always touching itself; an
+    unknown volume is the typical one.
     """
     if not clears:
         return _no_clearance(len(others))

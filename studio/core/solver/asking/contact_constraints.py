@@ -46,9 +46,9 @@ class ContactConstraint:
 def contact_constraints(
     holds: Sequence[GroundContact], footing: Footing, body: AnyMorphology, positions: PoseArray, rotations: PoseArray
 ) -> list[ContactConstraint]:
-    """Constraints that keep all contacts where the grounded body has them, ``positions`` (F, P, 3), ``rotations``.
-
-    A leg in contact at knee and foot keeps both: a hip at its limits would rotate the one about the other.
+    """Constraints that keep all contacts at their positions on the grounded body, ``positions`` (F, P, 3),
+    ``rotations``. A leg with contacts at knee and foot keeps both: a hip at its limits would rotate the one about
+    the other.
     """
     found = []
     for hold in holds:

@@ -28,6 +28,8 @@ END_MARGIN = 0.05
 """Greatest height above the ground, in metres, below which a foot or hand begins to rise; 3/16 of it is kept."""
 END_TOLERANCE = 1e-4
 """Depth in metres that is left to a foot or hand which touches the ground before the constraints."""
+NEGLIGIBLE_RISE = 1e-6
+"""Metres up to which a rise is left out: a limb that stays has them by rounding."""
 END_ROTATIONS = 2
 """Iterations of the rotation of an end segment: its points rise less as it comes level."""
 END_PARTS = tuple(BodyPart(f"{side}_{part}") for side in ("left", "right") for part in ("hand", "foot", "toe"))
@@ -35,11 +37,19 @@ END_PARTS = tuple(BodyPart(f"{side}_{part}") for side in ("left", "right") for p
 
 def constrained_ends(constraints: Sequence[Constraint], activations: FloatArray) -> FloatArray:
     """Activations (4, F) of constraints, (C, F), on the end segment of each limb itself."""
+    return constrained_limbs(constraints, activations, END_PARTS)
+
+
+def constrained_limbs(
+    constraints: Sequence[Constraint], activations: FloatArray, parts: Iterable[BodyPart] = tuple(BodyPart)
+) -> FloatArray:
+    """Activations (4, F) of constraints, (C, F), on some ``parts`` of each limb."""
     asked = np.zeros((4, activations.shape[1]))
     for constraint, activation in zip(constraints, activations, strict=True):
-        for part in {constraint.point.part, *_followed_parts(constraint)}.intersection(END_PARTS):
+        for part in {constraint.point.part, *_followed_parts(constraint)}.intersection(parts):
             limb = limb_of(part)
-            asked[limb] = np.maximum(asked[limb], activation)
+            if limb >= 0:
+                asked[limb] = np.maximum(asked[limb], activation)
     return asked
 
 
@@ -60,35 +70,40 @@ def lift_ends(
     for side in range(2):
         hand, foot = End(layout.wrist(side), layout.hand(side), 1), End(layout.ankle(side), layout.foot(side), 2)
         heights = hand.tip_heights(ground, positions)
-        if _may_rise(heights):
-            rises = _goals(heights, hand.tip_heights(ground, before[0]), free[side]) - heights
+        if may_rise(heights):
+            rises = _rises(heights, hand.tip_heights(ground, before[0]), free[side])
             if rises.any():
                 fingers = positions[:, hand.joint + 1] - positions[:, hand.joint]
                 hand.rotate(tipped(fingers, np.minimum(rises, np.maximum(-fingers[:, 2], 0.0))), *solved)
         measures = at_frames(sole_rows(body, side), window)
         heights = heights_of(foot.path(*solved), measures, ground)
-        if not _may_rise(heights):
+        if not may_rise(heights):
             continue
-        goals = _goals(heights, heights_of(foot.path(*before), measures, ground), free[2 + side])
+        rises = _rises(heights, heights_of(foot.path(*before), measures, ground), free[2 + side])
+        goals = heights + rises
         for rotated in range(END_ROTATIONS):
             if rotated:
                 heights = heights_of(foot.path(*solved), measures, ground)
-            rises = np.maximum(goals - heights, 0.0)
+                rises = risen(goals - heights)
             if not rises.any():
                 break
             foot.rotate(tipped_about_ankle(foot.path(*solved), measures, heights, rises), *solved)
 
 
-def _may_rise(heights: FloatArray) -> bool:
-    """True if any of the ``heights`` (..., F) has a goal of its own, whatever they were before the constraints."""
+def may_rise(heights: FloatArray) -> bool:
+    """True if any of the ``heights`` (..., F) is below its goal, for any heights before the constraints."""
     return bool((heights < END_MARGIN).any())
 
 
-def _goals(heights: FloatArray, before: FloatArray, free: FloatArray) -> FloatArray:
-    """Heights (..., F) to which points at ``heights`` rise: the ground's, or those ``before`` the constraints."""
+def _rises(heights: FloatArray, before: FloatArray, free: FloatArray) -> FloatArray:
+    """Metres (..., F) by which points at ``heights`` rise: to the ground, or to those ``before`` the constraints."""
     least = np.minimum(before, 0.0) - END_TOLERANCE
-    margin = np.minimum(before - least, END_MARGIN)
-    return np.asarray(heights + free * smooth_penetrations(heights - least, margin))
+    return risen(free * smooth_penetrations(heights - least, np.minimum(before - least, END_MARGIN)))
+
+
+def risen(rises: FloatArray) -> FloatArray:
+    """``rises`` (..., F) in metres, zero for those that are negligible."""
+    return np.where(rises > NEGLIGIBLE_RISE, rises, 0.0)
 
 
 class End(NamedTuple):

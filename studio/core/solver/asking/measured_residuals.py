@@ -31,8 +31,8 @@ def full_residuals(constraints: Sequence[Constraint], targets: Targets, adapted:
 
 
 def measured_again(adapted: AdaptedMotion, request: AdaptRequest) -> AdaptedMotion:
-    """``adapted`` with the residuals of what follows the ``final_tracks`` of ``request`` measured by them, where fully
-    active.
+    """``adapted`` with residuals measured on the ``final_tracks`` of ``request``, for constraints that follow these and
+    are fully active.
     """
     final, unasked = request.final_tracks, adapted.unasked
     rows = [row for row, each in enumerate(request.constraints) if not final.keys().isdisjoint(follows_of(each))]

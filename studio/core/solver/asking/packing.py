@@ -33,7 +33,7 @@ def pack_tasks(
 ) -> TaskRecords:
     """Task records of ``constraints``, given in order of priority.
 
-    The first ``contacts`` of them stand above all others. Raises TypeError for an unknown kind.
+    The first ``contacts`` of them have higher levels than all others. Raises TypeError for an unknown kind.
     """
     count, levels = len(constraints), _levels(constraints, contacts)
     begun = [

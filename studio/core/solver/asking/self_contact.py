@@ -1,7 +1,7 @@
-"""Self-contact of arms: hands that touch stay where they touch, and arms stay out of the rest of the body.
+"""Self-contact of arms: hands that touch keep their contact, and arms stay out of the rest of the body.
 
-Both are solved on the grounded body. There hands touch, and the search keeps them so (``kernels.limbs.touching_arms``);
-arms are pushed out of the solved body again. A hand with constraints or ground contact stays.
+Both are solved on the grounded body; the search keeps contacts of hands (``kernels.limbs.touching_arms``), and arms are
+pushed out of the solved body again. A hand with constraints or ground contact is left alone.
 """
 
 from collections.abc import Sequence
@@ -89,9 +89,9 @@ class SelfContact:
     clearances: tuple[FloatArray, FloatArray, FloatArray] | None
 
     def inertialised(self, fractions: FloatArray, positions: FloatArray, rotations: FloatArray) -> "SelfContact":
-        """The same on posed frames (F, P, 3), (F, S, 3, 3) during an inertialised transition, by ``fractions`` (F,).
+        """Copy for posed frames (F, P, 3), (F, S, 3, 3) during an inertialised transition, by ``fractions`` (F,).
 
-        Contacts are weighted, and arms keep at most the distances of these poses.
+        Contacts are weighted, and required distances are at most those of these poses.
         """
         resting, clearances, led = (
             tuple(replace(each, firm=fractions * each.firm) for each in self.resting),
@@ -112,11 +112,11 @@ class SelfContact:
 
     @property
     def without_touches(self) -> "SelfContact":
-        """The same with arms that stay out of the body alone."""
+        """Copy without contacts of hands, in which arms only stay out of the body."""
         return replace(self, firm=np.zeros_like(self.firm), resting=())
 
     def part(self, frames: slice) -> "SelfContact":
-        """The same in some frames."""
+        """Copy for some frames."""
         return replace(
             self,
             gaps=self.gaps[frames],
@@ -130,7 +130,7 @@ class SelfContact:
         )
 
     def as_in(self, parts: "Sequence[SelfContact]") -> "SelfContact":
-        """The same with the contacts and distances of its ``parts``, one after the other."""
+        """Copy with the contacts and distances of its ``parts``, one after the other."""
         firm, *rests = (
             np.concatenate(each) for each in zip(*((part.firm, *part._rests) for part in parts), strict=True)
         )
@@ -144,7 +144,7 @@ class SelfContact:
         return [each.firm for each in self.resting]
 
     def around(self, window: slice, looks: int = 1) -> slice:
-        """Frames that affect the arms of a ``window`` with so many rounds."""
+        """Frames that affect the arms of a ``window`` within ``looks`` rounds."""
         if self.clearances is None:
             return window
         reach = 2 * _fade_frames(self.frame_rate)
@@ -156,9 +156,9 @@ class SelfContact:
         return slice(max(window.start - frames, 0), min(window.stop + frames, len(self.firm)))
 
     def within(self, acts: NDArray[np.bool_]) -> FloatArray:
-        """Weights (F,) of correcting arms again where constraints act (F,): none at the ends of a run of such frames.
-
-        Frames beside a run stay as they are grounded. A run that is too short for both fades has shorter ones.
+        """Weights (F,) of correcting arms again where constraints act (F,): zero at the ends of a run of such frames,
+        so that frames beside a run stay as they are grounded. A run that is too short for both fades has shorter
+        ones.
         """
         weights, fade = np.zeros(len(acts)), 2 * _fade_frames(self.frame_rate)
         for first, past in runs_of(acts):
@@ -295,7 +295,7 @@ def _fade_frames(frame_rate: float) -> int:
 def smoothed_steps(displacements: FloatArray, frame_rate: float) -> FloatArray:
     """Steps (F, N, D) with the maximal length within ``PUSH_OUT_FADE`` seconds and the mean direction.
 
-    Contradictory steps are shorter: an arm that passes through the body passes through.
+    Opposite steps shorten each other: an arm that passes through the body in the source still does.
     """
     half, eased = _fade_frames(frame_rate), np.zeros_like(displacements)
     near, wide = hann_window(half), hann_window(2 * half)
@@ -372,9 +372,7 @@ def _contact_weights(touches: Sequence[ContactInterval], motion: NormalizedMotio
 
 
 def _contact_points(near: Sequence[PalmPositions], contact: ContactInterval) -> FloatArray:
-    """Contact points (F, M, 6) for the kernel: a resting hand lies on the surface, however deep the actor
-    penetrates.
-    """
+    """Contact points (F, M, 6) for the kernel: a resting hand is on the surface, however deep the actor penetrates."""
     clearances = np.stack([each.clearances for each in near], axis=1)
     least = clearances.min(axis=1)
     fractions = np.exp((least[:, None] - clearances) / clearing.SMOOTH_MINIMUM_WIDTH)

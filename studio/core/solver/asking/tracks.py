@@ -39,7 +39,7 @@ class Track:
 
 @dataclass(frozen=True, eq=False)
 class OwnPath:
-    """Track of an object that moves with the grounded body itself: known once that is."""
+    """Track of an object that moves with the grounded body itself, known after grounding."""
 
     make: "Callable[[Unasked, AnyMorphology], Track]"
 
@@ -85,7 +85,7 @@ class Targets:
     def tilts(self, heading: float | KeyedNumber, centre: Place, normal: Vector) -> FloatArray:
         """Rotations (F or 1, 3, 3) that take x to a half-space's ``normal``: like ``headings``, but tilted with a prop.
 
-        A prop's axes count in full; those of a bone do not.
+        A followed prop tilts it, a followed bone does not.
         """
         x_to_normal = shortest_arc(np.array([[1.0, 0.0, 0.0]]), normalized(np.array([normal])))[0]
         if isinstance(centre, FollowProp) and centre in self.tracks:
@@ -97,7 +97,7 @@ class Targets:
     def headings(self, heading: float | KeyedNumber, centre: Place) -> FloatArray:
         """Rotations (F or 1, 3, 3) about Z: ``heading`` (radians) plus that of the object that ``centre`` follows.
 
-        That of the own body is unknown before it is solved, and added by the kernels.
+        That of the own body is unknown before solving, and added by the kernels.
         """
         angles = self.numbers(heading)
         if isinstance(centre, FOLLOWS) and centre in self.tracks:

@@ -15,7 +15,7 @@ FloatArray = NDArray[np.float64]
 
 
 def awaited_moment(curve: ActivationCurve, time: float) -> float | None:
-    """Time of the anticipated meeting: the beginning, or the end, of full activation; None for the present time."""
+    """Time of the anticipated meeting: the beginning, or the end, of full activation; None during full activation."""
     if curve.start <= time < curve.full:
         return curve.full
     return curve.full_end if curve.full_end < time <= curve.end else None

@@ -1,8 +1,7 @@
 """Dependency cycles: performers who follow each other, solved by Jacobi iterations.
 
-All are solved again from the last poses of all, in any order, until no followed point moves. Two points that follow
-each other meet between them, by the weights of their constraints; where one cannot get there, the other one comes
-nearer.
+All are solved again from the last poses of all, until no followed point moves. Two points that follow each other meet
+between them, by the weights of their constraints; if one cannot get there, the other comes nearer.
 """
 
 import math
@@ -123,7 +122,9 @@ def _solution(
     paths: Paths,
     sweeps: int,
 ) -> CycleSolution:
-    """Solution with residuals measured by the last poses of all, not by those that the last iteration began with."""
+    """Solution with residuals measured on the final poses of all performers, not on those at the start of the last
+    iteration.
+    """
     from studio.core.solver.asking.measured_residuals import measured_again
 
     final = dict(paths_of(players, results))
@@ -237,7 +238,7 @@ def _point(player: CycleMember, result: AdaptedMotion, constraint: PositionConst
 
 
 def _apart(player: CycleMember, other: CycleMember) -> float:
-    """Seconds from a time of one motion to the same moment in the other's."""
+    """Difference in seconds between the times of two performers' motions at the same moment."""
     return player.composite.timing.begin - other.composite.timing.begin
 
 

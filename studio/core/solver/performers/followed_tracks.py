@@ -72,7 +72,7 @@ def performer_track(
 def tracked_track(follow: FollowTracked, capture: Capture, frames: NDArray[np.int64] | None = None) -> Track:
     """Track of a captured joint, in the space of the capture's motion; in some ``frames`` (N,), or in all.
 
-    Raises StudioError when there is no such joint.
+    Raises StudioError if there is no such joint.
     """
     joint = capture.skeleton.index(follow.joint)
     frames = np.arange(capture.frame_count) if frames is None else frames

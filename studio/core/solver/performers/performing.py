@@ -48,7 +48,7 @@ class Staged:
 
 
 def perform(project: Project, performer_ids: Iterable[str], prepare: Prepare, solve: Solve) -> Staged:
-    """Adapt these performers and all whom they follow; a failure affects only those who follow it."""
+    """Adapt these performers and all that they follow; a failure affects only the performer and its followers."""
     known: dict[int, tuple[NormalizedMotion, Morphology]] = {}
 
     def prepared(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
@@ -105,7 +105,7 @@ def player_of(
     prepare: Prepare,
     result_of: Callable[[str], AdaptedMotion | None],
 ) -> CycleMember:
-    """A performer with its request, without the tracks of the others of its cycle."""
+    """Performer with its request, without the tracks of the others of its cycle."""
     performer = project.performers[performer_id]
     if not performer.clips or project.missing_references(performer):
         raise StudioError(f"'{performer.name}' plays nothing, or its motion has been removed.")

@@ -42,9 +42,9 @@ class Hands(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Holder:
-    """A performer that holds a prop: its motion, fractional frames ``rows`` (F,), and placement.
+    """Performer that holds a prop: its motion, fractional frames ``rows`` (F,), and placement.
 
-    ``whole`` are all its frames, ``timing`` when they play: for a prop that is picked up or put down.
+    ``whole`` are all its frames, ``timing`` their times, for a prop that is picked up or put down.
     """
 
     motion: AdaptedMotion
@@ -104,16 +104,16 @@ class OwnHands:
 def stage_track(prop: Prop, seconds: ArrayLike, hands: Mapping[str, Hands] = MappingProxyType({})) -> Track:
     """Track of a prop on the stage at ``seconds`` (F,); one frame for all if it is fixed.
 
-    ``hands`` are of its holders, at these seconds; a holder that is missing does not play yet, and does not hold it.
+    ``hands`` are of its holders, at these seconds; a missing holder does not play yet, and does not hold it.
     """
     times = np.atleast_1d(np.asarray(seconds, dtype=np.float64))
     return _left_by([place for place, each in enumerate(prop.holds) if each.performer_id in hands], prop, times, hands)
 
 
 def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mapping[str, Hands]) -> Track:
-    """Track of a prop after its holders ``places`` in order, as if nobody held it later.
+    """Track of a prop after its holders ``places`` in order, as if there were no later holds.
 
-    When taken, it blends from where it lies, or from the giver's hands, into the holder's; when put down, from there to
+    When taken, it blends from its position, or from the giver's hands, into the holder's; when put down, from there to
     its position.
     """
     if not places:
@@ -145,7 +145,7 @@ def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mappin
 
 
 def handing_time(distance: float) -> float:
-    """Seconds in which a prop is brought ``distance`` metres into the hands."""
+    """Seconds in which a prop is moved ``distance`` metres into the hands."""
     return max(HANDING, EASE_PEAK * distance / LIFTING)
 
 
@@ -204,8 +204,8 @@ def carried_track(held: Carried, positions: FloatArray, rotations: FloatArray, b
     ends = [point_indices(BodyPoint(part, at_end=end), layout)[0] for part in CARRYING_HANDS for end in (False, True)]
     chest = rotations[:, layout.segment(BodyPart.THORAX), :, 0]
     heading = np.arctan2(chest[:, 1], chest[:, 0])
-    middle = positions[:, ends].mean(axis=1)
-    places = middle + body.leg_length * turned_by(heading) @ np.array(held.offset)
+    origin = positions[:, 0] if held.steady else positions[:, ends].mean(axis=1)
+    places = origin + body.leg_length * turned_by(heading) @ np.array(held.offset)
     return Track(places, turned_by(heading + held.heading) @ to_matrix(np.array(held.tilt)))
 
 

@@ -130,7 +130,7 @@ def constraints_in(
 ) -> tuple[Constraint, ...]:
     """Constraints mapped to their clips, in the same order.
 
-    Where a clip continues the one before it, as parts of a split clip do, a constraint of both is active through both.
+    Where a clip continues the one before it, as parts of a split clip do, a constraint of both is active throughout.
     """
     if composite.is_plain:
         return tuple(each.constraint for each in asked)

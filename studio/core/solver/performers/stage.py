@@ -14,9 +14,11 @@ from studio.core.constraints.follow import Follow, FollowBody, FollowPerformer, 
 from studio.core.constraints.objections import objection
 from studio.core.constraints.target import follows_of, own_place_of, with_own_place
 from studio.core.curves.keyed import Keys
+from studio.core.mesh.character import Character
 from studio.core.normalized.compose import Composite
 from studio.core.rotations import multiply, to_matrix
 from studio.core.solver.asking.tracks import OwnPath, Track, Tracks
+from studio.core.solver.asking.whole_body import areas_of
 from studio.core.solver.performers.rows import ClipConstraint, timing_of
 from studio.core.solver.request import AdaptedMotion, Unasked
 from studio.core.stage.placement import Placement
@@ -29,7 +31,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Followed:
-    """A followed target: equal ones have equal tracks, and ``make`` computes them for a composite."""
+    """Followed target: equal ones have equal tracks, and ``make`` computes these for a composite."""
 
     follow: Follow
     depends_on: tuple[Any, ...]
@@ -49,17 +51,24 @@ def asked_of(project: Project, performer_id: str) -> tuple[ClipConstraint, ...]:
 
 
 def _asked_of(project: Project, performer_id: str) -> tuple[ClipConstraint, ...]:
-    clips, playing = project.performers[performer_id].clips, _playing(project)
+    performer, playing = project.performers[performer_id], _playing(project)
     asked = [
         ClipConstraint(key, part, place, repeat)
-        for place, clip in enumerate(clips)
+        for place, clip in enumerate(performer.clips)
         for key, constraint in project.constraints_for(performer_id, clip).items()
         if constraint.enabled
         and (concerned := concerning(constraint, performer_id, playing, project.props)) is not None
         for repeat in range(clip.repeats)
-        for part in (concerned.parts if isinstance(concerned, AreaConstraint) else (concerned,))
+        for part in _parts_of(concerned, project.characters[performer.character_id])
     ]
     return tuple(sorted(asked, key=lambda each: each.constraint.priority))
+
+
+def _parts_of(constraint: Constraint, character: Character) -> tuple[Constraint, ...]:
+    """The constraint itself; of an area that a whole body keeps out of, one for each of its points."""
+    if not (isinstance(constraint, AreaConstraint) and constraint.whole):
+        return (constraint,)
+    return areas_of(constraint, character.morphology, character.volume)
 
 
 def _playing(project: Project) -> Collection[str]:
@@ -90,7 +99,7 @@ def props_of(project: Project, performer_id: str) -> tuple[Prop, ...]:
 
 
 def in_order(project: Project, performer_ids: Iterable[str]) -> tuple[tuple[str, ...], ...]:
-    """These performers and all whom they follow, leaders first, dependency cycles together."""
+    """These performers and all that they follow, leaders first, dependency cycles together."""
     leaders: dict[str, set[str]] = {}
     waiting = list(performer_ids)
     while waiting:
@@ -138,10 +147,10 @@ def tracks_followed_by(
     constraints: Iterable[Constraint] | None = None,
     own: AdaptedMotion | None = None,
 ) -> tuple[Followed, ...] | None:
-    """All followed targets of a performer beyond its own body; None while a leader's result is missing.
+    """All followed targets of a performer outside its own body; None while a leader's result is missing.
 
-    Those of its own ``circle`` are left out, with their props: they are solved together. Of some ``constraints``, or of
-    all. A prop in its own hands follows its grounded motion, ``own`` if that is known.
+    Those of its own ``circle`` are left out, with their props, because they are solved together. For some
+    ``constraints``, or for all. A prop in its own hands follows its grounded motion, ``own`` if that is known.
     """
     performer, others = project.performers[performer_id], {*circle} - {performer_id}
     found: dict[Follow, Followed] = {}
@@ -168,7 +177,7 @@ def tracks_followed_by(
 
 
 def tracks_of(followed: Iterable[Followed], composite: Composite) -> Tracks:
-    """Tracks of followed targets; may take a while."""
+    """Tracks of followed targets; may take seconds."""
     return {each.follow: each.make(composite) for each in followed}
 
 
@@ -260,9 +269,9 @@ def leader_track(
 def concerning(
     constraint: Constraint, performer_id: str, playing: Collection[str], props: Mapping[str, Prop]
 ) -> Constraint | None:
-    """The constraint as it concerns one performer among those ``playing``; None where it does not.
+    """Constraint as it applies to one performer among those ``playing``; None if it does not.
 
-    See ``asked_of``. A prop that is always in the performer's own hand is a point of that hand.
+    See ``asked_of``. A prop that is always in the performer's own hand becomes a point of that hand.
     """
     changes: dict[str, Any] = {}
     for name, value in vars(constraint).items():

@@ -1,10 +1,10 @@
 """Smoothing of solved frames at acceleration peaks (METHOD (36) to (38)).
 
 Every frame is solved from its own pose alone, so a limb that changes sides, or a level that is dropped, may jump
-between two frames. Frames without a peak beyond those of the motion and its moving targets stay as they are. Elsewhere
-the displacements of the constraints are averaged over the frames around, level by level from the highest, each on the
-final poses of the levels above. Then the level is solved again; if that has peaks it stays as averaged; and if the
-levels above cannot be held, it is dropped for them: strict priorities come before smoothness.
+between two frames. Frames without a peak beyond those of the motion and its moving targets are unchanged. Elsewhere the
+displacements by the constraints are averaged over the frames around, level by level from the highest, each on the final
+poses of the levels above. Then the level is solved again; if that has peaks the average is kept; and if the levels
+above are violated, it is dropped for them: strict priorities come before smoothness.
 """
 
 from collections.abc import Callable, Sequence
@@ -68,12 +68,12 @@ class SolvedArrays(NamedTuple):
             mine[:] = theirs
 
     def within(self, frames: slice) -> "SolvedArrays":
-        """The same of some frames."""
+        """Copy for some frames."""
         return SolvedArrays(*(each[frames] for each in self))
 
 
 class LevelNumbers(NamedTuple):
-    """Numbers of a level: solved levels above it, and self-collision constraints not above it."""
+    """Counts for a level: solved levels above it, and self-collision constraints not above it."""
 
     solved: int
     clears: int
@@ -222,7 +222,7 @@ class SolvedLevel:
     allowed: FloatArray
 
     def within(self, frames: slice) -> "SolvedLevel":
-        """The same of some frames."""
+        """Copy for some frames."""
         solved = self.solved.within(frames)
         solve, acts, own = self.solve.within(frames), self.acts[frames], self.own[frames]
         return replace(self, solve=solve, solved=solved, acts=acts, own=own, allowed=self.allowed[frames])

@@ -42,9 +42,8 @@ class RootReach:
         return RootReach(positions[:, 0], hips - positions[:, 0], ankles[..., :3], np.maximum(root_reaches * legs, own))
 
     def pulled(self, states: FloatArray, joints: NDArray[np.void], width: int) -> FloatArray:
-        """Correction (F, 3) of the root for joints (N, 5) at ``states`` (F, N, 3).
-
-        It is the maximal shortage over ``width`` frames on either side, averaged over as many.
+        """Correction (F, 3) of the root for joints (N, 5) at ``states`` (F, N, 3): the maximal shortage over ``width``
+        frames on either side, averaged over as many.
         """
         back = np.zeros_like(self.places)
         found = np.flatnonzero(joints["segment"] == ROOT_TRANSLATION)

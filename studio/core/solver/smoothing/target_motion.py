@@ -1,4 +1,4 @@
-"""Angular accelerations brought by moving targets and activations (METHOD (36))."""
+"""Angular accelerations caused by moving targets and activations (METHOD (36))."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""Trunk pitch for arms of another length than the actor's: hips stay where the legs have them."""
+"""Trunk pitch for arms of another length than the actor's, with fixed hips."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +16,8 @@ MAX_TRUNK_RISE = np.radians(20.0)
 def arch_trunk(raises: FloatArray, body: AnyMorphology, positions: FloatArray, rotations: FloatArray) -> None:
     """Bend trunks about their hips, in place, until the neck base of a level trunk has risen by ``raises`` (F,) metres.
 
-    The bend is greatest at the loins and smaller for steep trunks, which would gain less; head and arms keep their
-    world orientation. ``positions`` (F, P, 3), ``rotations`` (F, S, 3, 3).
+    The bend is greatest at the lumbar spine and smaller for steep trunks, which would gain less; head and arms keep
+    their world orientation. ``positions`` (F, P, 3), ``rotations`` (F, S, 3, 3).
     """
     neck, joints = body.layout.neck_base, range(1, body.layout.spine_count)
     ahead = positions[:, neck] - positions[:, 0]

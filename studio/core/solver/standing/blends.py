@@ -27,7 +27,7 @@ it follows.
 
 
 def smoothstep_array(t: FloatArray) -> FloatArray:
-    """Smoothstep (6) of METHOD."""
+    """Smoothstep, equation (6) of METHOD, of an array."""
     return np.asarray(t * t * t * (t * (6.0 * t - 15.0) + 10.0))
 
 
@@ -54,7 +54,7 @@ def release_weight(planted: NDArray[np.bool_], frame_rate: float, after: float =
 def interpolated_corrections(corrections: FloatArray, known: NDArray[np.bool_], frame_rate: float) -> FloatArray:
     """Corrections (F, 3) where ``known`` (F,), interpolated between, or fading over ``GOES_ALONG`` seconds.
 
-    A released contact then has the motion's own speed: a hand that kept its rest would have less time for its way.
+    A released contact then has the motion's own speed: a hand that stayed at rest would have less time for its path.
     """
     filled = corrections.copy()
     interpolate_gaps(filled, known | (_frames_to_nearest(known) >= max(round(GOES_ALONG * frame_rate), 1)))

@@ -1,8 +1,8 @@
 """Support of a body by hands, knees and seat beside its feet, each at one position of the ground (METHOD 6).
 
-The root is normalised by the legs. While hands, knees or seat support it (a handstand, a crawl), it moves to where the
-chain from them to the root has it on this body, blended over time by their weights ([K05], closing remarks). Then it is
-moved and rotated by the small remainder, so that all contacts are exactly in reach.
+The root is normalised by the legs. While hands, knees or seat support it (a handstand, a crawl), it moves to its
+position at the end of the chain from them on this body, blended over time by their weights ([K05], closing remarks).
+Then it is moved and rotated by the small remainder, so that all contacts are exactly in reach.
 """
 
 from collections.abc import Mapping, Sequence
@@ -76,7 +76,7 @@ class GroundContact:
     heights: FloatArray
 
     def displaced(self, track: FloatArray, frame_rate: float) -> FloatArray:
-        """The point's ``track`` (F, 3) led to the contact positions, and back soon after."""
+        """Track (F, 3) of the point, blended to the contact positions, and back soon after."""
         return track + interpolated_corrections(
             np.where(self.standing[:, None], self.places - track, 0.0), self.standing, frame_rate
         )
@@ -313,7 +313,7 @@ def _fingers(body: AnyMorphology, side: int) -> FloatArray:
 
 
 def _bearing(body: AnyMorphology, ground: Ground, positions: FloatArray) -> FloatArray:
-    """Weight (2, F) that each standing foot bears: small for a lying leg on level ground."""
+    """Load weight (2, F) of each standing foot: small for a lying leg on level ground."""
     knees = positions[:, [body.layout.hip(side) + 1 for side in range(2)], 2] - ground.height
     bearing = smoothstep_array(np.clip(knees.T / (LYING_KNEE_HEIGHT * body.leg_length) - 1.0, 0.0, 1.0))
     return bearing if ground.is_level else np.ones_like(bearing)
@@ -327,8 +327,8 @@ def _support_weights(
 ) -> FloatArray:
     """Weights (1 + H, F) of the feet and of each contact, smooth in time.
 
-    They add up to 1 less the weight on feet that do not bear, ``bearing`` (2, F), by which the body stays. A foot whose
-    knee is in contact bears nothing.
+    They add up to 1 less the weight of feet without load, ``bearing`` (2, F), by which the body keeps its position. A
+    foot whose knee is in contact carries no load.
     """
     weights = np.zeros((2 + len(standing), states.shape[1]))
     kneeling = {point.side: stands for point, stands in standing.items() if point.member == "knee"}
@@ -388,8 +388,8 @@ def level_hands(hold: GroundContact, body: AnyMorphology, hands: FloatArray, fra
 
 
 def _laid(hand: FloatArray, fingers: FloatArray, palm: FloatArray, normal: FloatArray, slope: float) -> FloatArray:
-    """Rotation (3, 3) of a hand, with ``fingers`` and ``palm`` (3,) in hand axes laid on the plane of ``normal``, or
-    inclined to it by the sine ``slope``.
+    """Rotation (3, 3) of a hand, with ``fingers`` and ``palm`` (3,) in hand axes aligned with the plane of ``normal``,
+    or inclined to it by the sine ``slope``.
     """
     along, back = hand @ fingers, -(hand @ palm)
     rise = along @ normal

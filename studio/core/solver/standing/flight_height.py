@@ -1,4 +1,4 @@
-"""Flight height: a short body that turns over in the air would have its head in the ground (METHOD 5)."""
+"""Flight height: the head of a short body that turns over in the air would be below the ground (METHOD 5)."""
 
 from collections.abc import Sequence
 

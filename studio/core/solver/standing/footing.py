@@ -102,11 +102,11 @@ def find_footing(
 ) -> Footing:
     """Plan the feet of a whole clip from its retargeted pose, translated to the ground's own height.
 
-    The body follows its feet, and on uneven ground the low-passed mean height of the footprints (h1 of METHOD 5):
+    The body follows its feet and, on uneven ground, the low-passed mean height of the footprints (h1 of METHOD 5):
     ``positions`` are moved in place, and ``drops`` include the heights. With hands, knees or seat in contact, it
-    follows by the weight ``carried`` (F,) on the feet, and missing reach is left to the least move (10): the leg of a
-    plank gains nothing by lower hips. Feet are planned from the ``upright`` positions and rotations where the body is
-    tilted with the ground.
+    follows by the weight ``carried`` (F,) on the feet, and missing reach is left to the least move (10): lower hips do
+    not help the leg of a plank. Feet are planned from the ``upright`` positions and rotations if the body is tilted
+    with the ground.
     """
     states = foot_states(contacts, motion.frame_count)
     pose = (positions, rotations) if upright is None else upright
@@ -186,7 +186,7 @@ def _keep_below_hips(
 ) -> None:
     """Keep ankles (2, F, 3) of swing feet below their hips by the length of a folded leg, in place.
 
-    Long strides over steps would raise them higher, and the leg would whirl.
+    Long strides over steps would raise them higher, and the leg would swing wildly.
     """
     for side in range(2):
         hips = positions[:, morphology.layout.hip(side)]
@@ -244,7 +244,7 @@ class _Foot:
     soles: FloatArray
 
     def plan(self, positions: FloatArray, rotations: FloatArray, plan: FootPlan) -> None:
-        """Plan it on the level floor at the ground's own height, before it rolls; writes ``plan``."""
+        """Plan the foot on the level floor at the ground's own height, before it rolls; writes ``plan``."""
         ankle, foot = (
             self.body.layout.ankle(self.side),
             self.body.layout.foot(self.side),
@@ -256,7 +256,7 @@ class _Foot:
             self._keep_above(plan)
 
     def roll(self, soft_thresholds: FloatArray, positions: FloatArray, plan: FootPlan) -> None:
-        """Roll it on the level floor until its leg reaches it, above the floor; writes ``plan``."""
+        """Roll the foot on the level floor until its leg reaches it, above the floor; writes ``plan``."""
         bones = leg_rows(self.body, self.side)
         # Contiguous, which a single frame is by itself: kernels are compiled for one layout.
         hips = np.ascontiguousarray(positions[:, self.body.layout.hip(self.side)])
@@ -270,7 +270,7 @@ class _Foot:
     def project_to_terrain(self, positions: FloatArray, rotations: FloatArray, plan: FootPlan) -> _ProjectedFoot:
         """Project the foot, planned level, to uneven ground.
 
-        A foot whose heel would stand over nothing comes down flat; ``states`` are updated.
+        A foot whose heel would stand over a drop comes down flat; ``states`` are updated.
         """
         states = self.states
         prints = find_footprints(states, plan.ankles, plan.feet, self.soles, self.ground)
@@ -309,8 +309,10 @@ def root_follow(
 
 
 def leg_extensions(motion: NormalizedMotion, states: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
-    """Soft-IK thresholds and reach relaxation of a ``Footing``: a standing leg's threshold is halfway from the motion's
-    own extension to a straight leg, since a nearly straight knee gives way before hips sink.
+    """Soft-IK thresholds and reach relaxation of a ``Footing``.
+
+    A standing leg's threshold is halfway from the motion's own extension to a straight leg, so that a nearly straight
+    knee extends before the hips sink.
     """
     if not np.count_nonzero(states):
         return np.full(states.shape, SOFT_IK_THRESHOLD), np.full(states.shape, np.inf)

@@ -1,8 +1,8 @@
-"""Footprints: feet planned on a level floor, projected to uneven ground by one rigid move each (METHOD 5).
+"""Footprints: feet planned on a level floor, each projected to uneven ground by one rigid displacement (METHOD 5).
 
-The ground is sampled once a footprint, at its heel, ball and tip, never under a moving foot. The planned contact is
+The ground is sampled once for a footprint, at its heel, ball and tip, never under a moving foot. The planned contact is
 moved as one rigid piece to the plane found there, so that a foot that stands on the level floor stands on the slope as
-well; the move is interpolated between contacts.
+well; the displacement is interpolated between contacts.
 """
 
 import math
@@ -55,7 +55,7 @@ class Footprints:
     """Contacts of one foot in time: frames ``first`` to ``last`` (N,), both included.
 
     ``pivots`` (N, 3) balls on the level floor, ``moves`` (N, 3) their displacements, ``tilts`` (N, 3) rotation vectors
-    about them, ``bends`` (N,) upward bends of the toes in radians; ``hanging`` (N,) True for heels over nothing.
+    about them, ``bends`` (N,) upward bends of the toes in radians; ``hanging`` (N,) True for heels over a drop.
     """
 
     first: NDArray[np.int64]
@@ -191,7 +191,7 @@ def _spans(states: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
 
 
 def soles_of(ankles: FloatArray, feet: FloatArray, measures: FloatArray) -> FloatArray:
-    """Positions (N, 3, 2) of heel, ball and tip of feet when flat, with the ball where it is.
+    """Positions (N, 3, 2) of heel, ball and tip of feet laid flat about their balls.
 
     ``measures`` (N or 1, 6) of the foot as in ``morphology.sole_rows``.
     """

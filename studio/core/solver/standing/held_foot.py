@@ -1,7 +1,7 @@
 """A foot during an inertialised transition: it keeps its previous contact until it is lifted.
 
-Heel and toes in contact in both motions do not move at all. The rest, such as a heel that is up in one of them, blends
-from the previous pose to the own pose.
+Heel and toes in contact in both motions do not move at all. The rest, such as a heel that is raised in one of them,
+blends from the previous pose to the own pose.
 """
 
 from dataclasses import dataclass
@@ -30,8 +30,8 @@ FLAT_TOE = 1e-3
 
 
 class Pivot(NamedTuple):
-    """Point that a foot stands on: ``in_foot`` (3,) metres from the ankle in the foot's axes, then ``in_toes``
-    (3,) in those of its toes, and ``ahead`` metres along the foot's level heading.
+    """Contact point of a foot: ``in_foot`` (3,) metres from the ankle in the foot's axes, then ``in_toes`` (3,) in
+    those of its toes, and ``ahead`` metres along the foot's level heading.
     """
 
     in_foot: FloatArray
@@ -99,10 +99,9 @@ class FootPath:
 
 @dataclass(frozen=True, eq=False)
 class HeldFoot:
-    """A foot with its ``own`` path from the transition on and ``states`` (F,), and its previous path ``seen`` in the
-    two frames before, with ``state``.
-
-    ``measures`` (1, 6) as in ``sole_arms``; ``peaks`` (2,) in rad/s2 of foot and toes.
+    """Foot with its ``own`` path from the transition on and ``states`` (F,), and its previous path ``seen`` in the two
+    frames before, with ``state``. ``measures`` (1, 6) as in ``sole_arms``; ``peaks`` (2,) in rad/s2 of foot and
+    toes.
     """
 
     own: FootPath
@@ -115,19 +114,19 @@ class HeldFoot:
 
     @cached_property
     def _whole(self) -> NDArray[np.bool_]:
-        """True (F,) where its own contact includes all of the previous one."""
+        """(F,) true where its own contact includes all of the previous one."""
         return np.asarray((self.states & self.state) == self.state)
 
     @cached_property
     def rest(self) -> int:
-        """First such frame; 0 where it comes late, or after a flight."""
+        """First such frame; 0 if it comes late, or after a flight."""
         rests = int(self._whole.argmax())
         soon = self._whole.any() and 2.0 * rests <= MOST_TRANSITION * self.rate
         return rests if soon and self.states[:rests].all() else 0
 
     @cached_property
     def pivot(self) -> Pivot:
-        """The heel if that alone stands, else the ball or the tip of the toes."""
+        """Pivot of the contact: the heel if that alone stands, else the ball or the tip of the toes."""
         if self.states[self.rest] & self.state == HEEL_STANDS:
             return heel_pivot(self.measures)
         return toe_pivot(self.measures, self.seen.toes[1], self.own.toes[self.rest])
@@ -164,9 +163,8 @@ class HeldFoot:
         return float(turns_between(self.own.feet[self.rest : self.rest + 1], self.seen.feet[1:])[0, 2])
 
     def settling(self, flight: FootFlight, seconds: float) -> float:
-        """Seconds in which it takes its own pose: ``seconds``, extended while it comes to rest.
-
-        It ends before it lands elsewhere, and before its contact changes.
+        """Seconds in which it blends to its own pose: ``seconds``, extended while it comes to rest, but ending before
+        it lands elsewhere, and before its contact changes.
         """
         landed = 1 + np.flatnonzero((self.states[1:] != 0) & (self.states[:-1] == 0))
         changes = self.rest + np.flatnonzero(self._whole[self.rest :] != self._whole[self.rest])

@@ -1,9 +1,9 @@
 """Inertialised transition of a grounded motion from the previous pose of a body.
 
-Grounding looks ahead: footprints, root height and arm clearance depend on later frames. So the motion that takes over
-is grounded by itself, as smoothly as ever, and the difference to the previous pose decays on top of it, as in
-``normalized.transition``: of the root, of every joint, and of feet over the ground. A standing foot keeps its contact
-until it is lifted; one in the air lands where its own motion does.
+Grounding looks ahead: footprints, root height and arm clearance depend on later frames. So the new motion is grounded
+by itself, and the decaying difference to the previous pose is added to it, as in ``normalized.transition``: of the
+root, of every joint, and of feet over the ground. A standing foot keeps its contact until it is lifted; one in the air
+lands where its own motion does.
 """
 
 from collections.abc import Sequence
@@ -86,9 +86,8 @@ class Stance:
 def inertialised_from(
     standing: "Standing", first: int, seen: Stance, seconds: float = 0.0, planned: bool = False
 ) -> "Standing":
-    """``standing`` from frame ``first`` on, inertialised from the previous stance ``seen`` in ``seconds``.
-
-    0 takes as many as the joints need. Where it is ``planned``, feet in the air step to where they land.
+    """``standing`` from frame ``first`` on, inertialised from the previous stance ``seen`` in ``seconds``, or in the
+    time that the joints need if that is 0. In a ``planned`` transition feet in the air step to where they land.
     """
     change = _Change(standing, first, seen, Stance.before(standing, first), seconds, planned)
     positions, rotations = standing.positions[:].copy(), standing.rotations[:].copy()
@@ -285,9 +284,7 @@ class _Change:
 
     def leg_lengths(self, side: int, led: FloatArray, off: FloatArray) -> FloatArray:
         """Length (F,) in metres of a leg whose joints put its ankle at ``led`` (F, 3) from its hip, while its foot is
-        at ``off``.
-
-        It extends to a foot farther aside, by METHOD (11), before the body sinks.
+        at ``off``. It extends to a foot farther away, by METHOD (11), before the body sinks.
         """
         aside, own = (np.sum(each[:, :2] ** 2, axis=1) for each in (off, led))
         whole, length = self.standing.morphology.still.leg[side].sum(), np.sum(led**2, axis=1)
@@ -325,7 +322,7 @@ class _Change:
         return self.lifted(side, flight, FootPath(ankles, feet, toes))
 
     def lifted(self, side: int, flight: FootFlight, foot: FootPath) -> FootPath:
-        """The foot at least as high over the ground as its ``flight`` rises, with a smooth maximum."""
+        """Foot at least as high over the ground as its ``flight`` rises, with a smooth maximum."""
         rise = flight.rise(self.times, self.rate) * self.leg
         if not rise.any():
             return foot
@@ -339,7 +336,7 @@ class _Change:
         return measures if len(measures) == 1 else measures[self.first :]
 
     def above_ground(self, side: int, foot: FootPath, states: NDArray[np.int64]) -> FootPath:
-        """The foot, no deeper in the ground than its own motion."""
+        """Foot no deeper in the ground than in its own motion."""
         measures, ground = self.soles(side), self.standing.ground
         own = depths_of(self.feet[side].own, measures, ground)
         deeper = np.maximum(depths_of(foot, measures, ground) - own, 0.0)

@@ -1,4 +1,4 @@
-"""A grounded body translated with the height of its ground."""
+"""Grounded body translated with the height of its ground."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING

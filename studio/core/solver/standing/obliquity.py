@@ -1,4 +1,4 @@
-"""Pelvic obliquity where feet stand at other heights than in the motion (METHOD section 4)."""
+"""Pelvic obliquity for feet at other heights than in the motion (METHOD section 4)."""
 
 import numpy as np
 from numpy.typing import NDArray

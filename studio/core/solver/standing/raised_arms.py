@@ -1,4 +1,4 @@
-"""Arms kept above the ground: longer ones would put hands and elbows into it (METHOD 6)."""
+"""Arms kept above the ground: hands and elbows of longer arms would be below it (METHOD 6)."""
 
 from typing import NamedTuple
 
@@ -9,7 +9,6 @@ from scipy.spatial.transform import Rotation
 from studio.core.body.joint_limits import WRIST
 from studio.core.body.morphology import AnyMorphology
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.limbs.limb import MAX_EXTENSION
 from studio.core.kernels.support.heel_roll import LEAST_ROLL_GAIN
 from studio.core.rotations import normalized, shortest_arc
 from studio.core.solver.standing.blends import (
@@ -21,16 +20,13 @@ from studio.core.solver.standing.blends import (
     smoothstep_array,
 )
 from studio.core.solver.standing.body_support import raise_by_swinging
+from studio.core.solver.standing.limb_moves import STRAIGHT_LIMB_OFFSET, TwoBoneLimb, across
 from studio.core.solver.standing.settling import ArmStance
 
 FloatArray = NDArray[np.float64]
 
 ARM_CLEARANCE = 0.03
 """Height above the ground, in leg lengths, below which wrist and finger tips begin to rise; 3/16 is kept."""
-STRAIGHT_ELBOW = 0.02
-"""Distance in metres of an elbow from the line shoulder-wrist up to which it bends by its hinge, and at which it is
-rotated by half: a straight arm has no bend direction.
-"""
 OUTWARDS = 2.0
 """Factor of an elbow's outward displacement with its depth."""
 ELBOW_ROTATIONS = 3
@@ -71,29 +67,16 @@ def raise_arms(
 
 
 def _angles(line: FloatArray, now: FloatArray, then: FloatArray) -> FloatArray:
-    """Angles (F,) in radians about unit vectors ``line`` from ``now`` to ``then``, all (F, 3), both across it."""
+    """Angles (F,) in radians about unit vectors ``line`` from ``now`` to ``then``, all (F, 3), both perpendicular to
+    it.
+    """
     return np.asarray(np.arctan2(np.sum(np.cross(now, then) * line, axis=1), np.sum(now * then, axis=1)))
 
 
 def _outright(now: FloatArray) -> FloatArray:
-    """Fraction (F,) of its rotation for an elbow at ``now`` (F, 3) from its arm's line."""
+    """Fraction (F,) of its rotation for an elbow at ``now`` (F, 3) from the line of its arm; small near the line."""
     wide = np.sum(now**2, axis=1)
-    return np.asarray(wide / (wide + STRAIGHT_ELBOW**2))
-
-
-def _turn_arm(
-    side: int, body: AnyMorphology, rotation_matrices: FloatArray, positions: FloatArray, rotations: FloatArray
-) -> None:
-    """Rotate an arm by rotation vectors (F, 3) about the line from its shoulder to its wrist, in place; the
-    hand stays.
-    """
-    wrist, arm = body.layout.wrist(side), body.layout.upper_arm(side)
-    turned, upper = (
-        Rotation.from_rotvec(rotation_matrices).as_matrix(),
-        positions[:, wrist - 1] - positions[:, wrist - 2],
-    )
-    positions[:, wrist - 1] += np.einsum("fij,fj->fi", turned, upper) - upper
-    rotations[:, arm : arm + 2] = turned[:, None] @ rotations[:, arm : arm + 2]
+    return np.asarray(wide / (wide + STRAIGHT_LIMB_OFFSET**2))
 
 
 def _bend_hand(side: int, free: FloatArray, posed: _Posed) -> None:
@@ -113,7 +96,7 @@ def _bend_hand(side: int, free: FloatArray, posed: _Posed) -> None:
     fingers, back = positions[:, wrist + 1] - positions[:, wrist], rotations[:, hand] @ [2.0 * side - 1.0, 0.0, 0.0]
     lengths = np.maximum(np.linalg.norm(fingers, axis=1), 1e-9)
     ahead, forearm = fingers / lengths[:, None], normalized(positions[:, wrist] - positions[:, wrist - 1])
-    back = normalized(_across(back, ahead))
+    back = normalized(across(back, ahead))
     own = np.arctan2(-np.sum(forearm * back, axis=1), np.sum(forearm * ahead, axis=1))
     most = np.maximum(np.minimum(np.radians(WRIST.radii[0]) - own, np.arctan2(-ahead[:, 2], back[:, 2])), 1e-3)
     rises = smooth_drops(smooth_penetrations(heights, margin), frame_rate) / lengths
@@ -134,27 +117,10 @@ def _raise_hand(side: int, free: FloatArray, posed: _Posed) -> None:
         return
     raises = free * smooth_drops(smooth_penetrations(heights, margin), frame_rate)
     shoulders, wrists = positions[:, wrist - 2], positions[:, wrist]
-    goals = raise_by_swinging(wrists, shoulders, raises)
-    arm = body.layout.upper_arm(side)
-    upper, lower = positions[:, wrist - 1] - shoulders, wrists - positions[:, wrist - 1]
-    lengths = np.linalg.norm([upper, lower], axis=2)
-    line, displacement = normalized(wrists - shoulders), normalized(goals - shoulders)
-    span = np.linalg.norm(goals - shoulders, axis=1)
-    span = np.clip(span, np.abs(lengths[0] - lengths[1]) + 1e-3, MAX_EXTENSION * lengths.sum(axis=0))
-    hinge = np.minimum(raises, STRAIGHT_ELBOW)[:, None] * np.cross(line, rotations[:, arm, :, 0])
-    aim = shortest_arc(line, displacement)
-    out = normalized(_across(np.einsum("fij,fj->fi", aim, _across(upper, line) + hinge), displacement))
-    along = (lengths[0] ** 2 - lengths[1] ** 2 + span**2) / (2.0 * span)
-    aside = np.sqrt(np.maximum(lengths[0] ** 2 - along**2, 0.0))
-    elbows = shoulders + along[:, None] * displacement + aside[:, None] * out
-    placed = shoulders + span[:, None] * displacement
     raised = np.flatnonzero(raises > 0.0)
-    for segment, old, new in ((arm, upper, elbows - shoulders), (arm + 1, lower, placed - elbows)):
-        aimed = normalized(np.einsum("fij,fj->fi", aim, old))
-        rotation_matrices = shortest_arc(aimed, normalized(new)) @ aim
-        rotations[raised, segment] = rotation_matrices[raised] @ rotations[raised, segment]
-    positions[raised, wrist + 1] += (placed - wrists)[raised]
-    positions[raised, wrist - 1], positions[raised, wrist] = elbows[raised], placed[raised]
+    goals, moved = raise_by_swinging(wrists, shoulders, raises), (positions[raised], rotations[raised])
+    TwoBoneLimb.of(side, body.layout).move_end(goals[raised], raises[raised], *moved)
+    positions[raised], rotations[raised] = moved
 
 
 def _above(ground: Ground, places: FloatArray) -> FloatArray:
@@ -184,21 +150,16 @@ def _raise_elbow(side: int, free: FloatArray, posed: _Posed) -> None:
     for _ in range(ELBOW_ROTATIONS):
         elbows = positions[:, wrist - 1]
         now, then = (
-            _across(each - shoulders, line)
+            across(each - shoulders, line)
             for each in (elbows, elbows + _displacements_out(elbows, shoulders, out, ground))
         )
         rotation_matrices = (_angles(line, now, then) * _outright(now))[:, None] * line
-        _turn_arm(side, body, rotation_matrices, positions, rotations)
-
-
-def _across(displacements: FloatArray, line: FloatArray) -> FloatArray:
-    """Component of vectors (F, 3) across unit vectors ``line`` (F, 3)."""
-    return np.asarray(displacements - np.sum(displacements * line, axis=1, keepdims=True) * line)
+        TwoBoneLimb.of(side, layout).turn(rotation_matrices, positions, rotations)
 
 
 def _displacements_out(elbows: FloatArray, shoulders: FloatArray, out: FloatArray, ground: Ground) -> FloatArray:
-    """Displacements (F, 3) of ``elbows`` out of the ground, about their ``shoulders``, all (F, 3): away from where they
-    hang, and increasingly ``out`` from the body with depth.
+    """Displacements (F, 3) of ``elbows`` out of the ground, about their ``shoulders``, all (F, 3): away from their
+    hanging position, and increasingly ``out`` from the body with depth.
     """
     upper = elbows - shoulders
     lengths = np.maximum(np.linalg.norm(upper, axis=1), 1e-9)

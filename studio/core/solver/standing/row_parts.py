@@ -1,7 +1,4 @@
-"""Parts of a row of clips, grounded separately and joined.
-
-A part reaches from one transition to the next.
-"""
+"""Parts of a row of clips, grounded separately and joined. A part extends from one transition to the next."""
 
 from collections.abc import Sequence
 from dataclasses import fields, replace

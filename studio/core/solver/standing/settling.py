@@ -338,7 +338,7 @@ def _off_its_instep(
 
 
 def _relaxed_thresholds(soft_thresholds: FloatArray, fraction: FloatArray) -> FloatArray:
-    """Soft-IK thresholds relaxed by ``fraction``, for legs that bear no weight."""
+    """Soft-IK thresholds relaxed by ``fraction``, for legs without load."""
     return np.asarray(soft_thresholds + fraction * np.maximum(MAX_EXTENSION - soft_thresholds, 0.0))
 
 

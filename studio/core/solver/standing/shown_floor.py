@@ -1,4 +1,4 @@
-"""Floor of a captured motion, from its own footprints: captured floors are tilted, and drift by centimetres
+"""Floor of a captured motion, from its own footprints, because captured floors are tilted and drift by centimetres
 (METHOD 5).
 """
 

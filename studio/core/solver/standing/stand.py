@@ -1,4 +1,4 @@
-"""Grounding of a motion: scaled to one body, on its feet, arms out of the body, before any constraint."""
+"""Grounding of a motion before any constraint: scaled to one body, feet on the ground, arms out of the body."""
 
 import math
 from collections.abc import Sequence
@@ -40,9 +40,7 @@ CONTEXT_SECONDS = 1.0
 
 @dataclass(frozen=True, eq=False)
 class Standing:
-    """A grounded motion on one body, before any constraint: independent of constraints, so that these can
-    be dragged.
-    """
+    """Grounded motion on one body, independent of constraints, so that these can be dragged quickly."""
 
     motion: NormalizedMotion
     morphology: AnyMorphology
@@ -60,18 +58,18 @@ class Standing:
 
     @property
     def unasked(self) -> Unasked:
-        """Its poses."""
+        """Poses before constraints."""
         return Unasked(self.positions, self.rotations)
 
     def kept(self) -> "Standing":
-        """The same with its poses in half the memory, see ``core.single``."""
+        """Copy with poses in half the memory, see ``core.single``."""
         footing = replace(self.footing, feet=single(self.footing.feet), toes=single(self.footing.toes))
         return replace(self, footing=footing, positions=single(self.positions), rotations=single(self.rotations))
 
     def with_arms_right(self, windows: Sequence[slice]) -> "Standing":
-        """The same with self-contacts solved, in place, at least in some ``windows``.
+        """Copy with self-contacts solved, in place, at least in some ``windows``.
 
-        There, and a second around, the result equals that of all frames in one window. Call it before ``kept``.
+        There, and a second around, the result equals that of all frames in one window. To be called before ``kept``.
         """
         contact, motion = self.self_contact, self.motion
         if contact is None:
@@ -107,7 +105,9 @@ class Standing:
 
     @cached_property
     def root_peak(self) -> float:
-        """The same of a bone that follows the root's travel (``kernels.time.acceleration_peaks``)."""
+        """Greatest angular acceleration of a bone that follows the root's travel
+        (``kernels.time.acceleration_peaks``).
+        """
         pushes = np.linalg.norm(np.diff(self.positions[:, 0], 2, axis=0), axis=1)
         return float(pushes.max(initial=0.0)) * self.motion.frame_rate**2 / RADIAN_LENGTH
 

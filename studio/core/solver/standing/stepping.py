@@ -111,8 +111,8 @@ def step_height(displacement: float) -> float:
 
 
 def _free_to_step(other: States, free: int, frames: int) -> tuple[int, int]:
-    """First frame from ``free`` on from which the ``other`` foot stands for some ``frames``, and its end; the last if
-    none.
+    """First frame from ``free`` on from which the ``other`` foot stands for some ``frames``, and the end of that
+    contact; the last one if there is none.
     """
     for first, stop in runs_of(other != 0):
         if stop - max(first, free) >= min(frames, len(other) - max(first, free)) > 0:
@@ -121,7 +121,7 @@ def _free_to_step(other: States, free: int, frames: int) -> tuple[int, int]:
 
 
 def states_of(own: States, seen: int, flight: FootFlight, settles: int) -> States:
-    """States (F,) of a foot: its own, except for its flight, and at most the previous contact ``seen`` while it
+    """States (F,) of a foot: its own, except during its flight, and at most the previous contact ``seen`` while it
     settles.
     """
     states = own.copy()
@@ -161,8 +161,8 @@ def _lifted(own: States, needed: float, rate: float) -> FootFlight:
 
 
 def _landing(own: States, earliest: int, rate: float) -> int:
-    """Landing frame in the own motion, no earlier than ``earliest``, with a stance long enough; half of the short ones
-    of a run.
+    """Landing frame in its own motion, no earlier than ``earliest``, with a stance long enough; half as long for the
+    short stances of a run.
     """
     for first, stop in runs_of(own != 0):
         lands = max(first, earliest)

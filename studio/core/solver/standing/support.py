@@ -1,7 +1,7 @@
 """Support polygon: the outline of standing soles, hands, knees and seat, and the path of the centre of mass over it.
 
 An outline is its support function h (N,) for N horizontal directions n: the points p with n . p <= h for all of them.
-So outlines are averaged over time (Minkowski), shrunk and measured by simple arithmetic.
+Averaging (Minkowski), shrinking and measuring outlines are then simple arithmetic.
 """
 
 from collections.abc import Sequence

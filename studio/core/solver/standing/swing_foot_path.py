@@ -77,7 +77,7 @@ class Sole:
 
 
 def worn_height(ground: Ground, places: FloatArray) -> FloatArray:
-    """Ground height (...) at ``places`` (..., 2 or 3) with ``SOLE_TOLERANCE`` metres of each edge worn away."""
+    """Ground height (...) at ``places`` (..., 2 or 3) with every edge rounded within ``SOLE_TOLERANCE`` metres."""
     angles = np.pi / 4.0 * np.arange(8)
     ring = np.concatenate([np.zeros((1, 2)), SOLE_TOLERANCE * np.column_stack([np.cos(angles), np.sin(angles)])])
     return np.asarray(ground.height_at(places[..., None, :2] + ring).min(axis=-1))

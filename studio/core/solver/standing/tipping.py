@@ -67,7 +67,7 @@ def tipped_about_ankle(foot: FootPath, measures: FloatArray, heights: FloatArray
 
 
 def seen_coming(depths: FloatArray, stands: NDArray[np.bool_], frame_rate: float) -> FloatArray:
-    """Smooth upper envelope of ``depths`` (N, F), which begins before the penetration.
+    """Smooth upper envelope of ``depths`` (N, F) that begins before the penetration.
 
     It is zero where the foot ``stands`` (F,), and in the first frame.
     """

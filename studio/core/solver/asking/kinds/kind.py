@@ -17,10 +17,12 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class SolverKind:
-    """``code`` is the kind's number in the kernels. ``write`` writes constraint c of the records. ``trajectory`` is its
-    target relative to the unsolved poses. ``residual`` measures poses: (F,) metres or radians at full activation, None
-    where only the solver knows it. ``enters``: the kind is active only inside a region, so that it begins and ends
-    within its activation.
+    """Functions of the solver for one kind.
+
+    ``code`` is its number in the kernels. ``write`` writes constraint c of the records. ``trajectory`` is its target
+    relative to the unsolved poses. ``residual`` measures poses: (F,) metres or radians at full activation, None if only
+    the solver knows it. ``enters``: the kind is active only inside a region, so that it begins and ends within its
+    activation.
     """
 
     code: int

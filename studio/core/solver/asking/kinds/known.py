@@ -1,4 +1,4 @@
-"""Tasks of the kinds of constraint, found by their registrations."""
+"""Solver's part of each kind of constraint, found by its registration."""
 
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.kinds import BUILT_IN_KINDS, CONSTRAINT_KINDS
@@ -11,7 +11,7 @@ ENTERING_KINDS = [kind.code for kind in SOLVER_KINDS if kind.enters]
 
 
 def solver_kind_of(constraint: Constraint) -> SolverKind | None:
-    """The solver's part of a constraint's kind; None where the kernels have no task for it.
+    """Solver's part of a constraint's kind; None if the kernels have no task for it.
 
     Raises TypeError for a kind that is not registered.
     """

@@ -20,7 +20,7 @@ def write(rows: TaskRecords, c: int, constraint: RailConstraint) -> None:
         rows.positions[c] = rows.targets.places(constraint.centre)
     rows.rotations[c] = rows.targets.tilts(0.0, constraint.centre, constraint.direction)
     half = constraint.length / 2 * np.array(constraint.direction)
-    rows.areas[c, : area_shapes.AREA_NUMBERS] = *_SHAPES[constraint.shape], *np.zeros(3), *half, 1.0, 0.0
+    rows.areas[c, : area_shapes.AREA_NUMBERS] = *_SHAPES[constraint.shape], *np.zeros(3), *half, 1.0, 0.0, 0.0
 
 
 RAIL_KIND = SolverKind(goals.AREA_TASK, write, point_trajectory, enters=True)
