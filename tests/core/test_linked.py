@@ -6,8 +6,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numba
 import numpy as np
 import pytest
+from llvmlite.binding import ffi
+from numba import types
+from numba.core.typing import templates
 
 from studio.core.kernels.algebra.rotation_matrices import rotation_vector_to_matrix
 from studio.core.kernels.compiling import allocating_kernel, kernel, linked, small_kernel
@@ -77,13 +81,70 @@ def test_a_kernel_can_be_called_by_kernels_first_and_then_by_python() -> None:
     assert row_of(4.0, 1).tolist() == [8.0]
 
 
-@pytest.mark.parametrize("own", [linked.KernelPart, linked.KernelProgram, linked.PartCompiler, linked.Kernel])
+OWN = (
+    linked.KernelPostProcessor,
+    linked.KernelPart,
+    linked.KernelProgram,
+    linked.KernelPipeline,
+    linked.PartCompiler,
+    linked.Kernel,
+)
+
+
+@pytest.mark.parametrize("own", OWN)
 def test_numba_still_has_what_linking_puts_something_else_in_place_of(own) -> None:
     """A numba that renamed one of these would go on as if nothing were replaced."""
     added = {"part", "_make_part", "_flags", "parts", "signatures", "_note_below"}
     replaced = {name for name, what in vars(own).items() if callable(what) and name not in added}
     assert replaced - {"__init__"}
     assert not [name for name in replaced if not hasattr(own.__base__, name)]
+
+
+@allocating_kernel
+def first_ramp(count):
+    """Rising numbers."""
+    numbers = np.empty((count, 7))
+    for place in range(count):
+        numbers[place, 0] = place
+    return numbers
+
+
+@allocating_kernel
+def second_ramp(count):
+    """Falling numbers."""
+    numbers = np.empty((count, 7))
+    for place in range(count):
+        numbers[place, 0] = -place
+    return numbers
+
+
+def test_what_two_kernels_call_of_numpy_is_compiled_once(monkeypatch) -> None:
+    compiled, build = [], templates._OverloadFunctionTemplate._build_impl
+
+    def note(self, known, arguments, named):
+        compiled.append((self.key, tuple(arguments)))
+        return build(self, known, arguments, named)
+
+    monkeypatch.setattr(templates._OverloadFunctionTemplate, "_build_impl", note)
+    for ramp in (first_ramp, second_ramp):
+        ramp(2)
+        ramp.recompile()  # it may have come from the cache
+    assert compiled.count((np.empty, (types.UniTuple(types.int64, 2),))) <= 1
+
+
+def test_what_others_compile_in_object_mode_still_knows_its_variables() -> None:
+    @numba.jit(forceobj=True, looplift=False)
+    def total(numbers):
+        found = {}
+        for number in numbers:
+            found[number] = number
+        return sum(found.values())
+
+    assert total([1, 2, 4]) == 7
+
+
+def test_nobody_is_told_of_every_call_of_the_compiler_below() -> None:
+    assert not ffi.lib._lock._cblist
 
 
 SCRIPT = """

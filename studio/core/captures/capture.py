@@ -69,6 +69,8 @@ class Capture:
         reference = np.array(self.reference_rotations, dtype=np.float64)
         reference.setflags(write=False)
         object.__setattr__(self, "reference_rotations", reference)
+        for name in ("frame_rate", "floor"):
+            object.__setattr__(self, name, float(getattr(self, name)))  # kernels are compiled once more for an int
         joints = self.skeleton.joint_count
         if self.poses.joint_count != joints or reference.shape != (joints, 4):
             raise StudioError(f"The poses or the reference pose of '{self.name}' do not fit its {joints} joints.")

@@ -73,6 +73,7 @@ class NormalizedMotion:
     """Jumps of channels as one clip of a row takes over from another: each stands by itself, led on from the last."""
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "frame_rate", float(self.frame_rate))  # kernels are compiled once more for an int
         for name in ("channels", "spine_places"):
             object.__setattr__(self, name, unwritten(getattr(self, name)))
         if self.channels.ndim != 2 or self.channels.shape[1] != layout.SPINE + 4 * (len(self.spine_places) - 1):

@@ -13,16 +13,69 @@ from collections.abc import Callable, Iterable
 from functools import cache
 from typing import Any
 
-from numba.core import compiler, config, sigutils, types, typing
+from llvmlite.binding import ffi  # type: ignore[import-untyped]
+from numba.core import (
+    compiler,
+    compiler_machinery,
+    config,
+    postproc,
+    sigutils,
+    transforms,
+    typed_passes,
+    types,
+    typing,
+    untyped_passes,
+)
 from numba.core.codegen import CodeLibrary, JITCodeLibrary
 from numba.core.dispatcher import _FunctionCompiler  # type: ignore[attr-defined]
 from numba.core.registry import CPUDispatcher
 from numba.core.targetconfig import ConfigStack
 
+KERNEL_PASSES = (
+    untyped_passes.TranslateByteCode,
+    untyped_passes.FixupArgs,
+    untyped_passes.IRProcessing,
+    untyped_passes.RewriteSemanticConstants,
+    untyped_passes.DeadBranchPrune,
+    untyped_passes.GenericRewrites,
+    untyped_passes.ReconstructSSA,
+    typed_passes.NopythonTypeInference,
+    typed_passes.PreLowerStripPhis,
+    typed_passes.NopythonRewrites,
+    typed_passes.IRLegalization,
+    typed_passes.NativeLowering,
+    typed_passes.NoPythonBackend,
+)
 ENVIRONMENT = "_ZN08NumbaEnv"
 """Prefix of the names under which compiled code finds its Python objects."""
 _SETTLED: dict[tuple[str, bool], Any] = {}
 """Flags by the options of a kernel and by part or program."""
+
+
+for _listener in tuple(ffi.lib._lock._cblist):  # of numba's, told of every call of LLVM: a twentieth of compiling
+    ffi.unregister_lock_callback(*_listener)
+
+
+class KernelPostProcessor(postproc.PostProcessor):
+    """Steps after a change of a kernel's code.
+
+    Numba also finds the variables alive at the entry of each block, seven times for each kernel; only generators and
+    object mode read them.
+    """
+
+    def run(self, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
+        """Update the order of the blocks; with ``emit_dels`` add the deletion of each variable after its last use."""
+        code = self.func_ir
+        if code.is_generator or not isinstance(ConfigStack.top_or_none(), SharedFlags):
+            super().run(emit_dels, extend_lifetimes)
+            return
+        code.blocks = transforms.canonicalize_cfg(code.blocks)
+        code.variable_lifetime, code.generator_info = postproc.VariableLifetime(code.blocks), None
+        if emit_dels:
+            self._insert_var_dels(extend_lifetimes=extend_lifetimes)
+
+
+postproc.PostProcessor = KernelPostProcessor  # type: ignore[misc]
 
 
 class KernelPart(JITCodeLibrary):
@@ -105,12 +158,36 @@ class CachingTypingContext:
         return self._found[call]
 
 
+class KernelPipeline(compiler.CompilerBase):
+    """Passes of numba that kernels need.
+
+    Kernels have no closures, contexts, inlined Python functions or parallel loops; numba looks for them in each. It
+    also copies the flags, so that each kernel would compile ``np.zeros`` and its like anew for itself.
+    """
+
+    def _compile_core(self) -> Any:
+        with ConfigStack().enter(self.state.flags):
+            kernel_passes().run(self.state)
+        self.state.pipeline = None
+        return self.state.cr
+
+
+@cache
+def kernel_passes() -> compiler_machinery.PassManager:
+    """The passes in their order."""
+    passes = compiler_machinery.PassManager("kernel")
+    for each in KERNEL_PASSES:
+        passes.add_pass(each, each.name())
+    passes.finalize()
+    return passes
+
+
 class PartCompiler(_FunctionCompiler):
     """Compiler of one kernel: parts for other kernels, programs for Python."""
 
     def __init__(self, kernel: CPUDispatcher) -> None:
         super().__init__(
-            kernel.py_func, kernel.targetdescr, kernel.targetoptions, kernel.locals, pipeline_class=compiler.Compiler
+            kernel.py_func, kernel.targetdescr, kernel.targetoptions, kernel.locals, pipeline_class=KernelPipeline
         )
         self.parts: dict[tuple[Any, ...], Any] = {}
 

@@ -70,7 +70,8 @@ def settle_frames(roots, links, seats, centres, stiffness, moves):
     )
     for frame in range(roots.shape[0]):
         move, centre = moves[frame], centres[frame]
-        move[:] = centre
+        for axis in range(6):
+            move[axis] = centre[axis]
         scratch.taut[:] = False
         for _ in range(SETTLING_STEPS):
             scratch.normal[:] = 0.0

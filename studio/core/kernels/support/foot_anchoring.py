@@ -75,7 +75,8 @@ def anchor_contact(span, ankles, feet, states, soles, ground, pitches, out_ankle
     pivots = np.zeros((3, 2))
     for sweep_direction in range(2):
         previous, pitched = HEEL_STANDS if heel else TOE_STANDS, False
-        pivots[0 if heel else 1] = anchor
+        for axis in range(2):
+            pivots[0 if heel else 1, axis] = anchor[axis]
         frame = first
         while begin <= frame < end:
             sole = soles[frame if soles.shape[0] > 1 else 0]

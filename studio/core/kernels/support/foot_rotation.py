@@ -139,7 +139,8 @@ def level_toes(feet, toes, states, pitches, reach, out_toes):
                 matrix_product(foot.T, level, local)
                 matrix_product(local, toes[frame].T, rotation)
                 matrix_to_rotation_vector(rotation, corrections[frame])
-                corrections[frame] *= fraction * (1.0 - aside)
+                for axis in range(3):
+                    corrections[frame, axis] *= fraction * (1.0 - aside)
                 if fraction < 1.0 or aside > 0.0:
                     rotate_toe_down(
                         foot, toes[frame], pitches[frame], fraction + aside - fraction * aside, corrections[frame]
