@@ -16,10 +16,10 @@ from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.rotations import IDENTITY_QUATERNION
+from studio.io.atomic_write import write_whole
 from studio.io.export import Take
 from studio.io.importing import ImportOptions
 from studio.io.registry import Format, Progress, ReadCapture
-from studio.io.replacing import write_whole
 
 HEAD = "trace 1\n"
 FORMAT = Format(

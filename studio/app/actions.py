@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from studio.app import casting, playing_live, recovery_offer
+from studio.app import character_import, playing_live, recovery_offer
 from studio.app.live_control import (
     is_head_tracked,
     is_streaming,
@@ -176,7 +176,7 @@ EDIT = (
 CHARACTER = (
     Action("hide", "Character", "Toggle visibility", editing.hide, ("H",), "Hide the selected bodies, or show them",
            _with_bodies),
-    Action("make_character", "Character", "Create character from actor", casting.make_active_actor_character,
+    Action("make_character", "Character", "Create character from actor", character_import.make_active_actor_character,
            tooltip="The actor of the motion that plays, as a character of the same measures", enabled=_performing),
     Action("line_up", "Character", "Line up", editing.line_up, (), "Side by side across the direction of travel",
            _with_bodies),

@@ -13,7 +13,7 @@ from PySide6.QtCore import QTimer
 from PySide6.QtWidgets import QApplication
 
 from studio.app import recovery_offer, sample
-from studio.app.collector import Collector
+from studio.app.main_thread_gc import Collector
 from studio.app.main_window import MainWindow
 from studio.app.preferences import Preferences, load_preferences
 from studio.app.problems import ProblemHooks, start_log

@@ -23,7 +23,7 @@ from studio.panels.fields import Choice, Section
 EXPORT_DIALOG_WIDTH = 420
 
 
-class What(Enum):
+class ExportContent(Enum):
     """Contents that can be exported."""
 
     ADAPTED = "Adapted motion"
@@ -36,7 +36,7 @@ class What(Enum):
 class ExportKind:
     """File format for one kind of content."""
 
-    what: What
+    what: ExportContent
     suffix: str
     text: str
 
@@ -44,7 +44,7 @@ class ExportKind:
 PICTURE_SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160), (1080, 1080), (1080, 1920))
 RATES = (24.0, 25.0, 30.0, 60.0)
 MOTION_RATES = (*RATES, 120.0)
-WITH_BODIES = (What.ADAPTED, What.STAGE)
+WITH_BODIES = (ExportContent.ADAPTED, ExportContent.STAGE)
 """Contents with skeletons, to which options apply."""
 OWN_NAMES = "Character's own"
 HINTS = {
@@ -67,13 +67,13 @@ HINTS = {
 def kinds() -> tuple[ExportKind, ...]:
     """Every file format that can be written, by its content."""
     motions = [
-        ExportKind(What.ADAPTED, suffix, f"{each.name} ({suffix})")
+        ExportKind(ExportContent.ADAPTED, suffix, f"{each.name} ({suffix})")
         for each in known_formats().that_can("motion_writer")
         for suffix in each.suffixes
         if suffix not in (".usda", ".usdc")  # .usd is either
     ]
     stages = [
-        ExportKind(What.STAGE, suffix, f"{each.name} ({suffix})")
+        ExportKind(ExportContent.STAGE, suffix, f"{each.name} ({suffix})")
         for each in known_formats().that_can("stage_writer")
         for suffix in each.suffixes
         if suffix not in (".usda", ".usdc")
@@ -81,9 +81,9 @@ def kinds() -> tuple[ExportKind, ...]:
     return (
         *motions,
         *stages,
-        ExportKind(What.MOTION, ".s4d", "S4D (.s4d)"),
-        ExportKind(What.FILM, ".mp4", "Film (.mp4)"),
-        ExportKind(What.FILM, "", "Pictures (.png)"),
+        ExportKind(ExportContent.MOTION, ".s4d", "S4D (.s4d)"),
+        ExportKind(ExportContent.FILM, ".mp4", "Film (.mp4)"),
+        ExportKind(ExportContent.FILM, "", "Pictures (.png)"),
     )
 
 
@@ -141,7 +141,7 @@ class ExportDialog(QDialog):
         self._show_kinds(self.what.value)
         self._show_last(bench.settings.exported)
 
-    def choose(self, what: What, suffix: str) -> None:
+    def choose(self, what: ExportContent, suffix: str) -> None:
         """Choose content and suffix, as the user would."""
         self.what.show_value(what)
         self._show_kinds(what)
@@ -166,12 +166,12 @@ class ExportDialog(QDialog):
             end=end if is_cut else None,
             frame_rate=rate if isinstance(rate, float) else None,
             root=str(self.root.value) if chosen.suffix != ".s4d" else "",
-            at_origin=chosen.what is What.ADAPTED and self.position.value == "origin",
+            at_origin=chosen.what is ExportContent.ADAPTED and self.position.value == "origin",
         )
 
-    def _said(self, what: What) -> str:
+    def _said(self, what: ExportContent) -> str:
         """Label of the content, with the bodies to be exported."""
-        if what is not What.ADAPTED:
+        if what is not ExportContent.ADAPTED:
             return str(what.value)
         keys = exporting.chosen_performers(self._bench)
         performers = self._bench.document.project.performers
@@ -221,17 +221,17 @@ class ExportDialog(QDialog):
             "rate": self.rate.value,
         }
 
-    def _offered(self) -> list[What]:
+    def _offered(self) -> list[ExportContent]:
         """Contents that can be exported now."""
         performing = exporting.chosen_performers(self._bench)
         motion = self._bench.document.active_motion_id
         there = {
-            What.ADAPTED: bool(performing),
-            What.STAGE: bool(performing),
-            What.MOTION: motion is not None,
-            What.FILM: bool(performing) and self._bench.has_viewport,
+            ExportContent.ADAPTED: bool(performing),
+            ExportContent.STAGE: bool(performing),
+            ExportContent.MOTION: motion is not None,
+            ExportContent.FILM: bool(performing) and self._bench.has_viewport,
         }
-        return [what for what in What if there[what]]
+        return [what for what in ExportContent if there[what]]
 
     def _carriable(self) -> tuple[str, ...]:
         """Joints beside the body's, of the capture that has most of them."""
@@ -255,10 +255,10 @@ class ExportDialog(QDialog):
             self.names: kind.what in WITH_BODIES,
             self.rest: kind.what in WITH_BODIES and kind.suffix in RESTING,
             self.root: kind.what in WITH_BODIES and kind.suffix != ".s4d",
-            self.position: kind.what is What.ADAPTED,
+            self.position: kind.what is ExportContent.ADAPTED,
             self.others: kind.what in WITH_BODIES and kind.suffix in SKELETAL and bool(self._carried),
-            self.picture_size: kind.what is What.FILM,
-            self.rate: kind.what is What.FILM,
+            self.picture_size: kind.what is ExportContent.FILM,
+            self.rate: kind.what is ExportContent.FILM,
         }
         for choice, is_shown in shown.items():
             choice.setVisible(is_shown)
@@ -271,13 +271,13 @@ class ExportDialog(QDialog):
         assert isinstance(kind, ExportKind)
         self._remember(kind)
         match kind.what:
-            case What.ADAPTED:
+            case ExportContent.ADAPTED:
                 _ask_adapted(self._bench, kind.suffix, self.options)
-            case What.STAGE:
+            case ExportContent.STAGE:
                 _ask_stage(self._bench, kind.suffix, self.options)
-            case What.MOTION:
+            case ExportContent.MOTION:
                 _ask_motion(self._bench, kind.suffix)
-            case What.FILM:
+            case ExportContent.FILM:
                 size, rate = self.picture_size.value, self.rate.value
                 assert isinstance(size, tuple)
                 assert isinstance(rate, float)

@@ -16,10 +16,10 @@ from studio.app.exporting import words_of
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.core.stage.project import Project
+from studio.io.atomic_write import new_folder
 from studio.io.child_process import child_process, said_lines, wait_for
 from studio.io.json_text import JsonObject
 from studio.io.media.film import film_encoder, is_film
-from studio.io.replacing import new_folder
 from studio.viewport.shots import Shots, send
 
 Progress = Callable[[float, str], None]

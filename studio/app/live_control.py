@@ -60,7 +60,7 @@ class LiveSource:
 
 
 @dataclass(frozen=True)
-class Tracked:
+class TrackedHead:
     """A head that drives a prop: bones or trackers of a source."""
 
     source: str
@@ -77,7 +77,7 @@ class LiveControl:
         self.sources: dict[str, LiveSource] = {}
         self.drivers: dict[str, str] = {}
         """Sources by the performers that they drive."""
-        self.tracked: Tracked | None = None
+        self.tracked: TrackedHead | None = None
         self.head_from: FloatArray | None = None
         """Place of the head when the camera began to go with it; None while the camera does not."""
         self.recorder: Recorder | None = None
@@ -184,7 +184,7 @@ class LiveControl:
         """Move a prop with a tracked head; without a source or a prop it stays."""
         wanted = names_in(names)
         self._rest()
-        self.tracked = Tracked(key, wanted, prop_id) if key in self.sources and wanted and prop_id else None
+        self.tracked = TrackedHead(key, wanted, prop_id) if key in self.sources and wanted and prop_id else None
         self._gesture = self.bench.document.new_gesture()
         self.tell()
 

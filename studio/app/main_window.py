@@ -17,7 +17,7 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QDockWidget, QGridLayout, QMainWindow, QRubberBand, QTabWidget, QVBoxLayout, QWidget
 
-from studio.app import capture_import, casting
+from studio.app import capture_import, character_import
 from studio.app.action_set import ActionSet
 from studio.app.footage_playback import FootagePlayback
 from studio.app.guided_tour import GuidedTour
@@ -348,8 +348,10 @@ class MainWindow(QMainWindow):
         self.library.performance_requested.connect(lambda capture: capture_import.perform_capture(bench, capture))
         self.inspector.reimport_requested.connect(self._reimport)
         self.inspector.markers_requested.connect(lambda capture: open_markers(bench, capture))
-        self.inspector.character_requested.connect(lambda capture: casting.make_actor_character(bench, capture))
-        self.inspector.remap_requested.connect(lambda *wanted: casting.remap_character(bench, *wanted))
+        self.inspector.character_requested.connect(
+            lambda capture: character_import.make_actor_character(bench, capture)
+        )
+        self.inspector.remap_requested.connect(lambda *wanted: character_import.remap_character(bench, *wanted))
         document.entity_changed.connect(lambda collection, key: capture_import.keep_corrections(bench, collection, key))
 
     def _restore_layout(self) -> None:

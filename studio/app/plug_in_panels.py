@@ -23,7 +23,7 @@ def add_panel_actions(window: "MainWindow") -> None:
         window.actions_by_id.menus["View"].addAction(action)
 
 
-def show_plug_in(window: "MainWindow", offer: plug_ins.Offer) -> None:
+def show_plug_in(window: "MainWindow", offer: plug_ins.PlugInEntry) -> None:
     """Show a package's panel beside the inspector; errors in it are reported as a message."""
     key = f"plug-in {offer.name}"
     if key not in window.docks:
@@ -40,7 +40,7 @@ def show_plug_in(window: "MainWindow", offer: plug_ins.Offer) -> None:
     window.show_dock(key)
 
 
-def _dock(window: "MainWindow", offer: plug_ins.Offer) -> QDockWidget:
+def _dock(window: "MainWindow", offer: plug_ins.PlugInEntry) -> QDockWidget:
     from studio import api  # late: it loads what renders and searches
 
     panel = offer.load(plug_ins.panel_of)

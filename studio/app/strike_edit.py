@@ -30,7 +30,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Wish:
+class StrikeRequest:
     """Request to play a found strike: performer, start in seconds of the stage, and target.
 
     ``frozen`` (3,) is the position of the target on the stage at the request; with None the blow follows it.
@@ -53,7 +53,7 @@ def _known_capture(project: Project, capture: Capture) -> str | None:
     return None
 
 
-def put_strike(bench: Workbench, wish: Wish, source: ReadMotion | str) -> None:
+def put_strike(bench: Workbench, wish: StrikeRequest, source: ReadMotion | str) -> None:
     """Let the performer play the strike; ``source`` is its capture as read, or the id of one in the project.
 
     Raises StudioError, and changes nothing, if the body or target is missing.

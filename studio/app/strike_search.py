@@ -10,7 +10,7 @@ from studio.app.capture_import import read_motion
 from studio.app.file_dialogs import ask_folder
 from studio.app.labelling import Labelling
 from studio.app.pose_mapping import PoseMapping
-from studio.app.strike_edit import Wish, put_strike
+from studio.app.strike_edit import StrikeRequest, put_strike
 from studio.app.strike_target import StrikeTarget, targets_of
 from studio.app.workbench import Workbench
 from studio.cli.arguments import library_folder
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from studio.library.indexing import IndexReport
     from studio.library.library import Library, LibraryClip
     from studio.library.searching import Result, StrikeQuery
-    from studio.library.striking import Tried
+    from studio.library.striking import TriedStrike
 
 
 class Striking:
@@ -56,7 +56,7 @@ class Striking:
         for page in (self.panel, self.labelling.form):
             self.pages.addWidget(page)
         self.library: Library | None = None
-        self.found: list[Tried] = []
+        self.found: list[TriedStrike] = []
         self.listed: list[LibraryClip] = []
         """The clips that the panel lists: those found, or all while there is no target."""
         self._sought: tuple[StrikeQuery, Placement] | None = None
@@ -154,7 +154,7 @@ class Striking:
         except StudioError as error:
             self.bench.say(str(error))
 
-    def _play(self, wish: Wish) -> None:
+    def _play(self, wish: StrikeRequest) -> None:
         path = wish.found.clip.take.path
         known = [each for each, source in self.bench.sources.items() if str(source) == path]
         capture_id = next((each for each in known if each in self.bench.document.project.captures), None)
@@ -167,7 +167,7 @@ class Striking:
             lambda read: put_strike(self.bench, wish, read),
         )
 
-    def _wish(self, clip: "LibraryClip", performer_id: str, time: float) -> Wish:
+    def _wish(self, clip: "LibraryClip", performer_id: str, time: float) -> StrikeRequest:
         """Request for a clip from the frame that fits the body then; StudioError if the body or target is missing."""
         from studio.library.searching import find
 
@@ -186,7 +186,7 @@ class Striking:
         if not found:
             raise StudioError("That clip is no longer in the library. Search again.")
         frozen = None if self.panel.follows else target.place(project, self.bench.live.result, time)
-        return Wish(found[0], performer_id, time, target, frozen)
+        return StrikeRequest(found[0], performer_id, time, target, frozen)
 
     def look_at(self, place: int) -> None:
         """Show the listed strike as a ghost; none if ``place`` is negative."""

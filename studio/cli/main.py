@@ -99,7 +99,7 @@ def _run(given: Sequence[str]) -> int:
         return WORK_FAILED
 
 
-def make_parser(verb: str | None, added: Mapping[str, plug_ins.Verb | plug_ins.Offer | None]) -> ArgumentParser:
+def make_parser(verb: str | None, added: Mapping[str, plug_ins.Verb | plug_ins.PlugInEntry | None]) -> ArgumentParser:
     """Parser with the names of all verbs, and the options of ``verb``.
 
     ``added`` are the verbs of installed packages; only the one asked for is loaded.

@@ -166,7 +166,7 @@ class Query:
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchMatch:
     """Clip that was found: ``posture`` and ``reach`` are distances in metres, ``cost`` their weighted sum.
 
     It plays from ``frame`` of the clip on, rotated by ``turn`` (rad) about Z, and hits at index ``contact`` of the path
@@ -182,7 +182,7 @@ class Found:
     turn: float
 
 
-def search(table: SearchTable, query: Query, count: int = 8, allowed: ArrayLike | None = None) -> list[Found]:
+def search(table: SearchTable, query: Query, count: int = 8, allowed: ArrayLike | None = None) -> list[SearchMatch]:
     """Best frame of each of the ``count`` clips with the least cost, the best first; ``allowed`` (C,) excludes clips.
 
     The result equals that of trying every frame, apart from ties.
@@ -199,7 +199,7 @@ def search(table: SearchTable, query: Query, count: int = 8, allowed: ArrayLike 
     at.search_blocks(first[np.argsort(bounds[first])], bounds, table.searched, asked, found)
     begins = table.first_rows
     return [
-        Found(clip, frame - int(begins[clip]), contact - int(table.clips[clip, 2]), *numbers)
+        SearchMatch(clip, frame - int(begins[clip]), contact - int(table.clips[clip, 2]), *numbers)
         for (clip, frame, contact), numbers in zip(found.places.tolist(), found.costs.tolist(), strict=True)
         if clip >= 0
     ]

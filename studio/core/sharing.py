@@ -12,7 +12,7 @@ Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, eq=False)
-class _Kept(Generic[Result]):
+class _CachedResult(Generic[Result]):
     """``result`` for an owner, valid for these ``terms``."""
 
     terms: object
@@ -36,7 +36,7 @@ class Shared(Generic[Source, Result]):
         kept.
         """
         self._compute, self._owner, self._terms = compute, owner, terms
-        self._kept: dict[int, _Kept[Result]] = {}
+        self._kept: dict[int, _CachedResult[Result]] = {}
         self._lock = threading.Lock()
 
     def __call__(self, source: Source, *known: Any) -> Result:
@@ -50,14 +50,14 @@ class Shared(Generic[Source, Result]):
                 if kept is None:
                     weakref.finalize(owner, self._kept.pop, key, None).atexit = False
                 if own:
-                    kept = self._kept[key] = _Kept(terms, Future())
+                    kept = self._kept[key] = _CachedResult(terms, Future())
             assert kept is not None
             if own:
                 return self._computed(source, key, kept, known)
             if kept.result.exception() is None:  # else who computed it gave up, or failed: try again
                 return kept.result.result()
 
-    def _computed(self, source: Source, key: int, kept: _Kept[Result], known: tuple[Any, ...]) -> Result:
+    def _computed(self, source: Source, key: int, kept: _CachedResult[Result], known: tuple[Any, ...]) -> Result:
         try:
             result = self._compute(source, *known)
         except BaseException as error:

@@ -12,7 +12,7 @@ from typing import NoReturn
 from studio.core.body.growth import KeyedProportions
 from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.base import Constraint
-from studio.core.constraints.carried_over import MIRROR, Carry, carried_over, mirrored_constraint
+from studio.core.constraints.carried_over import MIRROR, ClipTransform, carried_over, mirrored_constraint
 from studio.core.constraints.objections import objection
 from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.core.constraints.scope import EVERYONE, Scope
@@ -206,8 +206,8 @@ def _contacts_of(document: EditedProject, record: JsonObject, motion_id: str, fr
     return found
 
 
-def _later(seconds: float) -> Carry:
-    return Carry(seconds, 1.0, 0.0, (0.0, 0.0), False, -math.inf, math.inf)
+def _later(seconds: float) -> ClipTransform:
+    return ClipTransform(seconds, 1.0, 0.0, (0.0, 0.0), False, -math.inf, math.inf)
 
 
 def _scope(project: Project, scope: Scope, body: str) -> Scope:

@@ -13,13 +13,13 @@ from studio.core.stage.project import Project
 from studio.engine.body_request import BodyRequest, Prepare, body_request_of, player_of
 
 if TYPE_CHECKING:
-    from studio.live.planting import Planted
+    from studio.live.planting import LiveGrounding
 
 PoseSource = Callable[[], NormalizedMotion | None]
 """The newest pose, as a motion that is still; None while there is none."""
 
 
-class Driven:
+class DrivenPerformers:
     """Newest pose of every performer that is driven by a live source, on its own body."""
 
     def __init__(self, prepare: Prepare) -> None:
@@ -27,7 +27,7 @@ class Driven:
         self._sources: dict[str, PoseSource] = {}
         self._shown: dict[str, AdaptedMotion] = {}
         self._requests: dict[str, tuple[BodyRequest, AdaptRequest]] = {}
-        self._planted: dict[str, Planted] = {}
+        self._planted: dict[str, LiveGrounding] = {}
         self.problems: dict[str, str] = {}
         """Sentence by performer id: the reason why the performer cannot play its input."""
 
@@ -64,10 +64,10 @@ class Driven:
         self, project: Project, key: str, seconds: float, pose: NormalizedMotion, results: Mapping[str, AdaptedMotion]
     ) -> AdaptedMotion:
         from studio.live.driving import driven  # loads the solver
-        from studio.live.planting import Planted
+        from studio.live.planting import LiveGrounding
 
         performer, clock = project.performers[key], time.monotonic()
-        planted = self._planted.setdefault(key, Planted())
+        planted = self._planted.setdefault(key, LiveGrounding())
         if not performer.clips:
             body = project.characters[performer.character_id].morphology
             ground = project.ground.seen_from(performer.position, performer.heading)

@@ -54,7 +54,7 @@ class Frame:
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class FrameResult:
     """Result of a cycle: its frames, none where it cannot be solved, or where whole motions are ``current``; ``spent``
     processor seconds.
     """
@@ -68,7 +68,7 @@ class Outcome:
 
 
 @dataclass(frozen=True, eq=False)
-class Instant:
+class FrameJob:
     """Snapshot for solving one frame: ``results`` are whole motions for the requests ``answered``. Any thread may solve
     it; solved ``frames`` are inputs for their followers.
     """
@@ -82,7 +82,7 @@ class Instant:
     prepare: Prepare
     solve: Solve
 
-    def solved(self, cycle: Cycle) -> Outcome:
+    def solved(self, cycle: Cycle) -> FrameResult:
         """Frames of a cycle for the present requests."""
         begun, project = time.thread_time(), self.project
         rows = {key: row_at(project, project.performers[key], self.seconds) for key in cycle}
@@ -90,20 +90,20 @@ class Instant:
         wanted = {key: each for key, each in asked.items() if each is not None}
         known = {key: frame for key in cycle if (frame := self.frames.get(key)) and frame.row == rows[key]}
         if len(wanted) < len(cycle):
-            return Outcome(cycle, project, self.asked_at)
+            return FrameResult(cycle, project, self.asked_at)
         if all(self.answered.get(key) == each for key, each in wanted.items()):
             current = {key: self.answered[key] for key in cycle}
-            return Outcome(cycle, project, self.asked_at, current=current)
+            return FrameResult(cycle, project, self.asked_at, current=current)
         if {key: each.wanted for key, each in known.items()} == wanted:
             same = {key: replace(each, project=project, asked_at=self.asked_at) for key, each in known.items()}
-            return Outcome(cycle, project, self.asked_at, same)
+            return FrameResult(cycle, project, self.asked_at, same)
         try:
             motions = self._motions(cycle, wanted, rows)
         except StudioError:
-            return Outcome(cycle, project, self.asked_at)  # the solve of the whole motion tells of it
+            return FrameResult(cycle, project, self.asked_at)  # the solve of the whole motion tells of it
         frames = {key: Frame(project, wanted[key], rows[key], motions[key], self.asked_at) for key in cycle}
         self.frames.update(frames)
-        return Outcome(cycle, project, self.asked_at, frames, spent=time.thread_time() - begun)
+        return FrameResult(cycle, project, self.asked_at, frames, spent=time.thread_time() - begun)
 
     def _motions(
         self, cycle: Cycle, wanted: Mapping[str, BodyRequest], rows: Mapping[str, int]
@@ -137,7 +137,7 @@ class Frames:
         """``answered``: request that each performer's newest whole motion answers; it changes as results arrive."""
         self._prepare, self._solve, self._answered = prepare, solve, answered
         self._frames: dict[str, Frame] = {}
-        self._current: dict[str, Outcome] = {}
+        self._current: dict[str, FrameResult] = {}
         """Latest outcome, by performer, in which the newest whole motion is up to date."""
         self._whole_at: dict[str, float] = {}
         """Time of the request that the newest whole motion answers, by performer."""
@@ -187,7 +187,7 @@ class Frames:
         others: Sequence[Cycle],
         results: Mapping[str, AdaptedMotion],
         driven: Mapping[str, AdaptedMotion],
-    ) -> Callable[[], Sequence[Outcome]] | None:
+    ) -> Callable[[], Sequence[FrameResult]] | None:
         """Solve the frames of performers at ``seconds`` of the stage, leaders before their followers.
 
         Performers ``driven`` by a live input are not solved here; their followers are, in every picture. Cycles whose
@@ -198,7 +198,7 @@ class Frames:
             self._frames.clear()  # who followed somebody that was driven follows its clips again
         self._driven = {*driven}
         frames = {key: frame for key, frame in self._frames.items() if key not in driven}
-        instant = Instant(
+        instant = FrameJob(
             project=project,
             seconds=seconds,
             asked_at=asked_at,
@@ -240,18 +240,18 @@ class Frames:
         rest = sorted((each for each in left if each not in ahead), key=lambda each: self._looked_at.get(each, 0.0))
         return ahead + rest[: (len(rest) + 1) // 2]
 
-    def take(self, outcomes: Iterable[Outcome]) -> list[str]:
+    def take(self, outcomes: Iterable[FrameResult]) -> list[str]:
         """Store outcomes solved in the background that are not older than the present ones; ids with new frames."""
         news = [outcome for outcome in outcomes if all(self._is_older(key, outcome) for key in outcome.cycle)]
         for outcome in news:
             self._put(outcome)
         return [key for outcome in news if outcome.spent for key in outcome.cycle]
 
-    def _is_older(self, performer_id: str, outcome: Outcome) -> bool:
+    def _is_older(self, performer_id: str, outcome: FrameResult) -> bool:
         whole_at = self._whole_at.get(performer_id, 0.0)
         return self.asked_at(performer_id) <= outcome.asked_at and whole_at < outcome.asked_at
 
-    def _put(self, outcome: Outcome) -> None:
+    def _put(self, outcome: FrameResult) -> None:
         self._looked_at[outcome.cycle] = outcome.asked_at
         if outcome.spent:
             self._costs[outcome.cycle] = outcome.spent

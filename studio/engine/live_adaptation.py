@@ -19,10 +19,10 @@ from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Performer, Project
 from studio.document.document import Document
 from studio.engine.body_request import BodyRequest, Prepare, body_request_of, player_of
-from studio.engine.driven import Driven
-from studio.engine.frames import Cycle, Frames, Outcome, Solve
-from studio.engine.hand import Hand, Rest
+from studio.engine.driven import DrivenPerformers
+from studio.engine.frames import Cycle, FrameResult, Frames, Solve
 from studio.engine.live_play import LivePlay
+from studio.engine.mouse_timestamps import MouseTimestamps, RestTimer
 from studio.engine.scheduler import SolveScheduler
 from studio.engine.solve_cache import SolveCache
 from studio.engine.solver_kernels import SolverKernels
@@ -55,7 +55,7 @@ def as_recorded(motion: NormalizedMotion, actor: Morphology) -> AdaptedMotion:
 
 
 @dataclass(frozen=True, eq=False)
-class Solved:
+class SolveResults:
     """Results of a worker by performer: the requests, their time (``time.monotonic``), and True for whole motions."""
 
     adapted: Mapping[str, AdaptedMotion]
@@ -102,10 +102,10 @@ class LiveAdaptation(QObject):
         self._unfinished: set[tuple[str, ...]] = set()
         """Circles of which no more than a window has been asked."""
         self._frames = Frames(self._prepare, self._solve, self._answered)
-        self.driven = Driven(self._prepare)
+        self.driven = DrivenPerformers(self._prepare)
         self._interactive = False
         self._asked_at: dict[str, float] = {}
-        self._hand = Hand(self)
+        self._hand = MouseTimestamps(self)
         self._changed_at = time.monotonic()
         self._scheduler, self._beside = SolveScheduler(self, workers), SolveScheduler(self, workers=1)
         self._hear_workers()
@@ -115,7 +115,7 @@ class LiveAdaptation(QObject):
         self._turn = QTimer(self, singleShot=True, interval=0)
         self._turn.timeout.connect(lambda: self._refresh(whole=not self._interactive))
         self._kernels.changed.connect(self._kernels_changed)
-        self._rest = Rest(IDLE_MILLISECONDS, self)
+        self._rest = RestTimer(IDLE_MILLISECONDS, self)
         self._rest.rested.connect(lambda: self._refresh(whole=True))
         self._telling = QTimer(self, singleShot=True, interval=TELL_MILLISECONDS)
         self._telling.timeout.connect(self._tell_results)
@@ -368,7 +368,7 @@ class LiveAdaptation(QObject):
 
     def _stages(
         self, project: Project, cycle: tuple[str, ...], wanted: Mapping[str, BodyRequest], whole: bool
-    ) -> tuple[Callable[[], Solved], ...]:
+    ) -> tuple[Callable[[], SolveResults], ...]:
         """Stages of a solve: all frames, or first the frames round the playhead, unsmoothed, if the
         rest is unchanged.
         """
@@ -383,7 +383,7 @@ class LiveAdaptation(QObject):
         first, last = self._window(project, wanted[cycle[0]].performer)
         exact = {key: replace(each, eased=False) for key, each in wanted.items()}
 
-        def window() -> Solved:
+        def window() -> SolveResults:
             solved = self._solved(project, exact, asked_at, first, last)
             return replace(solved, adapted={cycle[0]: merged(base, solved.adapted[cycle[0]])})
 
@@ -399,7 +399,7 @@ class LiveAdaptation(QObject):
 
     def _solved(
         self, project: Project, wanted: Mapping[str, BodyRequest], asked_at: float, first: int, last: int | None
-    ) -> Solved:
+    ) -> SolveResults:
         players = {key: player_of(project, key, each, self._prepare) for key, each in wanted.items()}
         if len(players) == 1:
             [(key, player)] = players.items()
@@ -407,7 +407,7 @@ class LiveAdaptation(QObject):
         else:
             answers = solve_cycle(players, lambda _, request: self._solve(request, 0, None)).results
         adapted = {key: replace(answer, composite=players[key].composite) for key, answer in answers.items()}
-        return Solved(adapted, wanted, asked_at, last is None)
+        return SolveResults(adapted, wanted, asked_at, last is None)
 
     def _window(self, project: Project, performer: Performer) -> tuple[int, int]:
         """First and last frame of a performer's motion within ``WINDOW_SECONDS`` of the playhead."""
@@ -416,10 +416,10 @@ class LiveAdaptation(QObject):
         reach = round(WINDOW_SECONDS * timing.frame_rate)
         return max(frame - reach, 0), frame + reach
 
-    def _take(self, key: str, _revision: int, answer: Solved | AdaptedMotion) -> None:
+    def _take(self, key: str, _revision: int, answer: SolveResults | AdaptedMotion) -> None:
         if key.startswith(_EXPECTED):
             return
-        if isinstance(answer, Solved):
+        if isinstance(answer, SolveResults):
             if not self._telling.isActive():
                 self._telling.start()
             for performer_id, adapted in answer.adapted.items():
@@ -438,7 +438,7 @@ class LiveAdaptation(QObject):
             if any(clip.motion_id == motion_id for clip in performer.clips):
                 self.adapted.emit(performer_id)
 
-    def _take_frames(self, _key: str, _revision: int, outcomes: Sequence[Outcome]) -> None:
+    def _take_frames(self, _key: str, _revision: int, outcomes: Sequence[FrameResult]) -> None:
         there = [outcome for outcome in outcomes if outcome.cycle in self._circles]
         for performer_id in self._frames.take(there):
             self.adapted.emit(performer_id)

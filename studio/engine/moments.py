@@ -17,7 +17,7 @@ from studio.core.constraints.target import Place, follows_of, own_place_of, own_
 from studio.core.curves.keyed import KeyedPlace, Quaternion
 from studio.core.solver.asking.tracks import Targets, Track, fixed_at, moved_target, turned_target
 from studio.core.solver.performers.rows import carry_of
-from studio.core.solver.request import Unasked
+from studio.core.solver.request import UnconstrainedPoses
 from studio.core.stage.project import Project
 from studio.engine.performance import Posed
 from studio.engine.prop_places import prop_at
@@ -130,7 +130,7 @@ class TargetContext:
                 return Track(track.places * [1.0, -1.0 if pose.mirrored else 1.0, 1.0], track.rotations)
         return None
 
-    def _own_track(self, place: OwnPlace, unasked: Unasked) -> Track:
+    def _own_track(self, place: OwnPlace, unasked: UnconstrainedPoses) -> Track:
         """Per-character position, in the space of the playing motion."""
         from studio.core.solver.performers.followed_tracks import own_track  # as above
 

@@ -31,8 +31,8 @@ class StandingSolver:
     """
 
     def __init__(self) -> None:
-        self._whole: dict[Body, Kept] = {}
-        self._partly: dict[Body, Kept] = {}
+        self._whole: dict[Body, CachedGrounding] = {}
+        self._partly: dict[Body, CachedGrounding] = {}
         self._lock = threading.Lock()
 
     def __call__(self, request: AdaptRequest, first: int, last: int | None) -> AdaptedMotion:
@@ -69,7 +69,7 @@ class StandingSolver:
             held = self._whole if windows is None else self._partly
             while len(held) >= KEPT_STANDING:
                 held.pop(next(iter(held)))
-            held[body] = Kept(on, windows, standing)
+            held[body] = CachedGrounding(on, windows, standing)
         return standing
 
 
@@ -91,7 +91,7 @@ class GroundingKey:
 
 
 @dataclass(frozen=True, eq=False)
-class Kept:
+class CachedGrounding:
     """Grounded motion of a body, in some ``windows`` or, None, in all frames."""
 
     on: GroundingKey

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
 from studio.core.rotations import from_matrix, normalized, sign_continuous, to_matrix
-from studio.core.solver.request import AdaptedMotion, Unasked
+from studio.core.solver.request import AdaptedMotion, UnconstrainedPoses
 
 POSITION_STEPS, QUATERNION_STEPS = 1e4, 32767.0
 """Steps a metre, and a unit of a quaternion's part."""
@@ -48,7 +48,9 @@ def _motion(
 ) -> AdaptedMotion:
     """Motion without constraints, which is also its own grounded motion."""
     nothing = np.empty((0, len(positions)))
-    return AdaptedMotion(body, frame_rate, 0, positions, rotations, nothing, unasked=Unasked(positions, rotations))
+    return AdaptedMotion(
+        body, frame_rate, 0, positions, rotations, nothing, unasked=UnconstrainedPoses(positions, rotations)
+    )
 
 
 def _differences(values: NDArray[np.float64]) -> NDArray[np.int16]:

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from studio.core.body.kinematics import joint_world
 from studio.core.rotations import from_matrix, sign_continuous
+from studio.io.atomic_write import write_pieces
 from studio.io.export import Take
 from studio.io.registry import Progress
-from studio.io.replacing import write_pieces
 from studio.io.zipped import npy, write_zip
 
 FloatArray = NDArray[np.float64]

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from studio.core.errors import StudioError
-from studio.io.beside import LARGEST_REFERENCED_FILE, read_bytes
-from studio.io.replacing import write_text
+from studio.io.atomic_write import write_text
+from studio.io.referenced_files import LARGEST_REFERENCED_FILE, read_bytes
 
 Parse = Callable[[str], Any]
 JsonObject = dict[str, Any]

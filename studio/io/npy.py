@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.io.replacing import replacing
+from studio.io.atomic_write import replacing
 from studio.io.zipped import unpacked
 
 Array = NDArray[Any]

@@ -48,7 +48,7 @@ class Panel:
 
 
 @dataclass(frozen=True)
-class Offer:
+class PlugInEntry:
     """Entry point that is not loaded yet."""
 
     entry: EntryPoint
@@ -76,7 +76,7 @@ class Offer:
 
 
 @dataclass(frozen=True)
-class Loaded(Generic[T]):
+class LoadedPlugIns(Generic[T]):
     """Loaded objects of a group, and one sentence for each failure."""
 
     found: tuple[T, ...]
@@ -89,13 +89,13 @@ def entry_points(group: str) -> EntryPoints:
     return metadata.entry_points(group=group)
 
 
-def offers(group: str) -> Iterator[Offer]:
+def offers(group: str) -> Iterator[PlugInEntry]:
     """The entry points of a group; nothing of their packages is imported."""
     words = group.rpartition(".")[2].removesuffix("s")
-    return (Offer(entry, words) for entry in entry_points(group=group))
+    return (PlugInEntry(entry, words) for entry in entry_points(group=group))
 
 
-def load_all(group: str, accepted: Callable[[Any], T]) -> Loaded[T]:
+def load_all(group: str, accepted: Callable[[Any], T]) -> LoadedPlugIns[T]:
     """Offers of a group of entry points, loaded and checked by ``accepted``; errors are returned, never raised."""
     found: list[T] = []
     failures: list[str] = []
@@ -104,7 +104,7 @@ def load_all(group: str, accepted: Callable[[Any], T]) -> Loaded[T]:
             found.append(offer.load(accepted))
         except StudioError as error:
             failures.append(str(error))
-    return Loaded(tuple(found), tuple(failures))
+    return LoadedPlugIns(tuple(found), tuple(failures))
 
 
 def verb_of(value: Any) -> Verb:

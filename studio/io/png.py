@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.io.replacing import new_folder, write_whole
+from studio.io.atomic_write import new_folder, write_whole
 
 
 def png_bytes(pixels: NDArray[np.uint8]) -> bytes:

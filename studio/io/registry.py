@@ -16,7 +16,7 @@ from studio.core.captures.annotations import Annotations
 from studio.core.errors import StudioError
 from studio.core.plausible import BONE_RANGE, TRAVEL
 from studio.io import plug_ins
-from studio.io.beside import SNIFFED, refuse_archive, refuse_devices, refuse_stand_in
+from studio.io.referenced_files import SNIFFED, refuse_archive, refuse_devices, refuse_stand_in
 
 if TYPE_CHECKING:
     from studio.core.captures.capture import Capture, Guess
@@ -75,7 +75,7 @@ class Format:
 
     Each job is a function as ``module:function``, imported when first needed; empty if not supported. All raise
     StudioError with file, place and what to do. A reader returns its guesses and repairs with the content; a writer
-    leaves the whole file or none (``studio.io.replacing``).
+    leaves the whole file or none (``studio.io.atomic_write``).
     """
 
     name: str

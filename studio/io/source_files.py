@@ -7,7 +7,7 @@ from pathlib import Path
 
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.io.beside import LARGEST_REFERENCED_FILE
+from studio.io.referenced_files import LARGEST_REFERENCED_FILE
 from studio.io.registry import Progress, known_formats
 
 MOST_FILES = 2000

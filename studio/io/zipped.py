@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.io.atomic_write import replacing
 from studio.io.registry import Progress
-from studio.io.replacing import replacing
 
 _PIECE = 1 << 20
 _ALIGNMENT, _HEADER = 64, 30

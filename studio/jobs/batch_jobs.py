@@ -9,8 +9,8 @@ from time import perf_counter
 
 from studio import __version__
 from studio.core.errors import StudioError
-from studio.io.beside import read_bytes
 from studio.io.json_text import JsonObject, write_json
+from studio.io.referenced_files import read_bytes
 from studio.io.registry import known_formats
 from studio.jobs.adapted_files import AdaptSettings, adapt_file
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from studio.core.names import counted
+from studio.io.atomic_write import write_text
 from studio.io.json_text import JsonObject
-from studio.io.replacing import write_text
 
 Row = JsonObject
 

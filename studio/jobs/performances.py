@@ -5,7 +5,7 @@ from studio.core.captures.capture import Capture
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import Staged, perform
+from studio.core.solver.performers.performing import StagedPerformances, perform
 from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
@@ -16,11 +16,11 @@ def adapted_performers(project: Project) -> dict[str, AdaptedMotion]:
     return {key: each.adapted for key, each in performances(project).performances.items()}
 
 
-def performances(project: Project) -> Staged:
+def performances(project: Project) -> StagedPerformances:
     """Requests and adapted motions of all visible performers that have a clip, and the errors of those that fail."""
     shown = [key for key, each in project.performers.items() if each.visible and each.clips]
     made = perform(project, shown, prepared, adapt)
-    return Staged(
+    return StagedPerformances(
         {key: made.performances[key] for key in shown if key in made.performances},
         {key: made.failures[key] for key in shown if key in made.failures},
     )

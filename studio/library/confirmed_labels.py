@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from studio.core.errors import StudioError
-from studio.io.beside import read_bytes
+from studio.io.atomic_write import write_whole
 from studio.io.json_text import json_of
-from studio.io.replacing import write_whole
+from studio.io.referenced_files import read_bytes
 from studio.library.clip_labels import ClipLabel
 
 CONFIRMED_LABELS = "labels.json"

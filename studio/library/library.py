@@ -12,9 +12,9 @@ from studio.core.errors import StudioError
 from studio.core.kernels import pose_search as at
 from studio.core.normalized.realize import realize
 from studio.core.retrieval import SearchTable, pose_rows
-from studio.io.beside import read_bytes
+from studio.io.atomic_write import write_whole
 from studio.io.npy import stored_array, write_stored
-from studio.io.replacing import write_whole
+from studio.io.referenced_files import read_bytes
 from studio.library.catalogue import Actor, Catalogue, CatalogueClip, LibraryTake
 from studio.library.clip_labels import ClipLabel, Kind
 from studio.library.copies import distinct_takes

@@ -17,7 +17,7 @@ from studio.core.kernels import pose_search as at
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.normalized.realize import realize
-from studio.core.retrieval import Found, Query, pose_distances, pose_rows, search
+from studio.core.retrieval import Query, SearchMatch, pose_distances, pose_rows, search
 from studio.library.clip_labels import Kind, Limb
 from studio.library.hitting import limb_size
 from studio.library.library import Library, LibraryClip
@@ -137,7 +137,7 @@ def _boxes_hold(library: Library, query: Query) -> NDArray[np.bool_]:
     return np.asarray(np.bincount(blocks.spans[:, 0], holds, table.clip_count) > 0)
 
 
-def _result(library: Library, found: Found) -> Result:
+def _result(library: Library, found: SearchMatch) -> Result:
     clip = library.clips[found.clip]
     start, hit = clip.searched.start + found.frame, clip.path.first + found.contact
     return Result(clip, start, hit, found.turn, found.posture, found.reach, found.cost)

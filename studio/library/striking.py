@@ -113,7 +113,7 @@ def strike_in(composite: Composite, change: int, blow: Blow, body: Morphology, t
 
 
 @dataclass(frozen=True, eq=False)
-class Tried:
+class TriedStrike:
     """Search result with the residual ``missed`` in metres that was left when it was solved."""
 
     found: Result
@@ -130,9 +130,9 @@ class Tried:
         return (*self.found.reasons, "reached" if self.hits else f"{metres(self.missed)} short")
 
 
-def tried(found: Sequence[Result], asked: StrikeQuery) -> list[Tried]:
+def tried(found: Sequence[Result], asked: StrikeQuery) -> list[TriedStrike]:
     """Search results, solved: those that hit before those that do not, each in the order of ``found``."""
-    all_tried = [Tried(each, solved_residual(each, asked)) for each in found]
+    all_tried = [TriedStrike(each, solved_residual(each, asked)) for each in found]
     return sorted(all_tried, key=lambda each: not each.hits)
 
 

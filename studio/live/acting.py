@@ -13,7 +13,7 @@ from studio.core.curves.retiming import SLOWEST_CLIP
 from studio.core.solver.adapt import place_of
 from studio.core.solver.performers.prop_tracks import Holder, stage_track
 from studio.core.solver.request import AdaptedMotion
-from studio.core.stage.behaviour import Behaviour, Role, Running, State
+from studio.core.stage.behaviour import Behaviour, BehaviourProgress, Role, State
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import Senses
 from studio.core.stage.manners import asked_by
@@ -42,7 +42,7 @@ class StageView:
 
     project: Project
     results: Mapping[str, AdaptedMotion]
-    running: Mapping[str, Running]
+    running: Mapping[str, BehaviourProgress]
     seconds: float
 
     def place_of(self, whom: Whom, role: Role) -> FloatArray | None:

@@ -6,14 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
-from studio.core.constraints.carried_over import Carry, carried_over
+from studio.core.constraints.carried_over import ClipTransform, carried_over
 from studio.core.normalized.encode import encode
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.adapt import hold
 from studio.core.solver.asking.tracks import OwnPath
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.live import vmc
-from studio.live.planting import Planted
+from studio.live.planting import LiveGrounding
 from studio.live.tracker import Inbox
 
 FloatArray = NDArray[np.float64]
@@ -48,13 +48,17 @@ def _pose_of(positions: FloatArray, rotations: FloatArray, body: Morphology) -> 
     return pose if np.isfinite(pose.channels).all() else None
 
 
-def driven(request: AdaptRequest, row: int, pose: NormalizedMotion, planted: Planted, seconds: float) -> AdaptedMotion:
+def driven(
+    request: AdaptRequest, row: int, pose: NormalizedMotion, planted: LiveGrounding, seconds: float
+) -> AdaptedMotion:
     """Frame ``row`` of a request with ``pose`` instead of its motion, grounded and solved with the constraints of that
     frame.
 
     ``planted`` keeps the state of the feet between poses; ``seconds`` is the time of the pose by the clock.
     """
-    now = Carry(-row / request.motion.frame_rate, 1.0, 0.0, (0.0, 0.0), False, -UNBOUNDED_SECONDS, UNBOUNDED_SECONDS)
+    now = ClipTransform(
+        -row / request.motion.frame_rate, 1.0, 0.0, (0.0, 0.0), False, -UNBOUNDED_SECONDS, UNBOUNDED_SECONDS
+    )
     window = slice(row, row + 1)
     tracks = {
         key: track if isinstance(track, OwnPath) else track.within(window) for key, track in request.tracks.items()

@@ -80,7 +80,7 @@ class Plan:
 
 
 @dataclass(frozen=True, eq=False)
-class Coming:
+class PendingPlan:
     """Plan in the making: a takeover that is not yet inertialised from the pose in which it begins."""
 
     state: FighterState
@@ -105,7 +105,7 @@ class Coming:
 
 
 @dataclass(frozen=True, eq=False)
-class Begins:
+class PlanStart:
     """Start of a plan: the frames ``rows`` of ``before``, and the target's position ``place`` (3,) and velocity
     ``speed`` (3,) (m/s).
     """
@@ -154,7 +154,7 @@ class Fighter:
     follows: bool = True
     frames_played: int = 0
     hits: list[StrikeOutcome] = field(default_factory=list)
-    _wanted: Future[Coming] | None = None
+    _wanted: Future[PendingPlan] | None = None
     _order: tuple[Sequence[Limb], Sequence[Kind]] | None = None
     """Limbs and kinds of an order that is not under way yet; None without an order."""
     _steps_left: int = 0
@@ -228,16 +228,16 @@ class Fighter:
     def _ask(self, place: FloatArray) -> None:
         """Start making the plan for the order, in the background if there is an executor."""
         assert self._order is not None
-        begins = Begins(self.plan.standing, self._rows, place, self._speed())
+        begins = PlanStart(self.plan.standing, self._rows, place, self._speed())
         order, step = self._order, self._step_up(begins.place_in(KEEPING_STEP_SECONDS)) if self._steps_left else None
 
-        def work() -> Coming:
+        def work() -> PendingPlan:
             return self._strike(begins, *order, step)
 
         if self.executor is not None:
             self._wanted = self.executor.submit(work)
             return
-        made: Future[Coming] = Future()
+        made: Future[PendingPlan] = Future()
         made.set_result(work())
         self._wanted = made
 
@@ -257,17 +257,17 @@ class Fighter:
             self._reach = made.found.reach
         self._go_on(made)
 
-    def _go_on(self, coming: Coming) -> None:
+    def _go_on(self, coming: PendingPlan) -> None:
         self.plan = coming.plan(self.plan.standing, self._rows)
         self._passed = 0
 
-    def _next(self, place: FloatArray) -> Coming:
+    def _next(self, place: FloatArray) -> PendingPlan:
         turn, offset = self._correction(place)
         wrong = abs(turn) > FIGHTER_FACING_TOLERANCE or float(np.hypot(*offset)) > FIGHTER_DISTANCE_TOLERANCE
         state, piece = (
             (FighterState.STEP, self._stepping(turn, offset)) if wrong else (FighterState.GUARD, self._guarding)
         )
-        return self._coming(state, Begins(self.plan.standing, self._rows, place, np.zeros(3)), piece)
+        return self._coming(state, PlanStart(self.plan.standing, self._rows, place, np.zeros(3)), piece)
 
     @property
     def _guarding(self) -> MotionPiece:
@@ -282,7 +282,9 @@ class Fighter:
         turn, offset = self._correction(place)
         return self._stepping(turn, offset) if self._apart(place) - self.distance > FIGHTER_DISTANCE_TOLERANCE else None
 
-    def _strike(self, begins: Begins, limbs: Sequence[Limb], kinds: Sequence[Kind], step: MotionPiece | None) -> Coming:
+    def _strike(
+        self, begins: PlanStart, limbs: Sequence[Limb], kinds: Sequence[Kind], step: MotionPiece | None
+    ) -> PendingPlan:
         """First of the best blows whose residual is below ``MET``, otherwise the one with the least residual. If
         ``step`` is given and the best blow misses, the result is that step; if no blow is found, the guard.
         """
@@ -304,18 +306,18 @@ class Fighter:
             return self._coming(FighterState.GUARD, begins, self._guarding)
         return nearest if step is None or missed < MET else self._coming(FighterState.STEP, begins, step)
 
-    def _blow(self, begins: Begins, found: Result) -> Coming:
+    def _blow(self, begins: PlanStart, found: Result) -> PendingPlan:
         blow = Blow.of(found)
         x, y, z = begins.place_in(blow.seconds).tolist()
         coming = self._coming(FighterState.STRIKE, begins, blow.piece(0.0))
         strike = strike_in(coming.takes.composite, coming.takes.first, blow, self.body, (x, y, z))
         return replace(coming, found=found, strike=strike)
 
-    def _coming(self, state: FighterState, begins: Begins, piece: MotionPiece) -> Coming:
+    def _coming(self, state: FighterState, begins: PlanStart, piece: MotionPiece) -> PendingPlan:
         def stood(whole: Composite) -> Standing:
             return stand(whole.motion, self.body, whole.contacts, Ground())
 
-        return Coming(state, take_over(begins.before, begins.rows, [piece], stood))
+        return PendingPlan(state, take_over(begins.before, begins.rows, [piece], stood))
 
     @property
     def _rows(self) -> NDArray[np.int64]:

@@ -66,7 +66,7 @@ class DampedHeight:
 
 
 @dataclass(frozen=True, eq=False)
-class _Print:
+class _Footprint:
     """Footprint of a heel or of toes (``state``, a bit): the ``pivot`` in contact, its position ``place`` (3,), and the
     ``tilt`` (3, 3) of the ground there.
     """
@@ -92,7 +92,7 @@ class Foothold:
     """Parts of the foot that stand, as bits of ``kernels.support.sole``."""
     weight: float = 0.0
     """Contact weight: rises to 1 after the foot begins to stand, and falls to 0 after it stops."""
-    _printed: _Print | None = None
+    _printed: _Footprint | None = None
     _heading: FloatArray = field(default_factory=lambda: np.array([1.0, 0.0]))
     _own: list[FootPose] = field(default_factory=list)
     _shown: list[FootPose] = field(default_factory=list)
@@ -168,7 +168,7 @@ class Foothold:
             self._gaps[:, 0, :2] = 0.0  # it stands still from now on
         self._pace, self._since = max(dt, 1e-3), dt
 
-    def _print(self, state: int, seen: FootPose, held: _Print | None) -> _Print:
+    def _print(self, state: int, seen: FootPose, held: _Footprint | None) -> _Footprint:
         """Footprint of heel or toes: below their shown position, on the plane of the footprint ``held``, otherwise of
         the ground.
         """
@@ -185,7 +185,7 @@ class Foothold:
             tilt, at = held.tilt, held.place
         normal = tilt[:, 2]
         level = at[2] - normal[:2] @ (lowest[:2] - at[:2]) / normal[2]
-        return _Print(state, pivot, np.array([*place[:2], level]), tilt)
+        return _Footprint(state, pivot, np.array([*place[:2], level]), tilt)
 
     def _aimed(self, own: FootPose) -> FootPose:
         """Target pose of the foot by its contact state alone, without the remaining gap."""

@@ -26,7 +26,7 @@ LOST = 0.5
 BITS = {point: HEEL_STANDS if point.is_heel else TOE_STANDS for point in FOOT_POINTS}
 
 
-class Planted:
+class LiveGrounding:
     """Grounding of a body's newest pose by ``stand``; the contacts of the feet are kept from one call to the next."""
 
     def __init__(self) -> None:

@@ -25,7 +25,7 @@ from studio.core.solver.performers.performing import Prepare
 from studio.core.solver.performers.rows import corrections_in
 from studio.core.solver.performers.stage import in_order, props_of, tracks_followed_by, tracks_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.stage.behaviour import Running, advance, begun
+from studio.core.stage.behaviour import BehaviourProgress, advance, begun
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import Senses
 from studio.core.stage.placement import Placement
@@ -33,7 +33,7 @@ from studio.core.stage.project import Performer, Project
 from studio.live.acting import Act, StageView, act_of, senses_of
 from studio.live.keeping import step_of
 from studio.live.playing import Playing, asked_anew, own_row, restood, taken_over
-from studio.live.recorded_take import Begun, StageTake
+from studio.live.recorded_take import StageTake, StartedClips
 
 Expected = dict[FollowPerformer, NDArray[np.float64]]
 
@@ -58,7 +58,7 @@ class _Part:
     act: Act | None = None
     """Act that took over; None while its own row plays."""
     wish: Act | None = None
-    begun: Begun | None = None
+    begun: StartedClips | None = None
     tracks: Tracks = field(default_factory=dict)
     result: AdaptedMotion | None = None
     passed: Mapping[float, AdaptedMotion] = field(default_factory=dict)
@@ -79,14 +79,14 @@ class LiveStage:
         self._prepare = prepare
         self._parts: dict[str, _Part] = {}
         self._paths: dict[tuple[str, ...], tuple[Paths, Paths]] = {}
-        self.running: dict[str, Running] = {}
+        self.running: dict[str, BehaviourProgress] = {}
         """State of the behaviour of each performer that has one."""
         self._events: dict[str, frozenset[str]] = {}
         self._sent: frozenset[str] = frozenset()
         self._keys: frozenset[str] = frozenset()
         self.project = self._seen = self._staged = project
         self._step = 0.0
-        self._recorded: list[tuple[str, Begun]] | None = None
+        self._recorded: list[tuple[str, StartedClips]] | None = None
         self._given: list[tuple[float, Project]] = []
         self._recorded_from = 0.0
 
@@ -313,9 +313,9 @@ class LiveStage:
         part = self._parts[key]
         composite, act = part.playing.composite, part.act
         if act is None:
-            part.begun = Begun(self.seconds, part.row, composite.played, composite.timing, own=True)
+            part.begun = StartedClips(self.seconds, part.row, composite.played, composite.timing, own=True)
         else:
-            part.begun = Begun(self.seconds, (act.clip,), composite.played[1:], composite.timing, act.asked)
+            part.begun = StartedClips(self.seconds, (act.clip,), composite.played[1:], composite.timing, act.asked)
         if self._recorded is not None:
             self._recorded.append((key, part.begun))
 

@@ -27,7 +27,7 @@ Edit = tuple[str, str, Entity]
 
 
 @dataclass(frozen=True, eq=False)
-class Begun:
+class StartedClips:
     """Start of a performer's motion at ``since`` seconds: clips, their pieces in the motion, its timing and added
     constraints.
     """
@@ -49,12 +49,12 @@ class StageTake:
 
     begin: float
     end: float
-    begun: tuple[tuple[str, Begun], ...]
+    begun: tuple[tuple[str, StartedClips], ...]
     given: tuple[tuple[float, Project], ...]
 
 
 @dataclass(frozen=True)
-class Recorded:
+class RecordedClip:
     """Clip of a take, its source clip, and the constraints that a behaviour added to it."""
 
     performer_id: str
@@ -95,7 +95,7 @@ def _row(
     motion_of: Callable[[str], NormalizedMotion],
     names: Iterator[str],
     cut: bool,
-) -> Iterator[Recorded]:
+) -> Iterator[RecordedClip]:
     """Clips of one performer, each at its recorded placement until the next one took over.
 
     The motion that played when the take began begins at its own start, unless it is ``cut`` there, and the last one
@@ -112,7 +112,7 @@ def _row(
                 continue
             clip = _trimmed(source, played, each.timing, begin, end, motion_of(source.motion_id))
             if clip is not None:
-                yield Recorded(key, replace(clip, id=next(names)), source, each.asked)
+                yield RecordedClip(key, replace(clip, id=next(names)), source, each.asked)
 
 
 def _trimmed(
@@ -145,7 +145,7 @@ def _about(placement: Planar, motion: NormalizedMotion, first: int, is_mirrored:
     return Planar(placement.turn, (x, y))
 
 
-def _contacts(recorded: Sequence[Recorded], project: Project, names: Iterator[str]) -> list[Edit]:
+def _contacts(recorded: Sequence[RecordedClip], project: Project, names: Iterator[str]) -> list[Edit]:
     """Edits that copy the contacts of each source clip to the clips recorded of it."""
     return [
         ("contacts", next(names), replace(contact, scope=Scope(clip_id=each.clip.id)))
@@ -155,7 +155,9 @@ def _contacts(recorded: Sequence[Recorded], project: Project, names: Iterator[st
     ]
 
 
-def _constraints(take: StageTake, recorded: Sequence[Recorded], project: Project, names: Iterator[str]) -> list[Edit]:
+def _constraints(
+    take: StageTake, recorded: Sequence[RecordedClip], project: Project, names: Iterator[str]
+) -> list[Edit]:
     """Edits of the constraints: those scoped to source clips are copied, those of behaviours added, moved targets
     keyed.
     """
@@ -182,7 +184,7 @@ def _constraints(take: StageTake, recorded: Sequence[Recorded], project: Project
     return edits
 
 
-def _concerns(constraint: Constraint, each: Recorded) -> bool:
+def _concerns(constraint: Constraint, each: RecordedClip) -> bool:
     return constraint.motion_id == each.clip.motion_id and constraint.scope.includes(each.performer_id, each.source.id)
 
 

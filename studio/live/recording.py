@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from studio.core.errors import StudioError
-from studio.io.beside import read_bytes
+from studio.io.referenced_files import read_bytes
 from studio.live.osc import LARGEST_PACKET
 from studio.live.tracker import MOST_A_SLICE, SLICE, Inbox
 

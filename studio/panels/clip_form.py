@@ -12,7 +12,7 @@ from studio.document import colours
 from studio.library.clip_labels import SEGMENTS, ClipLabel, Kind, Limb
 from studio.panels.clip_line import ClipLine, ClipMark, with_mark
 from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, TagField, labelled, press_button
-from studio.panels.stick_figure import Look, paint_sticks
+from studio.panels.stick_figure import FigureView, paint_sticks
 
 if TYPE_CHECKING:
     from studio.library.label_motion import OpenedClip
@@ -229,9 +229,9 @@ class Figures(QWidget):
                 painter.drawText(caption, Qt.AlignmentFlag.AlignCenter, "hit" if mark is ClipMark.HIT else words)
 
     @staticmethod
-    def _look(opened: "OpenedClip", label: ClipLabel) -> Look:
+    def _look(opened: "OpenedClip", label: ClipLabel) -> FigureView:
         layout = opened.clip.actor.body.layout
         root = layout.collar(label.limb.side) + 1 if label.limb.is_arm else layout.hip(label.limb.side)
         x, y = (opened.points[label.hit, root + 2, :2] - opened.points[label.hit, root, :2]).tolist()
         cut = opened.points[label.first : label.last + 1, :, 2]
-        return Look((x, y), max(float(np.max(cut)), 0.5))
+        return FigureView((x, y), max(float(np.max(cut)), 0.5))

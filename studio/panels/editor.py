@@ -23,7 +23,7 @@ EditedT_co = TypeVar("EditedT_co", covariant=True)
 """Shown by a form: an entity, or a part of one."""
 
 
-class Named(Protocol):
+class NamedEntity(Protocol):
     """Entity with a name for the texts of undo steps."""
 
     @property
@@ -146,7 +146,7 @@ class Editor(QWidget, Generic[EditedT_co]):
 class EntityNameField(QLineEdit):
     """Field for the name of an editor's entity."""
 
-    def __init__(self, editor: Editor[Named], kind: str = "") -> None:
+    def __init__(self, editor: Editor[NamedEntity], kind: str = "") -> None:
         super().__init__()
         self._editor, self._kind = editor, kind
         self.editingFinished.connect(self._rename)

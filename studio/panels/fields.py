@@ -32,7 +32,7 @@ PER_CENT = 100.0
 
 def labelled(text: str, role: str) -> QLabel:
     """Label with one of the style sheet's roles: head, title, second, hint, value."""
-    label = Value(text) if role == "value" else QLabel(text.upper() if role == "head" else text)
+    label = ElidedText(text) if role == "value" else QLabel(text.upper() if role == "head" else text)
     label.setProperty("role", role)
     if role == "head":
         font = label.font()
@@ -48,7 +48,7 @@ def short(name: str, among: QWidget) -> str:
     return among.fontMetrics().elidedText(name, Qt.TextElideMode.ElideRight, LONGEST_NAME)
 
 
-class Value(QLabel):
+class ElidedText(QLabel):
     """Text that may be wider than the form: it is elided, and its tooltip shows all of it."""
 
     def minimumSizeHint(self) -> QSize:

@@ -10,7 +10,7 @@ from PySide6.QtGui import QColor, QHideEvent, QMouseEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import QWidget
 
 from studio.document import colours
-from studio.panels.stick_figure import Look, paint_sticks
+from studio.panels.stick_figure import FigureView, paint_sticks
 
 FloatArray = NDArray[np.float64]
 
@@ -182,12 +182,14 @@ class PoseMapView(QWidget):
         turned = (FACING[0] * x - FACING[1] * y, FACING[1] * x + FACING[0] * y)
         figure = cell.adjusted(0.0, 0.0, 0.0, -FIGURE_CAPTION_PX)
         colour = colours.TEXT if looked or near else colours.TEXT_SECOND
-        paint_sticks(painter, group.points, self._sticks, Look(turned, tallest), figure, colours.PANEL, 5.0)
+        paint_sticks(painter, group.points, self._sticks, FigureView(turned, tallest), figure, colours.PANEL, 5.0)
         for side, hue in ((-1, colour), (1, colours.RIGHT), (0, colours.LEFT)):
             sticks = self._sticks[self._sides == side]
-            paint_sticks(painter, group.points, sticks, Look(turned, tallest), figure, hue, 2.0)
+            paint_sticks(painter, group.points, sticks, FigureView(turned, tallest), figure, hue, 2.0)
             if side >= 0:
-                self._paint_letters(painter, Look(turned, tallest).flat(group.points, figure), sticks, "LR"[side], hue)
+                self._paint_letters(
+                    painter, FigureView(turned, tallest).flat(group.points, figure), sticks, "LR"[side], hue
+                )
         painter.setPen(QColor(colours.TEXT if looked else colours.TEXT_THIRD))
         words = QRectF(cell.left(), cell.bottom() - FIGURE_CAPTION_PX, cell.width(), FIGURE_CAPTION_PX)
         painter.drawText(words, Qt.AlignmentFlag.AlignCenter, group.words)

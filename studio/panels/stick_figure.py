@@ -15,7 +15,7 @@ STICK_FIGURE_MARGIN = 4.0
 
 
 @dataclass(frozen=True)
-class Look:
+class FigureView:
     """Oblique side view of figures: ``heading`` (2,) points to the right, ``height`` metres fill the box."""
 
     heading: tuple[float, float]
@@ -34,7 +34,13 @@ class Look:
 
 
 def paint_sticks(
-    painter: QPainter, points: FloatArray, pairs: NDArray[np.intp], look: Look, box: QRectF, colour: str, width: float
+    painter: QPainter,
+    points: FloatArray,
+    pairs: NDArray[np.intp],
+    look: FigureView,
+    box: QRectF,
+    colour: str,
+    width: float,
 ) -> None:
     """Paint ``points`` (P, 3), joined by ``pairs`` (B, 2), into ``box``."""
     places = look.flat(points, box)

@@ -128,8 +128,8 @@ class Strikes(QWidget):
         self.correct.setEnabled(self.place is not None)
         self._look(row)
 
-    def _make_results(self) -> "Results":
-        results = Results()
+    def _make_results(self) -> "ResultList":
+        results = ResultList()
         results.setAccessibleName("Strikes found, the best first")
         results.setItemDelegate(TwoLines(results))
         results.setResizeMode(QListWidget.ResizeMode.Adjust)
@@ -150,7 +150,7 @@ class Strikes(QWidget):
         return row
 
 
-class Results(QListWidget):
+class ResultList(QListWidget):
     """Rows that can be dragged to a body, or to its row of the timeline."""
 
     def __init__(self) -> None:

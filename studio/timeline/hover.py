@@ -6,7 +6,7 @@ from studio.core.stage.clip_row import players_of
 from studio.engine.residuals import unsolved_words
 from studio.timeline.gestures.activation import time_of
 from studio.timeline.gestures.begin import name_of
-from studio.timeline.sheet import Sheet
+from studio.timeline.sheet import TimelineLayout
 from studio.timeline.shown import EDGES, HANDLES, ROW_LABEL_WIDTH, Hit, ItemPart
 from studio.timeline.strip_states import StripState
 from studio.timeline.time_words import moment
@@ -16,7 +16,7 @@ from studio.timeline.tracks.hold import hold_under
 from studio.timeline.tracks.plot import PlotPicture
 
 
-def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
+def hover_text(sheet: TimelineLayout, plot: PlotPicture, position: QPointF) -> str:
     """Tooltip of a position; empty if there is none."""
     hit = sheet.thing_at(position)
     if position.x() < ROW_LABEL_WIDTH:
@@ -62,7 +62,7 @@ def hover_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
     return ""
 
 
-def is_value(sheet: Sheet, position: QPointF) -> bool:
+def is_value(sheet: TimelineLayout, position: QPointF) -> bool:
     """True if the position shows a measured value or a mark, whose tooltip appears at once."""
     hit = sheet.thing_at(position)
     return position.x() >= ROW_LABEL_WIDTH and (
@@ -70,7 +70,7 @@ def is_value(sheet: Sheet, position: QPointF) -> bool:
     )
 
 
-def strip_text(sheet: Sheet, constraint_id: str, performer_id: str, frame: int) -> str:
+def strip_text(sheet: TimelineLayout, constraint_id: str, performer_id: str, frame: int) -> str:
     """``Child: 42 mm at frame 23``; empty if the constraint is inactive."""
     strip = sheet.shown.strip(constraint_id, performer_id)
     name = sheet.shown.project.performers[performer_id].name
@@ -85,7 +85,7 @@ def strip_text(sheet: Sheet, constraint_id: str, performer_id: str, frame: int) 
     return f"{name}: {strip.measure.words(strip.error_at(frame))} at {sheet.shown.frame_words(frame)}"
 
 
-def _label_text(sheet: Sheet, hit: Hit) -> str:
+def _label_text(sheet: TimelineLayout, hit: Hit) -> str:
     if hit.part == ItemPart.FOLD:
         if hit.kind == "clip":
             return "Click to see everybody's clips, or one row for all"
@@ -99,7 +99,7 @@ def _label_text(sheet: Sheet, hit: Hit) -> str:
     return ""
 
 
-def _clip_text(sheet: Sheet, hit: Hit) -> str:
+def _clip_text(sheet: TimelineLayout, hit: Hit) -> str:
     shown, entity = sheet.shown, sheet.shown.project.clips[hit.id]
     failure = shown.live.failure(hit.performer_id)
     if failure:
@@ -114,7 +114,7 @@ def _clip_text(sheet: Sheet, hit: Hit) -> str:
     return f"{text}\n{comes.words(entity)}" if comes else text
 
 
-def _label_words(sheet: Sheet, hit: Hit) -> str:
+def _label_words(sheet: TimelineLayout, hit: Hit) -> str:
     label = sheet.shown.project.labels.get(hit.id)
     if label is None:
         return "Labels of the motion: double-click to add one"
@@ -124,7 +124,7 @@ def _label_words(sheet: Sheet, hit: Hit) -> str:
     return f"{label.name}: frames {label.first} to {label.last}, {(label.last - label.first) / rate:.3f} s"
 
 
-def _correction_text(sheet: Sheet, hit: Hit) -> str:
+def _correction_text(sheet: TimelineLayout, hit: Hit) -> str:
     """``Left elbow: 0.750 s to 1.250 s, below the constraints``."""
     entity = sheet.shown.project.corrections[hit.id]
     where = "above" if entity.above else "below"
@@ -135,7 +135,7 @@ def _correction_text(sheet: Sheet, hit: Hit) -> str:
     return f"{entity.name}: {curve.start:.3f} s to {curve.end:.3f} s, {where} the constraints"
 
 
-def _keys_text(sheet: Sheet, hit: Hit) -> str:
+def _keys_text(sheet: TimelineLayout, hit: Hit) -> str:
     """``Key of Kick target, target: 1.250 s · frame 75``."""
     shown, count = sheet.shown, len(hit.keys)
     key = hit.keys[0]
@@ -145,7 +145,7 @@ def _keys_text(sheet: Sheet, hit: Hit) -> str:
     return f"Key of {name}, {keys.field_words(key.field)}: {place}" if count == 1 else f"{count} keys: {place}"
 
 
-def _hold_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:
+def _hold_text(sheet: TimelineLayout, hit: Hit, position: QPointF) -> str:
     prop = sheet.shown.project.props[hit.id]
     hold, performers = hold_under(sheet.shown, prop, position.x()), sheet.shown.project.performers
     if hold is None:
@@ -155,7 +155,7 @@ def _hold_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:
     return f"{prop.name}: held by {performers[hold.performer_id].name} {begin} {end}"
 
 
-def _constraint_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:
+def _constraint_text(sheet: TimelineLayout, hit: Hit, position: QPointF) -> str:
     entity = sheet.shown.project.constraints[hit.id]
     rate = sheet.shown.subject.frame_rate
     if hit.part in HANDLES:
@@ -170,7 +170,7 @@ def _constraint_text(sheet: Sheet, hit: Hit, position: QPointF) -> str:
     return strip_text(sheet, hit.id, body, frame) if body else ""
 
 
-def _plot_text(sheet: Sheet, plot: PlotPicture, position: QPointF) -> str:
+def _plot_text(sheet: TimelineLayout, plot: PlotPicture, position: QPointF) -> str:
     time = sheet.shown.axis.time_at(position.x())
     near = plot.nearest(sheet.plot, time, position.y())
     if near is None or ("plot", "") in sheet.shown.folded:

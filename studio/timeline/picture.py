@@ -5,7 +5,7 @@ from PySide6.QtGui import QColor, QPainter, QPixmap
 from PySide6.QtWidgets import QWidget
 
 from studio.document import colours
-from studio.timeline.sheet import Sheet
+from studio.timeline.sheet import TimelineLayout
 from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext, TimelineRow, label_area
 from studio.timeline.tracks import (
     clip,
@@ -54,7 +54,7 @@ class Picture:
         """Mark only the content of rows over time; their labels are kept."""
         self._stale_lanes.update(rows)
 
-    def refresh(self, sheet: Sheet, scale: float) -> None:
+    def refresh(self, sheet: TimelineLayout, scale: float) -> None:
         """Draw outdated rows, on a screen of ``scale`` pixels a unit."""
         size = QSize(round(sheet.size.width() * scale), round(sheet.size.height() * scale))
         if self.pixmap.size() != size:
@@ -69,7 +69,7 @@ class Picture:
         self._stale_lanes.clear()
         self._all_stale = False
 
-    def _paint_stale(self, painter: QPainter, sheet: Sheet) -> None:
+    def _paint_stale(self, painter: QPainter, sheet: TimelineLayout) -> None:
         if self._all_stale:
             painter.fillRect(QRect(QPoint(), sheet.size), QColor(colours.PANEL))
             _paint_ground(painter, sheet.viewport, sheet.shown)
@@ -87,7 +87,7 @@ class Picture:
     def _is_stale(self, row: tuple[str, str]) -> bool:
         return self._all_stale or row in self._stale
 
-    def _paint_plot(self, painter: QPainter, sheet: Sheet) -> None:
+    def _paint_plot(self, painter: QPainter, sheet: TimelineLayout) -> None:
         painter.save()
         painter.setClipRect(sheet.plot)
         _paint_ground(painter, sheet.plot, sheet.shown)
@@ -103,7 +103,7 @@ class Picture:
         painter.restore()
 
 
-def _paint_row(painter: QPainter, sheet: Sheet, row: TimelineRow, labelled: bool) -> None:
+def _paint_row(painter: QPainter, sheet: TimelineLayout, row: TimelineRow, labelled: bool) -> None:
     """Draw all of a row, or all but its label."""
     area = sheet.rect(row)
     lane = time_area(area)

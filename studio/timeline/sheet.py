@@ -81,7 +81,7 @@ def _heights(shown: RowContext) -> list[tuple[str, str, int]]:
 
 
 @dataclass(frozen=True, eq=False)
-class Sheet:
+class TimelineLayout:
     """Rows in a widget of ``size``, scrolled down by ``scroll`` pixels."""
 
     shown: RowContext

@@ -8,7 +8,7 @@ from studio.core.captures.contacts import ContactPoint
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.timeline import edits
-from studio.timeline.sheet import Sheet
+from studio.timeline.sheet import TimelineLayout
 from studio.timeline.shown import ItemPart
 from studio.timeline.strip_states import StripState
 from studio.timeline.track_canvas import TrackCanvas
@@ -162,7 +162,7 @@ class Timeline(QWidget):
             self.transport.leave()
         super().closeEvent(event)
 
-    def _sheet(self) -> Sheet:
+    def _sheet(self) -> TimelineLayout:
         if self.tracks.sheet is None:
             raise LookupError("The timeline shows no motion.")
         return self.tracks.sheet

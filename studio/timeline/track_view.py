@@ -21,7 +21,7 @@ from studio.timeline.gestures.gesture import TimelineGesture
 from studio.timeline.gestures.keys import BoxSelect
 from studio.timeline.gestures.value_curves import BoxSelectCurves
 from studio.timeline.picture import PLOT, Picture
-from studio.timeline.sheet import FOLDING, RIGHT_MARGIN, Sheet, rows_of
+from studio.timeline.sheet import FOLDING, RIGHT_MARGIN, TimelineLayout, rows_of
 from studio.timeline.shown import ROW_LABEL_WIDTH, ItemPart, RowContext
 from studio.timeline.subject import play_apart, stage_extent, subject_of
 from studio.timeline.tracks.constraint import looks_of
@@ -40,7 +40,7 @@ class TrackView(QWidget):
         self.document, self.live = document, live
         self.axis = TimeAxis(self)
         self.picture = Picture(self)
-        self.sheet: Sheet | None = None
+        self.sheet: TimelineLayout | None = None
         self.gesture: TimelineGesture | None = None
         self.handle: ItemPart | None = None
         self.mouse = QPointF()
@@ -130,14 +130,14 @@ class TrackView(QWidget):
             self.dope,
             self.editing,
         )
-        sheet = Sheet(shown, rows_of(shown), self.size())
+        sheet = TimelineLayout(shown, rows_of(shown), self.size())
         hidden = max(sheet.content_height - sheet.viewport.height(), 0)
         with QSignalBlocker(self.scroll_bar):
             self.scroll_bar.setRange(0, hidden)
             self.scroll_bar.setPageStep(sheet.viewport.height())
         self.scroll_bar.setVisible(hidden > 0)
         self.scroll_bar.setGeometry(self.width() - 9, sheet.viewport.top(), 9, sheet.viewport.height())
-        self.sheet = Sheet(shown, sheet.rows, self.size(), self.scroll_bar.value())
+        self.sheet = TimelineLayout(shown, sheet.rows, self.size(), self.scroll_bar.value())
         with QSignalBlocker(self.axis):
             self.axis.place(ROW_LABEL_WIDTH, self.width() - ROW_LABEL_WIDTH - RIGHT_MARGIN)
             if self.gesture is None:  # time does not move under a hand that drags in it
@@ -300,7 +300,7 @@ class TrackView(QWidget):
             else:
                 self._paint(painter, self.sheet)
 
-    def _paint(self, painter: QPainter, sheet: Sheet) -> None:
+    def _paint(self, painter: QPainter, sheet: TimelineLayout) -> None:
         self.picture.refresh(sheet, self.devicePixelRatioF())
         # At a scale of 1.5 a part of the picture would not begin on whole pixels; Qt clips the whole to the area.
         painter.drawPixmap(QPointF(), self.picture.pixmap)

@@ -22,11 +22,11 @@ from PySide6.QtWidgets import QWidget
 from studio.document import colours
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.eyes import ONE_EYE, StereoScene, StereoView
-from studio.viewport.sharpness import SLOW_DRAG_SECONDS, SLOW_PLAY_SECONDS, Sharpness
+from studio.viewport.resolution_scaling import SLOW_DRAG_SECONDS, SLOW_PLAY_SECONDS, ResolutionScaling
 
 if TYPE_CHECKING:
     from studio.viewport.stage_picture import Pixels, StageScene
-    from studio.viewport.stills import Still
+    from studio.viewport.stills import AveragedPicture
 
 SMOOTHING_MILLISECONDS = 160
 """Seconds without a move after which the picture is made smooth."""
@@ -44,9 +44,12 @@ class Canvas(QWidget):
         self.camera = OrbitCamera()
         self.sight = ONE_EYE
         self._scene: StageScene | None = None
-        self._still: Still | None = None
+        self._still: AveragedPicture | None = None
         self._image = QImage()
-        self._sharp_in_hand, self._sharp_at_play = Sharpness(SLOW_DRAG_SECONDS), Sharpness(SLOW_PLAY_SECONDS)
+        self._sharp_in_hand, self._sharp_at_play = (
+            ResolutionScaling(SLOW_DRAG_SECONDS),
+            ResolutionScaling(SLOW_PLAY_SECONDS),
+        )
         self._stale = True
         self._has_started, self._stopped = False, False
         self._frame_timer = self._single_shot(0, self._draw)
@@ -233,10 +236,10 @@ class Canvas(QWidget):
         self._rest_timer.start(0)
 
     def _smooth(self) -> None:
-        from studio.viewport.stills import Still
+        from studio.viewport.stills import AveragedPicture
 
         assert self._scene is not None
         if self._still is None:
-            self._still = Still(StereoScene(self._scene, self.sight), self.camera, self._device_size())
+            self._still = AveragedPicture(StereoScene(self._scene, self.sight), self.camera, self._device_size())
         else:
             self._still.refine()

@@ -43,7 +43,7 @@ class Eye:
 CENTRE_EYE = Eye()
 
 
-class Renders(Protocol):
+class RenderableScene(Protocol):
     """Scene that can be rendered for an eye."""
 
     def render(
@@ -75,7 +75,11 @@ class StereoView:
         return Eye(scale * self.head.right, scale * self.head.up, back)
 
     def render(
-        self, scene: Renders, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0)
+        self,
+        scene: RenderableScene,
+        camera: OrbitCamera,
+        size: tuple[int, int],
+        offset: tuple[float, float] = (0.0, 0.0),
     ) -> Pixels:
         """Picture of a scene."""
         middle = self.looked(camera, camera.metres_per_pixel(1.0))
@@ -97,13 +101,13 @@ ONE_EYE = StereoView()
 class StereoScene:
     """Scene for a stereo view; it renders like the scene itself."""
 
-    scene: Renders
+    scene: RenderableScene
     sight: StereoView
 
     def render(
         self, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0), _: Eye = CENTRE_EYE
     ) -> Pixels:
-        """As ``Renders.render``."""
+        """As ``RenderableScene.render``."""
         return self.sight.render(self.scene, camera, size, offset)
 
 

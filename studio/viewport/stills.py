@@ -3,7 +3,7 @@
 import numpy as np
 
 from studio.viewport.camera import OrbitCamera
-from studio.viewport.eyes import Pixels, Renders
+from studio.viewport.eyes import Pixels, RenderableScene
 
 STILL_SAMPLES, FILM_PICTURE_SAMPLES = 12, 4
 _GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])
@@ -16,10 +16,10 @@ def shift(sample: int) -> tuple[float, float]:
     return float(x), float(y)
 
 
-class Still:
+class AveragedPicture:
     """Picture that improves with each ``refine``."""
 
-    def __init__(self, scene: Renders, camera: OrbitCamera, size: tuple[int, int]) -> None:
+    def __init__(self, scene: RenderableScene, camera: OrbitCamera, size: tuple[int, int]) -> None:
         self._scene, self._camera, self._size = scene, camera, size
         self._sum = scene.render(camera, size).astype(np.uint16)
         self.count = 1
@@ -40,9 +40,9 @@ class Still:
         return ((self._sum + self.count // 2) // self.count).astype(np.uint8)
 
 
-def smooth_picture(scene: Renders, camera: OrbitCamera, size: tuple[int, int], samples: int) -> Pixels:
+def smooth_picture(scene: RenderableScene, camera: OrbitCamera, size: tuple[int, int], samples: int) -> Pixels:
     """Picture of the scene with a number of samples for each pixel."""
-    still = Still(scene, camera, size)
+    still = AveragedPicture(scene, camera, size)
     while still.count < samples:
         still.refine()
     return still.pixels

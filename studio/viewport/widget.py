@@ -25,27 +25,27 @@ from studio.engine.moments import TargetContext
 from studio.engine.performance import Posed, has_moved_on, pose_of, resting_performers, seen_now
 from studio.engine.prop_places import PropPose, props_at
 from studio.viewport import mouse
+from studio.viewport.auto_framing import AutoFraming
 from studio.viewport.body_points import body_joints
 from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
+from studio.viewport.camera_animation import CameraAnimation
 from studio.viewport.canvas import Canvas
 from studio.viewport.chips import Chips
 from studio.viewport.corrected_joint import CorrectedJoint
 from studio.viewport.dropping import BodyDrops
 from studio.viewport.follow_camera import FollowCamera
+from studio.viewport.frame_stats import FrameStats
 from studio.viewport.framing import selected_points
 from studio.viewport.gizmo import ARROW_PIXELS, GIZMO_AXES, Space, arrow_pixels
 from studio.viewport.gizmo_painting import GizmoPainter
-from studio.viewport.glide import Glide
 from studio.viewport.handles import Handle, constraint_handles
 from studio.viewport.mouse_gestures import ViewportGesture, nudge
 from studio.viewport.movables import Movable
 from studio.viewport.new_constraints import NewConstraintContext, constraint_here
-from studio.viewport.newcomers import Newcomers
 from studio.viewport.onion_skins import Ghost, OnionSkins, kept_ghosts, onion_ghosts
 from studio.viewport.opening import clear_of_words, is_another_size, opening_camera
 from studio.viewport.optical_recording import MarkerFrame, RecordingView, recorded_of
 from studio.viewport.overlay import Overlay
-from studio.viewport.pace import Pace
 from studio.viewport.paths import StagePath, prop_paths, selection_rings, stage_paths, trail_keys
 from studio.viewport.picking import PickedJoint
 from studio.viewport.preview import Preview
@@ -97,12 +97,12 @@ class Viewport(Canvas):
         """Pixels along the lower edge that a sentence covers; the camera frames bodies above it."""
         self._played = document.project.motions_played
         self._posed_in = document.project
-        self._follower, self._newcomers = FollowCamera(), Newcomers()
-        self._pace = Pace()
+        self._follower, self._newcomers = FollowCamera(), AutoFraming()
+        self._pace = FrameStats()
         self.preview = Preview(self)
         self.strike_drops, self.pose_drops = (BodyDrops(self, document, kind) for kind in (STRIKE, POSE))
         self._problem: Problem | None = None
-        self._glide = Glide(self.set_camera, self)
+        self._glide = CameraAnimation(self.set_camera, self)
         self._turntable = Turntable(self._turn, self)
         self._chips = Chips(
             self,

@@ -1,6 +1,6 @@
 """Characters that come in are told apart."""
 
-from studio.app.casting import put_character
+from studio.app.character_import import put_character
 from studio.app.sample import empty_project
 from studio.document.document import Document
 from studio.io.project.character_file import bundled_characters

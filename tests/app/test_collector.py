@@ -6,9 +6,9 @@ import threading
 import pytest
 from PySide6.QtCore import QObject
 
-from studio.app import collector
+from studio.app import main_thread_gc
 from studio.app.application import make_application, make_window, settle
-from studio.app.collector import Collector
+from studio.app.main_thread_gc import Collector
 from studio.app.settings import Settings
 from studio.core.stage.project import Project
 from studio.document.document import Document
@@ -67,8 +67,8 @@ def test_what_the_start_has_loaded_is_never_looked_through(qtbot, tmp_path):
 
 def test_what_a_project_took_goes_back_to_the_system_when_another_is_opened(qtbot, tmp_path, monkeypatch):
     given: list[bool] = []
-    monkeypatch.setattr(collector, "SETTLES", 50)
-    monkeypatch.setattr(collector, "give_back_freed_memory", lambda: given.append(True))
+    monkeypatch.setattr(main_thread_gc, "SETTLES", 50)
+    monkeypatch.setattr(main_thread_gc, "give_back_freed_memory", lambda: given.append(True))
     make_application()
     window = make_window(Settings(tmp_path / "studio.ini"), Document())
     Collector(window)

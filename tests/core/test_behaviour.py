@@ -13,7 +13,7 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowPerformer, FollowProp
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
-from studio.core.stage.behaviour import Behaviour, Role, Running, State, Transition, advance, begun, without
+from studio.core.stage.behaviour import Behaviour, BehaviourProgress, Role, State, Transition, advance, begun, without
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import (
     ClipEndCondition,
@@ -122,7 +122,7 @@ def test_what_is_sensed_decides_alone_where_it_goes(behaviour: Behaviour, frames
 @given(behaviours(), sensed())
 def test_the_first_transition_of_which_all_conditions_hold_is_taken(behaviour: Behaviour, frames: list[Senses]) -> None:
     for senses in frames:
-        running = Running(behaviour.start, 0.3)
+        running = BehaviourProgress(behaviour.start, 0.3)
         after = advance(behaviour, running, senses)
         seconds = running.seconds + senses.step
         ready = [
@@ -130,7 +130,9 @@ def test_the_first_transition_of_which_all_conditions_hold_is_taken(behaviour: B
             for each in behaviour.transitions_from(running.state)
             if all(one.holds(senses, seconds) for one in each.conditions)
         ]
-        assert after == (Running(ready[0].target, through=ready[0]) if ready else Running(running.state, seconds))
+        assert after == (
+            BehaviourProgress(ready[0].target, through=ready[0]) if ready else BehaviourProgress(running.state, seconds)
+        )
 
 
 @pytest.mark.parametrize("targets", [("Strike", "Ward off"), ("Ward off", "Strike")])
@@ -172,7 +174,7 @@ def test_a_key_alone_does_not_strike_at_who_is_far_or_not_there() -> None:
 
 
 def test_what_plays_a_state_that_is_removed_begins_again() -> None:
-    assert advance(FIGHTER, Running("Nap", 3.0), Senses(0.1, clip_ended=True)) == Running("Guard")
+    assert advance(FIGHTER, BehaviourProgress("Nap", 3.0), Senses(0.1, clip_ended=True)) == BehaviourProgress("Guard")
 
 
 def test_what_has_to_be_measured_is_what_leads_away() -> None:

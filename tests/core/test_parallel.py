@@ -8,7 +8,7 @@ import pytest
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import BodyPoint, Chain
-from studio.core.constraints.carried_over import Carry, carried_over
+from studio.core.constraints.carried_over import ClipTransform, carried_over
 from studio.core.constraints.kinds import CONSTRAINT_KINDS, ConstraintKind
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.parallel import ParallelConstraint
@@ -117,7 +117,7 @@ def test_in_a_mirror_the_other_segments_are_parallel() -> None:
         ParallelConstraint, BodyPoint(BodyPart.RIGHT_HAND), WRIST, axis=(0.6, 0.0, 0.8),
         other=BodyPoint(BodyPart.LEFT_FOOT), other_axis=(0.0, 0.6, 0.8),
     )  # fmt: skip
-    mirrored = carried_over(asked, Carry(0.0, 1.0, 0.0, (0.0, 0.0), True, -10.0, 200.0))
+    mirrored = carried_over(asked, ClipTransform(0.0, 1.0, 0.0, (0.0, 0.0), True, -10.0, 200.0))
     assert (mirrored.point.part, mirrored.other.part) == (BodyPart.LEFT_HAND, BodyPart.RIGHT_FOOT)
     assert mirrored.axis == pytest.approx((-0.6, 0.0, 0.8))
     assert mirrored.other_axis == pytest.approx((0.0, -0.6, 0.8))

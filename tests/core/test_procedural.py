@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Chain
-from studio.core.constraints.carried_over import Carry, carried_over
+from studio.core.constraints.carried_over import ClipTransform, carried_over
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.procedural import CirclePlace, NoisePlace, PendulumPlace, ProceduralPlace
 from studio.core.curves.activation import ActivationCurve
@@ -53,7 +53,7 @@ def test_a_seed_says_how_noise_wanders(first: int, second: int) -> None:
 
 @every_rule
 def test_a_clip_that_is_mirrored_turned_moved_and_faster_has_the_same_way(rule: ProceduralPlace) -> None:
-    carry = Carry(1.5, 1.25, 0.8, (0.4, -1.0), True, 0.0, 10.0)
+    carry = ClipTransform(1.5, 1.25, 0.8, (0.4, -1.0), True, 0.0, 10.0)
     asked = PositionConstraint(
         "motion", "Reach", BodyPoint(BodyPart.LEFT_HAND), Chain(), 0, ActivationCurve(0.0, 0.1, 2.0, 2.1), target=rule
     )

@@ -12,7 +12,7 @@ from studio.core.constraints.follow import FollowBody, FollowProp
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.rotations import to_matrix
 from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.performers.performing import Staged, perform
+from studio.core.solver.performers.performing import StagedPerformances, perform
 from studio.core.solver.performers.prop_tracks import Holder, handing_time, stage_track
 from studio.core.solver.performers.stage import asked_of
 from studio.core.stage.holding import grips
@@ -37,7 +37,7 @@ def _players(project: Project) -> list:
     return list(project.performers.items())
 
 
-def performed(project: Project) -> Staged:
+def performed(project: Project) -> StagedPerformances:
     made = perform(project, project.performers, prepared, adapt)
     assert not made.failures
     return made
@@ -48,7 +48,7 @@ def on_side(prop: Prop, side: float, *, turned: float = 1.0, lower: float = 0.0)
     return np.array([-0.08 * turned, side * prop.size[1] / 2, -lower])
 
 
-def sides_missed(project: Project, made: Staged) -> float:
+def sides_missed(project: Project, made: StagedPerformances) -> float:
     """Metres by which a wrist is beside its side of the box, at most."""
     worst = 0.0
     for key, each in made.performances.items():

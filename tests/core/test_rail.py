@@ -6,7 +6,7 @@ import pytest
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import BodyPoint
-from studio.core.constraints.carried_over import Carry, carried_over
+from studio.core.constraints.carried_over import ClipTransform, carried_over
 from studio.core.constraints.follow import FollowBody, FollowProp
 from studio.core.constraints.kinds import CONSTRAINT_KINDS, ConstraintKind
 from studio.core.constraints.position import PositionConstraint
@@ -143,7 +143,7 @@ def test_a_report_names_nobody_where_a_rail_is_met() -> None:
 
 def test_in_a_mirror_the_other_hand_slides_on_the_mirrored_rail() -> None:
     rail = ask(RailConstraint, RIGHT, ALL, centre=(0.5, -0.2, 1.0), direction=(0.6, 0.8, 0.0))
-    carry = Carry(0.0, 1.0, 0.0, (0.0, 0.0), True, -10.0, 200.0)
+    carry = ClipTransform(0.0, 1.0, 0.0, (0.0, 0.0), True, -10.0, 200.0)
     mirrored = carried_over(rail, carry)
     assert mirrored.point.part is BodyPart.LEFT_FOREARM
     assert mirrored.centre == pytest.approx((0.5, 0.2, 1.0))

@@ -41,7 +41,7 @@ from studio.core.solver.adapt import hold
 from studio.core.solver.asking.chains import joints_of_chains, point_masses, segment_masses
 from studio.core.solver.asking.limb_availability import arm_availability, leg_availability, limb_availability
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.solved_window import Bound
+from studio.core.solver.solved_window import SolverLimits
 from studio.core.solver.standing.stand import Standing, stand
 from studio.core.solver.standing.support import mass_path
 from studio.io.project.character_file import bundled_characters
@@ -294,7 +294,7 @@ def test_any_window_of_frames_gives_the_poses_of_the_whole_clip_and_no_limits_gi
     whole, part = hold(standing, (_support(WHOLE),)), hold(standing, (_support(WHOLE),), 25, 50)
     assert part.positions == pytest.approx(whole.positions[25:51], abs=1e-12)
     for chain in (WHOLE, ARMS):
-        assert np.isfinite(hold(standing, (_support(chain),), bound=Bound(by_limits=False)).positions).all()
+        assert np.isfinite(hold(standing, (_support(chain),), bound=SolverLimits(by_limits=False)).positions).all()
 
 
 @pytest.mark.parametrize("link", ["free_arms", "free_legs"])
@@ -304,7 +304,7 @@ def test_free_limbs_are_for_a_balance_alone(link: str) -> None:
         target("left_forearm", (0.4, 0.2, 1.0), Chain(**{link: 0.5}))
 
 
-class _Posed:
+class _PosedBody:
     """One standing frame with every joint free, as the kernels have it."""
 
     def __init__(self, standing: Standing, frame: int) -> None:
@@ -346,7 +346,7 @@ class _Posed:
 @pytest.mark.parametrize("frame", [5, 30, MIDDLE], ids="frame {}".format)
 @pytest.mark.parametrize("name", BODIES)
 def test_balance_rows_are_the_derivatives_of_the_posed_body_with_legs_free_and_planted(name: str, frame: int) -> None:
-    posed, step = _Posed(STANDING[name], frame), 1e-5
+    posed, step = _PosedBody(STANDING[name], frame), 1e-5
     rows = posed.rows()
     for joint, segment in enumerate(posed.chain.joints["segment"]):
         for axis in range(3):
@@ -363,7 +363,7 @@ def test_balance_rows_are_the_derivatives_of_the_posed_body_with_legs_free_and_p
 
 @pytest.mark.parametrize("name", BODIES)
 def test_a_leg_answers_the_root_as_its_knee_does_while_its_ankle_stays(name: str) -> None:
-    posed, step = _Posed(STANDING[name], 30), 1e-6
+    posed, step = _PosedBody(STANDING[name], 30), 1e-6
     root = int(np.flatnonzero(posed.chain.joints["segment"] == ROOT_TRANSLATION)[0])
     posed.masses = posed.masses.copy()
     posed.masses[: STANDING[name].morphology.layout.segment(BodyPart.RIGHT_THIGH), 0] = 0.0
@@ -376,7 +376,7 @@ def test_a_leg_answers_the_root_as_its_knee_does_while_its_ankle_stays(name: str
 
 @pytest.mark.parametrize("name", BODIES)
 def test_the_centre_of_mass_is_the_same_by_segments_and_by_points(name: str) -> None:
-    posed = _Posed(STANDING[name], MIDDLE)
+    posed = _PosedBody(STANDING[name], MIDDLE)
     sums = np.empty((len(posed.masses) + 1, 4))
     point = centre_of_mass(posed.shares, posed.start.positions)
     accumulate_masses(posed.masses, posed.start.positions, sums)
@@ -386,7 +386,7 @@ def test_the_centre_of_mass_is_the_same_by_segments_and_by_points(name: str) -> 
 
 @pytest.mark.parametrize("side", [0, 1])
 def test_an_arm_that_points_at_a_far_place_answers_the_trunk_as_it_does(side: int) -> None:
-    posed, step, goal = _Posed(STANDING["adult_woman"], 30), 1e-6, np.array([2.0, 0.6 - 1.2 * side, 1.5])
+    posed, step, goal = _PosedBody(STANDING["adult_woman"], 30), 1e-6, np.array([2.0, 0.6 - 1.2 * side, 1.5])
     layout, (joints, masses) = STANDING["adult_woman"].morphology.layout, (posed.chain.joints, posed.masses)
     upper, root = (
         layout.segment(BodyPart.LEFT_UPPER_ARM if side == 0 else BodyPart.RIGHT_UPPER_ARM),

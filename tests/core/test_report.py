@@ -32,7 +32,7 @@ from studio.core.quality.report import (
 )
 from studio.core.solver.adapt import adapt, hold, place_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.solved_window import Bound
+from studio.core.solver.solved_window import SolverLimits
 from studio.core.solver.standing.stand import standing_of
 from studio.io.project.character_file import bundled_characters
 from tests.core.test_constraint_kinds import ALL, BODIES, LEFT, RIGHT, ask
@@ -179,7 +179,7 @@ def test_smoothing_is_named_only_where_the_frame_solved_by_itself_misses_less() 
 def test_reach_is_named_only_where_a_body_that_is_free_of_all_else_misses_as_well() -> None:
     """Feet that stand and limits of the spine may each suffice to keep a body off: neither is its reach."""
     standing = standing_of(AdaptRequest(WALK, BODIES["tall_man"], STANDS))
-    free = Bound(by_contacts=False, by_limits=False)
+    free = SolverLimits(by_contacts=False, by_limits=False)
     for seed in range(4):
         asked = scene(standing, hold(standing, ()), seed)
         found = winners(standing, asked, {}, hold(standing, asked)) == BLOCKED_BY_REACH

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as some
 
-from studio.core.constraints.carried_over import Carry, carried_over
+from studio.core.constraints.carried_over import ClipTransform, carried_over
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.curves.retiming import (
@@ -133,7 +133,7 @@ def test_constraints_keys_and_their_slopes_come_along():
 
 
 def test_a_clip_that_goes_on_in_another_one_is_known_by_its_times():
-    first = Carry(0.5, SLOW_MIDDLE, 0.0, (0.0, 0.0), False, 0.5, 2.0)
+    first = ClipTransform(0.5, SLOW_MIDDLE, 0.0, (0.0, 0.0), False, 0.5, 2.0)
     after = replace(first, first=2.0, last=4.0)
     assert first.goes_on_in(after, 0.01)
     assert not first.goes_on_in(replace(after, speed=1.0), 0.01)

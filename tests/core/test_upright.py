@@ -8,7 +8,7 @@ import pytest
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import BodyPoint, Chain
-from studio.core.constraints.carried_over import Carry, carried_over
+from studio.core.constraints.carried_over import ClipTransform, carried_over
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.upright import UprightConstraint
@@ -95,7 +95,7 @@ def test_a_report_tells_the_lean_and_names_nobody_where_it_is_met() -> None:
 
 def test_in_a_mirror_the_other_hand_holds_the_same_axis() -> None:
     tray = ask(UprightConstraint, TRAY, WRIST, axis=(0.6, 0.0, 0.8), direction=(0.0, 0.6, 0.8))
-    mirrored = carried_over(tray, Carry(0.0, 1.0, 0.0, (0.0, 0.0), True, -10.0, 200.0))
+    mirrored = carried_over(tray, ClipTransform(0.0, 1.0, 0.0, (0.0, 0.0), True, -10.0, 200.0))
     assert mirrored.point.part is BodyPart.LEFT_HAND
     assert mirrored.axis == pytest.approx((-0.6, 0.0, 0.8))
     assert mirrored.direction == pytest.approx((0.0, -0.6, 0.8))

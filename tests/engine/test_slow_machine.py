@@ -13,8 +13,8 @@ from PySide6.QtWidgets import QApplication
 
 from studio.document.document import Document
 from studio.engine.frames import BUDGET, LONG_SECONDS
-from studio.engine.hand import BUSY, Rest
 from studio.engine.live_adaptation import LiveAdaptation
+from studio.engine.mouse_timestamps import BUSY, RestTimer
 from studio.engine.standing_solver import StandingSolver
 from tests.builders import make_project
 from tests.patience import SECONDS
@@ -68,7 +68,7 @@ class Drag:
 def test_a_hand_does_not_rest_while_the_window_is_too_busy_to_hear_of_it(qapp: Any) -> None:
     """One picture that takes long does not let whole clips be solved in the middle of a drag."""
     told: list[float] = []
-    rest = Rest(50)
+    rest = RestTimer(50)
     rest.rested.connect(lambda: told.append(time.monotonic()))
     rest.begin()
     time.sleep(0.05 + 3.0 * BUSY)

@@ -9,7 +9,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-from studio.app import casting
+from studio.app import character_import
 from studio.core.body.canonical import BodyPart
 from studio.core.mesh.rig import rig_body_map
 from studio.io.figure.body import remapped
@@ -143,7 +143,7 @@ def test_the_window_goes_on_meanwhile_and_a_cancelled_one_changes_nothing(sectio
         may_go_on.wait(SECONDS)
         return remapped(character, names)
 
-    monkeypatch.setattr(casting, "remapped", slow)
+    monkeypatch.setattr(character_import, "remapped", slow)
     runner, before = found.window().bench.runner, document.project.characters[key]
     QTest.mouseClick(found._parts, LEFT, pos=(SEGMENT_SHAPES[BodyPart.LEFT_HAND].center() * SCALE).toPoint())
     QTest.mouseClick(found._joints, LEFT, pos=found._joints.place_of("leftHand").toPoint())

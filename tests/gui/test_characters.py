@@ -9,7 +9,7 @@ from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QPushButton
 from scipy.spatial.transform import Rotation
 
-from studio.app.casting import put_character
+from studio.app.character_import import put_character
 from studio.core.body.canonical import BodyPart
 from studio.core.mesh.appearance import Material
 from studio.core.mesh.skin import Blending, bound_pose

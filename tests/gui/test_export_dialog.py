@@ -24,7 +24,7 @@ def test_fingers_and_props_go_out_with_a_character_unless_they_are_left_out(
     path = tmp_path / "out.bvh"
     monkeypatch.setattr(export_dialog, "ask_new_file", lambda bench, title, kind, name, then, suffix: then(path))
     dialog = export_dialog.open_export_dialog(window.bench)
-    dialog.choose(export_dialog.What.ADAPTED, ".bvh")
+    dialog.choose(export_dialog.ExportContent.ADAPTED, ".bvh")
     assert dialog.others.isVisible()
     assert dialog.others.currentText() == "Keep: Eye and 4 more"
     dialog.others.show_value(others)
@@ -34,6 +34,6 @@ def test_fingers_and_props_go_out_with_a_character_unless_they_are_left_out(
     assert there == (set(EXTRAS) if others == "carry" else set())
     again = export_dialog.open_export_dialog(window.bench)
     assert again.others.value == others
-    again.choose(export_dialog.What.ADAPTED, ".csv")
+    again.choose(export_dialog.ExportContent.ADAPTED, ".csv")
     assert not again.others.isVisible()
     again.reject()

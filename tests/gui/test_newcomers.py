@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from studio.viewport.newcomers import is_seen
+from studio.viewport.auto_framing import is_seen
 from tests.gui.viewport_use import settle
 
 SIZE = (900, 600)

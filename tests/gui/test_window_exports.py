@@ -31,7 +31,7 @@ def test_every_kind_of_file_goes_out_by_the_one_dialog(qtbot, window, tmp_path, 
     monkeypatch.setattr(export_dialog, "ask_folder", lambda bench, title, then: asked.append(title) or then(tmp_path))
     window.actions_by_id.by_id["export"].trigger()
     dialog = window.findChild(export_dialog.ExportDialog)
-    dialog.choose(export_dialog.What.ADAPTED, suffix)
+    dialog.choose(export_dialog.ExportContent.ADAPTED, suffix)
     dialog.names.show_value("unreal")
     dialog.go.click()
     wait_until_idle(qtbot, window)
@@ -53,7 +53,7 @@ def test_the_whole_stage_goes_out_in_one_file_with_what_is_chosen(qtbot, window,
     monkeypatch.setattr(export_dialog, "ask_new_file", lambda bench, title, kind, name, then, suffix: then(path))
     window.actions_by_id.by_id["export"].trigger()
     dialog = window.findChild(export_dialog.ExportDialog)
-    dialog.choose(export_dialog.What.STAGE, suffix)
+    dialog.choose(export_dialog.ExportContent.STAGE, suffix)
     for choice, value in ((dialog.root, "floor"), (dialog.range, "timeline"), (dialog.frame_rate, 30.0)):
         assert choice.isVisible()
         choice.show_value(value)
@@ -65,7 +65,11 @@ def test_the_whole_stage_goes_out_in_one_file_with_what_is_chosen(qtbot, window,
     assert (capture.frame_count, capture.frame_rate) == (7, 30.0)
     assert any("root" in name for name in capture.skeleton.names)
     again = export_dialog.open_export_dialog(window.bench)
-    assert (again.what.value, again.root.value, again.frame_rate.value) == (export_dialog.What.STAGE, "floor", 30.0)
+    assert (again.what.value, again.root.value, again.frame_rate.value) == (
+        export_dialog.ExportContent.STAGE,
+        "floor",
+        30.0,
+    )
     again.reject()
 
 
@@ -78,7 +82,7 @@ def test_the_motion_itself_goes_out_with_its_contacts_and_constraints(qtbot, win
     monkeypatch.setattr(export_dialog, "ask_new_file", lambda bench, title, kind, name, then, suffix: then(path))
     window.actions_by_id.by_id["export"].trigger()
     dialog = window.findChild(export_dialog.ExportDialog)
-    dialog.choose(export_dialog.What.MOTION, ".s4d")
+    dialog.choose(export_dialog.ExportContent.MOTION, ".s4d")
     assert not dialog.names.isVisible()
     dialog.go.click()
     wait_until_idle(qtbot, window)

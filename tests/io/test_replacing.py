@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 
 from studio.core.errors import StudioError
-from studio.io import replacing as module
+from studio.io import atomic_write as module
+from studio.io.atomic_write import FolderNotWritable, replacing_all, write_whole
 from studio.io.bvh.reader import read_bvh, write_bvh
 from studio.io.json_text import write_json
 from studio.io.media.film import write_film
 from studio.io.png import write_png
 from studio.io.project.archive import write_archive
 from studio.io.project.character_file import bundled_characters, read_character, write_character
-from studio.io.replacing import FolderNotWritable, replacing_all, write_whole
 from tests.builders import make_poses, make_skeleton
 
 PIXELS = np.full((16, 16, 4), 200, dtype=np.uint8)

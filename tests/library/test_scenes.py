@@ -14,7 +14,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.mesh.skin import skin_vertices
 from studio.core.quality.metrics import acceleration_ratio, contact_quality
 from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.performers.performing import Performance, Prepare, Staged, perform
+from studio.core.solver.performers.performing import Performance, Prepare, StagedPerformances, perform
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project
 from studio.io.project.character_file import bundled_characters
@@ -38,7 +38,7 @@ def scene() -> Project:
 
 
 @pytest.fixture(scope="module")
-def staged(scene: Project) -> Staged:
+def staged(scene: Project) -> StagedPerformances:
     return perform(scene, scene.performers, prepared, adapt)
 
 
@@ -48,7 +48,7 @@ def prepared_already(scene: Project) -> Prepare:
     return lambda capture: known[id(capture)]
 
 
-def on_stage(scene: Project, staged: Staged, key: str, point: BodyPoint, seconds: float) -> np.ndarray:
+def on_stage(scene: Project, staged: StagedPerformances, key: str, point: BodyPoint, seconds: float) -> np.ndarray:
     performance: Performance = staged.performances[key]
     frame = round(performance.composite.timing.frame_at(seconds))
     return Placement.of(scene.performers[key]).to_stage(place_of(point, performance.adapted)[frame])
@@ -66,7 +66,7 @@ def test_eight_fighters_of_different_bodies_share_three_motions(scene: Project) 
     assert len(scene.captures) == 2
 
 
-def test_forearms_meet_ankles_and_fists_meet_heads(scene: Project, staged: Staged) -> None:
+def test_forearms_meet_ankles_and_fists_meet_heads(scene: Project, staged: StagedPerformances) -> None:
     assert not staged.failures
     for white, red in pairs(scene):
         forearm = on_stage(scene, staged, red, fight.WARDING_FOREARM, 2.033)
@@ -76,7 +76,7 @@ def test_forearms_meet_ankles_and_fists_meet_heads(scene: Project, staged: Stage
         assert staged.performances[white].sweeps <= FEW
 
 
-def test_heads_lean_back_from_the_fist(scene: Project, staged: Staged) -> None:
+def test_heads_lean_back_from_the_fist(scene: Project, staged: StagedPerformances) -> None:
     for white, _ in pairs(scene):
         adapted = staged.performances[white].adapted
         frame = round(staged.performances[white].composite.timing.frame_at(3.0))
@@ -86,26 +86,26 @@ def test_heads_lean_back_from_the_fist(scene: Project, staged: Staged) -> None:
         assert back[0] > 0.12 * adapted.body.leg_length
 
 
-def test_no_limb_jolts_by_more_than_three_times_its_own_motion(scene: Project, staged: Staged) -> None:
+def test_no_limb_jolts_by_more_than_three_times_its_own_motion(scene: Project, staged: StagedPerformances) -> None:
     for performance in staged.performances.values():
         alone = adapt(replace(performance.request, constraints=()))
         assert acceleration_ratio(performance.adapted, alone) < 3.0
 
 
-def test_a_second_of_the_fight_is_solved_in_a_second(scene: Project, staged: Staged) -> None:
+def test_a_second_of_the_fight_is_solved_in_a_second(scene: Project, staged: StagedPerformances) -> None:
     begun = time.thread_time()
     perform(scene, scene.performers, prepared_already(scene), adapt)
     length = max(each.composite.timing.end for each in staged.performances.values())
     assert time.thread_time() - begun < length
 
 
-def test_feet_that_stand_stay_through_all_clips(staged: Staged) -> None:
+def test_feet_that_stand_stay_through_all_clips(staged: StagedPerformances) -> None:
     for performance in staged.performances.values():
         quality = contact_quality(performance.adapted, performance.adapted.contacts, Ground())
         assert quality.slide < 1e-3
 
 
-def test_the_order_of_performers_is_all_the_same(scene: Project, staged: Staged) -> None:
+def test_the_order_of_performers_is_all_the_same(scene: Project, staged: StagedPerformances) -> None:
     turned = replace(scene, performers=dict(reversed(list(scene.performers.items()))))
     again = perform(turned, turned.performers, prepared, adapt)
     for key, performance in staged.performances.items():

@@ -10,7 +10,7 @@ from studio.io.project.character_file import bundled_characters
 from studio.live import vmc
 from studio.live.driving import ReceivedPose, driven
 from studio.live.osc import encode_message
-from studio.live.planting import Planted
+from studio.live.planting import LiveGrounding
 from studio.live.tracker import TRACKED_RANGE, Inbox
 from tests.core.motions import walk
 
@@ -47,6 +47,6 @@ def play(seed: int) -> bool:
     pose = ReceivedPose(inbox)()
     if pose is None:
         return False
-    shown = driven(AdaptRequest(WALK, BODIES[random.choice(["child", "giant"])]), 13, pose, Planted(), 0.0)
+    shown = driven(AdaptRequest(WALK, BODIES[random.choice(["child", "giant"])]), 13, pose, LiveGrounding(), 0.0)
     assert np.isfinite(shown.positions).all(), "positions that are not finite"
     return True

@@ -21,7 +21,7 @@ from studio.io.project.character_file import bundled_characters
 from studio.live import tracker
 from studio.live.driving import ReceivedPose, driven
 from studio.live.osc import encode_message
-from studio.live.planting import Planted
+from studio.live.planting import LiveGrounding
 from studio.live.recording import Recorder, Replay, read_recording, write_recording
 from studio.live.streamer import Broadcast, StreamedPose, packets_of
 from studio.live.tracker import LOOPBACK, Inbox, UdpInput
@@ -49,7 +49,7 @@ def marker(x):
 
 def test_a_body_that_comes_in_plays_on_another_as_its_capture_would():
     pose = ReceivedPose(child_inbox())()
-    shown = driven(AdaptRequest(WALK, GIANT), 13, pose, Planted(), 0.0)
+    shown = driven(AdaptRequest(WALK, GIANT), 13, pose, LiveGrounding(), 0.0)
     ankle = GIANT.layout.ankle(0)
     there = adapt(AdaptRequest(WALK, GIANT)).positions[13]
     assert shown.first_frame == 13
@@ -63,7 +63,7 @@ def test_what_is_asked_at_that_moment_is_asked_of_it(frame, held):
     curve = ActivationCurve(*(each / WALK.frame_rate for each in (15, 18, 22, 25)))
     asked = PositionConstraint("walk", "Wrist", WRIST, Chain(trunk=1.0), 0, curve, target=tuple(place.tolist()))
     shown = driven(
-        AdaptRequest(WALK, GIANT, constraints=(asked,)), frame, ReceivedPose(child_inbox(20))(), Planted(), 0.0
+        AdaptRequest(WALK, GIANT, constraints=(asked,)), frame, ReceivedPose(child_inbox(20))(), LiveGrounding(), 0.0
     )
     missed = np.linalg.norm(shown.positions[0, GIANT.layout.wrist(1)] - place)
     assert (missed < 1e-3) == held
@@ -201,7 +201,7 @@ def test_a_body_whose_shoulders_have_no_breadth_is_a_body():
     for side in ("Left", "Right"):
         inbox.feed(encode_message(BONE_ADDRESS, [f"{side}UpperArm", 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]))
     pose = ReceivedPose(inbox)()
-    shown = driven(AdaptRequest(WALK, GIANT), 13, pose, Planted(), 0.0)
+    shown = driven(AdaptRequest(WALK, GIANT), 13, pose, LiveGrounding(), 0.0)
     assert np.isfinite(shown.positions).all()
 
 

@@ -26,7 +26,7 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
 from studio.io.project.character_file import bundled_characters
 from studio.live.driving import ReceivedPose, driven
-from studio.live.planting import Planted
+from studio.live.planting import LiveGrounding
 from studio.live.streamer import packets_of
 from studio.live.tracker import Inbox
 from tests.core.motions import ALWAYS, walk
@@ -81,7 +81,7 @@ def sent(stem: str) -> tuple[AdaptedMotion, tuple[NormalizedMotion, ...]]:
 @lru_cache
 def play(stem: str, body: Morphology, ground: Ground) -> Played:
     source, poses = sent(stem)
-    planted, shown, states = Planted(), [], []
+    planted, shown, states = LiveGrounding(), [], []
     for frame, pose in enumerate(poses):
         shown.append(driven(AdaptRequest(pose, body, ground=ground), 0, pose, planted, frame / source.frame_rate))
         states.append(planted.states)
@@ -165,7 +165,7 @@ def test_a_hand_that_is_asked_far_away_takes_no_foot_along():
     positions, rotations = realize(WALK, body)
     source = AdaptedMotion(body, 60.0, 0, positions, rotations, np.empty((0, len(positions))))
     [pose] = received(source, np.array([20]))
-    planted, wrist = Planted(), body.layout.wrist(1)
+    planted, wrist = LiveGrounding(), body.layout.wrist(1)
     stood = driven(AdaptRequest(pose, body), 0, pose, planted, 0.0)
     place = stood.positions[0, wrist] + [0.5, 0.0, 0.0]
     point, chain = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), Chain(trunk=1.0, root=1.0)
@@ -180,8 +180,8 @@ def test_a_hand_that_is_asked_far_away_takes_no_foot_along():
 
 def test_a_body_that_was_away_begins_anew_where_it_is(captures):
     _, poses = sent(STEMS[0])
-    body, planted = BODIES["giant"], Planted()
+    body, planted = BODIES["giant"], LiveGrounding()
     driven(AdaptRequest(poses[0], body), 0, poses[0], planted, 0.0)
     late = driven(AdaptRequest(poses[-1], body), 0, poses[-1], planted, 5.0)
-    anew = driven(AdaptRequest(poses[-1], body), 0, poses[-1], Planted(), 0.0)
+    anew = driven(AdaptRequest(poses[-1], body), 0, poses[-1], LiveGrounding(), 0.0)
     assert np.abs(late.positions - anew.positions).max() < 1e-12

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from studio.core.compact_array import CompactArray
 from studio.core.grounds import Bumps, Slope, Steps
 from studio.core.grounds.ground import Ground
-from studio.core.single import Single
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.lifted import lifted
 from studio.core.solver.standing.stand import standing_of
@@ -44,7 +44,7 @@ def assert_alike(one: Any, other: Any) -> None:
         assert len(one) == len(other)
         for mine, theirs in zip(one, other, strict=True):
             assert_alike(mine, theirs)
-    elif isinstance(one, np.ndarray | Single | float):
-        np.testing.assert_allclose(one[:] if isinstance(one, Single) else one, other, atol=ALIKE, rtol=0.0)
+    elif isinstance(one, np.ndarray | CompactArray | float):
+        np.testing.assert_allclose(one[:] if isinstance(one, CompactArray) else one, other, atol=ALIKE, rtol=0.0)
     else:
         assert one == other

@@ -36,7 +36,7 @@ from studio.library.indexing import index
 from studio.library.library import Library
 from studio.library.searching import StrikeQuery, find
 from studio.live.driving import ReceivedPose, driven
-from studio.live.planting import Planted
+from studio.live.planting import LiveGrounding
 from studio.live.streamer import packets_of
 from studio.live.tracker import Inbox
 from studio.resources_folder import example_captures_folder
@@ -93,7 +93,7 @@ def play_live() -> None:
     pose = ReceivedPose(inbox)()
     assert pose is not None
     for request in asking(AdaptRequest(WALK, STILL, FEET), [("position",)]):
-        driven(request, 20, pose, Planted(), 0.0)
+        driven(request, 20, pose, LiveGrounding(), 0.0)
 
 
 def read_files() -> None:

@@ -8,7 +8,7 @@ from PySide6.QtCore import QObject, Signal
 from studio.core.body.rest_pose import rest_pose
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.solver.request import AdaptedMotion, Unasked
+from studio.core.solver.request import AdaptedMotion, UnconstrainedPoses
 from studio.core.stage.project import Project
 from studio.engine.live_play import LivePlay
 from studio.viewport.body_points import point_path
@@ -25,7 +25,7 @@ def standing(project: Project, performer_id: str) -> AdaptedMotion:
     motion = AdaptedMotion(morphology, RATE, 0, positions, rotations, np.zeros((0, FRAMES)))
     asked = [one for one in project.constraints_of("motion").values() if one.enabled]
     residuals = [_misses(motion, one) for one in asked]
-    misses, unasked = np.reshape(residuals, (-1, FRAMES)), Unasked(positions, rotations)
+    misses, unasked = np.reshape(residuals, (-1, FRAMES)), UnconstrainedPoses(positions, rotations)
     return AdaptedMotion(morphology, RATE, 0, positions, rotations, misses, unasked=unasked)
 
 

@@ -11,7 +11,7 @@ from studio.engine.prop_places import props_at
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.eyes import EYE_SEPARATION, Eye, Stereo, StereoScene, StereoView, anaglyph, side_by_side
 from studio.viewport.stage_picture import StageScene
-from studio.viewport.stills import Still
+from studio.viewport.stills import AveragedPicture
 
 SIZE = (320, 240)
 CAMERA = OrbitCamera(target=(0.0, 0.0, 1.0), distance=4.0, azimuth=0.0, elevation=0.0)
@@ -89,7 +89,7 @@ def test_a_head_that_moves_moves_the_eye_as_far_as_the_window_is_larger_than_the
 
 def test_a_still_is_of_both_eyes():
     scene = Painted()
-    still = Still(StereoScene(scene, StereoView(Stereo.ANAGLYPH)), CAMERA, SIZE)
+    still = AveragedPicture(StereoScene(scene, StereoView(Stereo.ANAGLYPH)), CAMERA, SIZE)
     still.refine()
     assert len(scene.looked) == 4
     assert side_by_side(still.pixels, still.pixels, (2 * SIZE[0], 500)).shape == (500, 2 * SIZE[0], 4)

@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from studio.app import capture_import, casting, sample
+from studio.app import capture_import, character_import, sample
 from studio.app.file_dialogs import PROJECTS, ask_file, ask_new_file, characters, motions
 from studio.app.verbs import media
 from studio.app.workbench import Workbench
@@ -62,7 +62,7 @@ def _import(bench: Workbench, path: Path) -> None:
 
     def show(held: capture_import.ReadMotion | ReadCharacter) -> None:
         if isinstance(held, ReadCharacter):
-            casting.show_import(bench, path, held)
+            character_import.show_import(bench, path, held)
         else:
             capture_import.show_import(bench, path, held)
 
@@ -125,7 +125,7 @@ def import_motion(bench: Workbench) -> None:
 def import_character(bench: Workbench) -> None:
     """Ask for a character and import it."""
     kind = characters("character_reader")
-    ask_file(bench, "Import character", kind, lambda path: casting.import_character(bench, path))
+    ask_file(bench, "Import character", kind, lambda path: character_import.import_character(bench, path))
 
 
 def export(bench: Workbench) -> None:

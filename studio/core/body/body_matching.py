@@ -32,7 +32,7 @@ class _Limb:
 
 
 @dataclass(frozen=True)
-class Match:
+class BodyMatch:
     """Body that was found, or the reason why none was."""
 
     body_map: BodyMap | None
@@ -50,18 +50,18 @@ class BodySearch:
         self.positions = positions
         self.most_variation = most_variation
 
-    def match(self, candidates: Candidates) -> Match:
+    def match(self, candidates: Candidates) -> BodyMatch:
         """Best body whose joints are among ``candidates``; each list begins with the likeliest joint."""
         arms = self._pair(candidates, "left arm", "right arm")
         legs = self._pair(candidates, "left leg", "right leg")
         missing = [limb for limb in LIMB_PARTS if not (arms if "arm" in limb else legs)]
         if not (arms and legs):
-            return Match(None, tuple(missing), 0)
+            return BodyMatch(None, tuple(missing), 0)
         parts = dict(zip(LIMB_PARTS["left arm"] + LIMB_PARTS["right arm"], arms, strict=True))
         parts |= dict(zip(LIMB_PARTS["left leg"] + LIMB_PARTS["right leg"], legs, strict=True))
         return self._whole(candidates, parts)
 
-    def around(self, limbs: Mapping[BodyPart, int], candidates: Candidates) -> Match:
+    def around(self, limbs: Mapping[BodyPart, int], candidates: Candidates) -> BodyMatch:
         """Body with the given ``limbs``, whose bones may have any length but must be connected.
 
         Trunk, head and toes are taken from ``candidates``.
@@ -71,15 +71,15 @@ class BodySearch:
             for limb, parts in LIMB_PARTS.items()
             if any(len(self.skeleton.path(limbs[a], limbs[b])) < 2 for a, b in pairwise(parts))
         ]
-        return Match(None, tuple(broken), 0) if broken else self._whole(candidates, dict(limbs))
+        return BodyMatch(None, tuple(broken), 0) if broken else self._whole(candidates, dict(limbs))
 
-    def _whole(self, candidates: Candidates, parts: dict[BodyPart, int]) -> Match:
+    def _whole(self, candidates: Candidates, parts: dict[BodyPart, int]) -> BodyMatch:
         """Body made of the limbs in ``parts`` and of the other joints that fit them."""
         spine = self._trunk(candidates, parts)
         if len(spine) < 2:
-            return Match(None, ("spine",), 0)
+            return BodyMatch(None, ("spine",), 0)
         self._toes(candidates, parts)
-        return Match(BodyMap(parts, spine), (), len(parts))
+        return BodyMatch(BodyMap(parts, spine), (), len(parts))
 
     def _pair(self, candidates: Candidates, left: str, right: str) -> tuple[int, ...]:
         """Left and right limb with the most similar bones; empty if there is no such pair."""

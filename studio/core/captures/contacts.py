@@ -19,7 +19,7 @@ Span = tuple[int, int]
 """The first and the last frame of a contact."""
 
 
-class _Sided(StrEnum):
+class _SidedName(StrEnum):
     """Name made of a side and a member: ``left_heel``, ``right_hand_on_head``."""
 
     @cached_property
@@ -33,7 +33,7 @@ class _Sided(StrEnum):
         return self.value.rpartition("_")[2]
 
 
-class ContactPoint(_Sided):
+class ContactPoint(_SidedName):
     """Point of a body that can touch the ground.
 
     The heel moves with the ankle, the toe with the toe joint, the hand with the wrist; the seat is the middle of the
@@ -79,7 +79,7 @@ def touching_points(point: ContactPoint, layout: BodyLayout) -> list[int]:
     return [layout.hip(point.side) + {"knee": 1, "heel": 2, "toe": 3}[point.member]]
 
 
-class Touch(_Sided):
+class Touch(_SidedName):
     """Contact of the hands with each other, with a held object or with the body.
 
     Hands in contact keep their offset from each other, scaled with the length of the arms; an object between them keeps

@@ -13,7 +13,7 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.plausible import PLACE_RANGE, WEIGHT
 
 if TYPE_CHECKING:
-    from studio.core.constraints.carried_over import Carry
+    from studio.core.constraints.carried_over import ClipTransform
 
 Vector = tuple[float, float, float]
 
@@ -173,7 +173,7 @@ class Constraint:
             raise ValueError(f"'{self.name}': a weight is a finite number above 0, got {self.weight}.")
         WEIGHT.check(self.weight)
 
-    def carried(self, carry: "Carry") -> dict[str, Any]:
+    def carried(self, carry: "ClipTransform") -> dict[str, Any]:
         """Field values that change where a clip plays (``constraints.carried_over``)."""
         return {}
 

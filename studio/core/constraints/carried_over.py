@@ -36,7 +36,7 @@ _SWAPPED = {Arms.LEFT: Arms.RIGHT, Arms.RIGHT: Arms.LEFT, Arms.BOTH: Arms.BOTH}
 
 
 @dataclass(frozen=True)
-class Carry:
+class ClipTransform:
     """Transform from a motion to where a clip of it plays.
 
     Second t becomes ``begin`` and what the motion plays until then at ``speed``. A position is mirrored (y becomes -y)
@@ -52,7 +52,7 @@ class Carry:
     first: float
     last: float
 
-    def goes_on_in(self, after: "Carry", pause: float) -> bool:
+    def goes_on_in(self, after: "ClipTransform", pause: float) -> bool:
         """True if a clip that starts no more than ``pause`` seconds later continues this one."""
         ours, others = (np.array([each.begin, each.turn, *each.shift, each.mirrored]) for each in (self, after))
         alike = self.speed == after.speed and np.allclose(ours, others, rtol=0.0, atol=1e-4)
@@ -126,7 +126,7 @@ def other_side(part: BodyPart) -> BodyPart:
     return BodyPart(f"{swaps[side]}_{rest}") if side in swaps else part
 
 
-def carried_over(constraint: Constraint, carry: Carry) -> Constraint:
+def carried_over(constraint: Constraint, carry: ClipTransform) -> Constraint:
     """``constraint`` transformed to where a clip of its motion plays; it still follows other performers and props."""
     changes: dict[str, Any] = {
         "point": carry.point(constraint.point),
@@ -141,7 +141,7 @@ def carried_over(constraint: Constraint, carry: Carry) -> Constraint:
     return replace(constraint, **changes, **constraint.carried(carry))
 
 
-MIRROR = Carry(0.0, 1.0, 0.0, (0.0, 0.0), True, -math.inf, math.inf)
+MIRROR = ClipTransform(0.0, 1.0, 0.0, (0.0, 0.0), True, -math.inf, math.inf)
 """Transform from a motion to its mirror image, and back."""
 _SIDE_WORDS = {"left": "right", "right": "left", "Left": "Right", "Right": "Left"}
 _SIDE_WORD = re.compile(rf"\b({'|'.join(_SIDE_WORDS)})\b")
@@ -157,7 +157,7 @@ def swapped_sides(name: str) -> str:
     return _SIDE_WORD.sub(lambda found: _SIDE_WORDS[found[0]], name)
 
 
-def _value(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:
+def _value(name: str, value: Any, constraint: Constraint, carry: ClipTransform) -> Any:
     match value:
         case KeyedPlace():
             places = carry.retimed(value, carry.ways)
@@ -201,7 +201,7 @@ def _value(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:
     return _plain(name, value, constraint, carry)
 
 
-def _own_place(place: OwnPlace, carry: Carry) -> OwnPlace:
+def _own_place(place: OwnPlace, carry: ClipTransform) -> OwnPlace:
     x, y, z = carry.ways(place.offset).tolist()
     return replace(
         place,
@@ -212,7 +212,7 @@ def _own_place(place: OwnPlace, carry: Carry) -> OwnPlace:
     )
 
 
-def _plain(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:
+def _plain(name: str, value: Any, constraint: Constraint, carry: ClipTransform) -> Any:
     if name == "heading":
         return _heading(value, constraint, carry)
     if name == "size" and isinstance(constraint, AreaConstraint) and constraint.shape is AreaShape.HALF_SPACE:
@@ -225,19 +225,19 @@ def _plain(name: str, value: Any, constraint: Constraint, carry: Carry) -> Any:
     return tuple(carry.places((*value, 0.0)[:3]).tolist()[: len(value)])
 
 
-def _heading(heading: float, constraint: Constraint, carry: Carry) -> float:
+def _heading(heading: float, constraint: Constraint, carry: ClipTransform) -> float:
     """Heading, mirrored if the clip is; rotated with the clip unless the centre follows something."""
     follows = isinstance(getattr(constraint, "centre", None), FOLLOWS)
     seen = -heading if _is_heading_mirrored(constraint, carry) else heading
     return seen if follows else seen + carry.turn
 
 
-def _is_heading_mirrored(constraint: Constraint, carry: Carry) -> bool:
+def _is_heading_mirrored(constraint: Constraint, carry: ClipTransform) -> bool:
     others = isinstance(getattr(constraint, "centre", None), FollowPerformer | FollowProp)
     return carry.mirrored and not others
 
 
-def _own_turn(turn: Quaternion, part: BodyPart, carry: Carry) -> Quaternion:
+def _own_turn(turn: Quaternion, part: BodyPart, carry: ClipTransform) -> Quaternion:
     """Rotation in the axes of the other side's segment."""
     if not carry.mirrored:
         return turn
@@ -245,13 +245,13 @@ def _own_turn(turn: Quaternion, part: BodyPart, carry: Carry) -> Quaternion:
     return (x, -y, -z, w) if is_hinged(part) else (-x, y, -z, w)
 
 
-def _chain(chain: Chain, carry: Carry) -> Chain:
+def _chain(chain: Chain, carry: ClipTransform) -> Chain:
     if not carry.mirrored:
         return chain
     return replace(chain, segments=tuple((other_side(part), weight) for part, weight in chain.segments))
 
 
-def _activation(curve: ActivationCurve, carry: Carry) -> ActivationCurve:
+def _activation(curve: ActivationCurve, carry: ClipTransform) -> ActivationCurve:
     """Activation limited to the clip: a curve that starts before the clip fades in at its begin.
 
     ``NEVER`` if there is no time to fade in and out, or other clips cover this one.
@@ -270,7 +270,7 @@ def _activation(curve: ActivationCurve, carry: Carry) -> ActivationCurve:
     return curve.with_times(*times)
 
 
-def _keys(keyed: Keys, carry: Carry) -> tuple[float, ...]:
+def _keys(keyed: Keys, carry: ClipTransform) -> tuple[float, ...]:
     return tuple(carry.times(keyed.times).tolist())
 
 

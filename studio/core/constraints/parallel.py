@@ -11,7 +11,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Constraint, KindInfo, Vector, finite_vector
 
 if TYPE_CHECKING:
-    from studio.core.constraints.carried_over import Carry
+    from studio.core.constraints.carried_over import ClipTransform
 
 AXIS_DRAWN = 0.25
 """Length in metres of the drawn axis."""
@@ -51,7 +51,7 @@ class ParallelConstraint(Constraint):
         if not (math.isfinite(self.cone) and 0.0 <= self.cone < math.pi):
             raise ValueError(f"'{self.name}': a cone lies between 0 and half a turn, got {self.cone} radians.")
 
-    def carried(self, carry: "Carry") -> dict[str, Any]:
+    def carried(self, carry: "ClipTransform") -> dict[str, Any]:
         """Both axes, of the other sides' segments in a mirror."""
         return {
             "axis": carry.point(BodyPoint(self.point.part, self.axis)).offset,

@@ -14,7 +14,7 @@ from studio.core.constraints.target import Place, checked_place
 from studio.core.plausible import PLACE_RANGE
 
 if TYPE_CHECKING:
-    from studio.core.constraints.carried_over import Carry
+    from studio.core.constraints.carried_over import ClipTransform
 
 PATCH_HALF = 0.6
 """Metres of half the edge of the drawn piece of a plane."""
@@ -59,7 +59,7 @@ class RailConstraint(Constraint):
             raise ValueError(f"'{self.name}': a rail has a length above 0, got {self.length} m.")
         PLACE_RANGE.check(self.length, f"'{self.name}': a length")
 
-    def carried(self, carry: "Carry") -> dict[str, Any]:
+    def carried(self, carry: "ClipTransform") -> dict[str, Any]:
         """Direction where a clip plays, rotated and mirrored; a direction in a prop's or performer's
         axes is unchanged.
         """

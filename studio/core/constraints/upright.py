@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from studio.core.constraints.base import BodyPoint, Constraint, KindInfo, Vector, finite_vector
 
 if TYPE_CHECKING:
-    from studio.core.constraints.carried_over import Carry
+    from studio.core.constraints.carried_over import ClipTransform
 
 AXIS_LENGTH, CONE_SIDES = 0.25, 24
 """Length in metres of the drawn axis, and sides of its cone."""
@@ -46,7 +46,7 @@ class UprightConstraint(Constraint):
         if not (math.isfinite(self.cone) and 0.0 <= self.cone < math.pi):
             raise ValueError(f"'{self.name}': a cone lies between 0 and half a turn, got {self.cone} radians.")
 
-    def carried(self, carry: "Carry") -> dict[str, Any]:
+    def carried(self, carry: "ClipTransform") -> dict[str, Any]:
         """Axis and direction where a clip plays, rotated and mirrored."""
         axis = carry.point(BodyPoint(self.point.part, self.axis)).offset
         return {"axis": axis, "direction": tuple(carry.ways(self.direction).tolist())}

@@ -204,7 +204,7 @@ class Keys:
             tangents=tuple(key.tangents for key in keys),
         )
 
-    def _bracketing_keys(self, times: ArrayLike) -> "_Spans":
+    def _bracketing_keys(self, times: ArrayLike) -> "_KeySpans":
         """Keys around each of ``times`` (N,), and the progress between them."""
         keys = self.seconds
         asked = self._looped(np.asarray(times, dtype=np.float64))
@@ -215,7 +215,7 @@ class Keys:
         share = ease(self._weighted(progress, before, after), EaseShape.QUINTIC)
         if stepped := [place for place, each in enumerate(self.tangents) if each is not None and each.is_stepped]:
             share = np.where(np.isin(before, stepped), (progress >= 1.0).astype(np.float64), share)
-        return _Spans(before, after, t - keys[before], t - keys[after], share, asked - t)
+        return _KeySpans(before, after, t - keys[before], t - keys[after], share, asked - t)
 
     def _weighted(self, progress: FloatArray, before: NDArray[np.int64], after: NDArray[np.int64]) -> FloatArray:
         """(N,) progress from a key to the next, delayed by the weights of tangents."""
@@ -244,7 +244,7 @@ class Keys:
 
 
 @dataclass(frozen=True, eq=False)
-class _Spans:
+class _KeySpans:
     """Keys around each of N times: the keys before and after, seconds since the one and until the other (negative), the
     eased fraction, and seconds beyond the last key, or before the first one (negative).
     """
@@ -347,7 +347,7 @@ class KeyedTurn(Keys):
             )
         return matrices
 
-    def _vectors(self, spans: _Spans) -> FloatArray:
+    def _vectors(self, spans: _KeySpans) -> FloatArray:
         """(N, 3) rotation vectors relative to the key before, in its axes: a smooth path of vectors cannot flip."""
         arriving, leaving = self.rates()
         steps = np.concatenate([self._steps(), np.zeros((1, 3))])

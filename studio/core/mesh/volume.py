@@ -83,13 +83,15 @@ def fitted_volume(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) 
     """
     positions, rotations = bound_pose(mesh, morphology)
     vertices = np.asarray(fit_vertices(mesh, build, morphology), dtype=np.float64)
-    return _assembled(morphology, positions, rotations, _Measured(morphology, mesh, vertices, positions, rotations))
+    return _assembled(
+        morphology, positions, rotations, _MeasuredGirths(morphology, mesh, vertices, positions, rotations)
+    )
 
 
 @lru_cache(maxsize=64)
 def usual_volume(morphology: Morphology) -> BodyVolume:
     """Typical volume of a body of which only the measures are known."""
-    return _assembled(morphology, *rest_pose(morphology), _Usual(morphology))
+    return _assembled(morphology, *rest_pose(morphology), _TypicalGirths(morphology))
 
 
 class _Girths(Protocol):
@@ -107,7 +109,7 @@ class _Girths(Protocol):
 
 
 @dataclass(frozen=True)
-class _Usual(_Girths):
+class _TypicalGirths(_Girths):
     """Girths of an ordinary body with these measures."""
 
     morphology: Morphology
@@ -129,7 +131,7 @@ class _Usual(_Girths):
 
 
 @dataclass(frozen=True, eq=False)
-class _Measured(_Girths):
+class _MeasuredGirths(_Girths):
     """Girths of a mesh with ``vertices`` (V, 3) round a posed body; typical ones for parts without vertices."""
 
     morphology: Morphology
@@ -143,19 +145,19 @@ class _Measured(_Girths):
         shares = self._shares(self.mesh.segments < self.morphology.layout.spine_count)
         around = [outline_at(height + way * band, self.mesh, self.vertices, shares) for way in (-1.0, 1.0)]
         x, y = np.concatenate(around).T
-        width, front, back = _Usual(self.morphology).section(level, height)
+        width, front, back = _TypicalGirths(self.morphology).section(level, height)
         if len(y) < _FEWEST or np.abs(y).max() < _THINNEST * width or np.ptp(x) < _THINNEST * (front - back):
             return width, front, back
         return float(np.abs(y).max()), float(x.max()), float(x.min())
 
     def thigh(self, end: int) -> float:
         around = _THIGH[end] - 0.1, _THIGH[end] + 0.1
-        return self._girth(BodyPart.LEFT_THIGH, around, 0.5, _Usual(self.morphology).thigh(end))
+        return self._girth(BodyPart.LEFT_THIGH, around, 0.5, _TypicalGirths(self.morphology).thigh(end))
 
     def head(self) -> tuple[float, float, float, float]:
         low, high = self._rings(BodyPart.HEAD, _HEAD_LEVELS)
         if np.isnan(low).any():
-            return _Usual(self.morphology).head()
+            return _TypicalGirths(self.morphology).head()
         radius = 0.25 * float((high - low).sum())
         own = self._in_bone(BodyPart.HEAD, self._main(BodyPart.HEAD))[:, 2]
         bottom, inset = max(float(own.min()), _LOWEST_HEAD), radius / self.morphology.head
@@ -168,7 +170,7 @@ class _Measured(_Girths):
         A fist is as thick as it is wide.
         """
         part = BodyPart.LEFT_HAND if PROBES[probe][0] else BodyPart.LEFT_FOREARM
-        least = self._girth(part, _ARM_BANDS[probe], _ARM_SHARES[probe], _Usual(self.morphology).arm(probe))
+        least = self._girth(part, _ARM_BANDS[probe], _ARM_SHARES[probe], _TypicalGirths(self.morphology).arm(probe))
         if part is BodyPart.LEFT_FOREARM:
             return least
         return float(np.fmax(least, 0.5 * np.ptp(self._rings(part, (PROBES[probe][1],)), axis=0).min()))

@@ -54,11 +54,11 @@ def layered(pieces: tuple[MotionPiece, ...], overlays: tuple[PlayedLayer, ...]) 
     row = compose_pieces(pieces, blends=any(piece.is_carried for overlay in overlays for piece in overlay.pieces))
     for overlay in overlays:
         if overlay.weight > 0.0:
-            row = _Over(row, overlay).composite()
+            row = _LayeredRow(row, overlay).composite()
     return row
 
 
-class _Over:
+class _LayeredRow:
     """One layer over a row, in the frames in which it plays."""
 
     def __init__(self, row: Composite, overlay: PlayedLayer) -> None:

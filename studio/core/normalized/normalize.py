@@ -139,7 +139,7 @@ def detected_contacts(capture: Capture, motion_id: str) -> tuple[ContactInterval
 
 
 @dataclass(frozen=True, eq=False)
-class _Found:
+class _FoundContacts:
     """Contacts of a capture, the slope of its floor, and the ankle height in metres in each contact of each heel."""
 
     contacts: Contacts
@@ -147,7 +147,7 @@ class _Found:
     sole_heights: list[list[float]]
 
 
-def _find(capture: Capture, marks: Landmarks | None = None) -> _Found:
+def _find(capture: Capture, marks: Landmarks | None = None) -> _FoundContacts:
     """Contacts, floor slope and sole heights of a mapped capture; ``marks`` are its landmarks, computed if None."""
     assert capture.body_map is not None
     marks = marks or find_landmarks(capture, capture.body_map)
@@ -157,7 +157,7 @@ def _find(capture: Capture, marks: Landmarks | None = None) -> _Found:
         [float(np.median(track[first : last + 1])) for first, last in contacts[heel]]
         for track, heel in zip(ankles, HEELS, strict=True)
     ]
-    return _Found(contacts, slope, heights)
+    return _FoundContacts(contacts, slope, heights)
 
 
 def _terms(capture: Capture) -> object:
@@ -167,7 +167,7 @@ def _terms(capture: Capture) -> object:
     return offsets, reference, capture.body_map, *begin, capture.plate_loads
 
 
-_FOUND: Shared[Capture, _Found] = Shared(_find, owner=lambda capture: capture.poses, terms=_terms)
+_FOUND: Shared[Capture, _FoundContacts] = Shared(_find, owner=lambda capture: capture.poses, terms=_terms)
 """The contacts of all captures that are the same but for their guesses."""
 
 

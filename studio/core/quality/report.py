@@ -26,7 +26,7 @@ from studio.core.solver.asking.measured_residuals import full_residuals
 from studio.core.solver.asking.releasing import constraint_activations, contact_release
 from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.solved_window import BOUND, Bound, SolvedWindow, targets_of
+from studio.core.solver.solved_window import BOUND, SolvedWindow, SolverLimits, targets_of
 from studio.core.solver.standing.stand import Standing
 from studio.core.solver.standing.support import outlines, standing_mask, support_margins
 
@@ -163,7 +163,7 @@ class _Problem:
         targets = targets_of(self.standing, self.constraints, _window_of(adapted), self.tracks)
         return full_residuals(self.constraints, targets, adapted)
 
-    def solved_residuals(self, rows: IntArray, frames: IntArray, bound: Bound = BOUND) -> FloatArray:
+    def solved_residuals(self, rows: IntArray, frames: IntArray, bound: SolverLimits = BOUND) -> FloatArray:
         """Residuals (A, m) of the constraints of some ``rows`` (A,), solved without the others and without smoothing
         in some ``frames`` (m,).
         """
@@ -198,9 +198,9 @@ class _BlockerSearch:
             self._weigh(BLOCKED_BY_SMOOTHING, every, every, always)
         sample_of = self._sample()
         acting, always = np.isfinite(self._residuals), always[: len(self._frames)]
-        self._weigh(BLOCKED_BY_CONTACTS, every, every, always, Bound(by_contacts=False))
-        self._weigh(BLOCKED_BY_LIMITS, every, every, always, Bound(by_limits=False))
-        self._weigh(BLOCKED_BY_GROUND, every, every, always, Bound(by_ground=False))
+        self._weigh(BLOCKED_BY_CONTACTS, every, every, always, SolverLimits(by_contacts=False))
+        self._weigh(BLOCKED_BY_LIMITS, every, every, always, SolverLimits(by_limits=False))
+        self._weigh(BLOCKED_BY_GROUND, every, every, always, SolverLimits(by_ground=False))
         for row in every.tolist():
             others = every[every != row]
             self._weigh(row, others, others[self._ranks[others] >= self._ranks[row]], acting[row])
@@ -244,7 +244,7 @@ class _BlockerSearch:
         posed = hold(standing, problem.constraints, first, last, problem.tracks, eased=self._eased)
         return np.where(self._full, self._misses - problem.misses(posed), 0.0)
 
-    def _weigh(self, name: int, asked: IntArray, rows: IntArray, acts: Mask, bound: Bound = BOUND) -> None:
+    def _weigh(self, name: int, asked: IntArray, rows: IntArray, acts: Mask, bound: SolverLimits = BOUND) -> None:
         """Note ``name`` as blocker where it acts (``acts``, (n,)) and the constraints ``asked`` alone leave smaller
         residuals of ``rows`` than any candidate so far.
         """
@@ -266,8 +266,8 @@ class _BlockerSearch:
         """
         for name, bound in (
             (None, BOUND),
-            (BLOCKED_BY_CONTACTS, Bound(by_contacts=False)),
-            (BLOCKED_BY_LIMITS, Bound(by_contacts=False, by_limits=False)),
+            (BLOCKED_BY_CONTACTS, SolverLimits(by_contacts=False)),
+            (BLOCKED_BY_LIMITS, SolverLimits(by_contacts=False, by_limits=False)),
         ):
             numbers = np.flatnonzero(self._found[row] == BLOCKED_BY_TOLERANCE)
             if not len(numbers):

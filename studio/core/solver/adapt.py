@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnimatedMorphology
+from studio.core.compact_array import PoseArray, part_of
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.runs import runs_in
-from studio.core.single import PoseArray, part_of
 from studio.core.solver.asking.lifted_ends import constrained_ends, constrained_limbs, lift_ends
 from studio.core.solver.asking.lifted_limbs import lift_limbs
 from studio.core.solver.asking.measured_residuals import measured_again
@@ -20,7 +20,7 @@ from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.level_smoothing import SMOOTHING_HORIZON
-from studio.core.solver.solved_window import BOUND, Bound, SolvedWindow
+from studio.core.solver.solved_window import BOUND, SolvedWindow, SolverLimits
 from studio.core.solver.standing.stand import Standing, standing_of
 
 FloatArray = NDArray[np.float64]
@@ -63,7 +63,7 @@ def hold(
     last: int | None = None,
     tracks: Tracks = MappingProxyType({}),
     *,
-    bound: Bound = BOUND,
+    bound: SolverLimits = BOUND,
     eased: bool = False,
 ) -> AdaptedMotion:
     """Solve ``constraints`` on a grounded motion, frames ``first`` to ``last`` (both included) (K05 section 9).

@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnimatedMorphology, AnyMorphology, Morphology
 from studio.core.captures.contacts import ContactInterval
+from studio.core.compact_array import PoseArray, part_of, single
 from studio.core.constraints.base import Constraint
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.volume import BodyVolume
 from studio.core.normalized.compose import Composite
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.single import PoseArray, part_of, single
 from studio.core.solver.asking.tracks import Tracks
 from studio.core.stage.correction import Correction
 
@@ -51,7 +51,7 @@ class AdaptRequest:
 
 
 @dataclass(frozen=True, eq=False)
-class Unasked:
+class UnconstrainedPoses:
     """Poses of all frames of a grounded motion before any constraint, in the motion's space."""
 
     positions: PoseArray
@@ -76,7 +76,7 @@ class AdaptedMotion:
     residuals: FloatArray
     animated: AnimatedMorphology | None = None
     volume: BodyVolume | None = None
-    unasked: Unasked | None = None
+    unasked: UnconstrainedPoses | None = None
     contacts: tuple[ContactInterval, ...] = ()
     """Contacts of the solver's result: also those of feet that step where clips take over."""
     composite: Composite | None = None
@@ -109,5 +109,5 @@ class AdaptedMotion:
         )
 
     def kept(self) -> "AdaptedMotion":
-        """Copy with poses in half the memory, see ``core.single``."""
+        """Copy with poses in half the memory, see ``core.compact_array``."""
         return replace(self, positions=single(self.positions), rotations=single(self.rotations))

@@ -53,7 +53,7 @@ _NONE = np.empty(0)
 
 
 @dataclass(frozen=True)
-class Bound:
+class SolverLimits:
     """Restrictions of a body beside its constraints."""
 
     by_contacts: bool = True
@@ -61,7 +61,7 @@ class Bound:
     by_ground: bool = True
 
 
-BOUND = Bound()
+BOUND = SolverLimits()
 
 
 class SolvedWindow:
@@ -73,7 +73,7 @@ class SolvedWindow:
         constraints: Sequence[Constraint],
         activations: FloatArray,
         tracks: Tracks,
-        bound: Bound,
+        bound: SolverLimits,
         window: slice,
     ) -> None:
         """``activations`` (C, F) and ``tracks`` of the whole motion; StudioError if a followed target has no track."""

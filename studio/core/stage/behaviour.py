@@ -144,7 +144,7 @@ class Behaviour:
 
 
 @dataclass(frozen=True)
-class Running:
+class BehaviourProgress:
     """Position of a performer in its behaviour: its state, ``seconds`` spent there, and the transition it came by."""
 
     state: str
@@ -152,12 +152,12 @@ class Running:
     through: Transition | None = None
 
 
-def begun(behaviour: Behaviour) -> Running:
+def begun(behaviour: Behaviour) -> BehaviourProgress:
     """Running behaviour in its start state."""
-    return Running(behaviour.start)
+    return BehaviourProgress(behaviour.start)
 
 
-def advance(behaviour: Behaviour, running: Running, senses: Senses) -> Running:
+def advance(behaviour: Behaviour, running: BehaviourProgress, senses: Senses) -> BehaviourProgress:
     """Running behaviour of a performer ``senses.step`` seconds later.
 
     The transitions from its state are tried in order. The first one whose conditions all hold leads to the next state,
@@ -168,7 +168,7 @@ def advance(behaviour: Behaviour, running: Running, senses: Senses) -> Running:
     seconds = running.seconds + senses.step
     for each in behaviour.transitions_from(running.state):
         if all(condition.holds(senses, seconds) for condition in each.conditions):
-            return Running(each.target, through=each)
+            return BehaviourProgress(each.target, through=each)
     return replace(running, seconds=seconds)
 
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.io.acclaim.skeleton import DEGREES
-from studio.io.beside import read_bytes
 from studio.io.numbers import count_per_line, filled_in_time, lines_of, table
+from studio.io.referenced_files import read_bytes
 
 FloatArray = NDArray[np.float64]
 

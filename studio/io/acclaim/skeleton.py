@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.core.rotations import IDENTITY_QUATERNION, from_euler
-from studio.io.beside import read_bytes
 from studio.io.numbers import number
+from studio.io.referenced_files import read_bytes
 
 FloatArray = NDArray[np.float64]
 

@@ -12,11 +12,11 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.core.kernels.body import file_channels as kernel
-from studio.io.beside import read_bytes
 from studio.io.bvh.hierarchy import Hierarchy, read_hierarchy
 from studio.io.bvh.spelling import plainly_spelled
 from studio.io.bvh.writer import write_bvh
 from studio.io.numbers import count_per_line, filled_in_time, glued_words, lines_of, parted, table
+from studio.io.referenced_files import read_bytes
 
 __all__ = ["BvhFile", "read_bvh", "write_bvh"]
 

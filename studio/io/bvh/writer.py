@@ -11,8 +11,8 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.core.rotations import to_euler
+from studio.io.atomic_write import replacing
 from studio.io.registry import Progress
-from studio.io.replacing import replacing
 
 FloatArray = NDArray[np.float64]
 

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from studio.core.errors import StudioError
 from studio.core.markers.trial import Trial
 from studio.core.names import counted, readable
-from studio.io.beside import read_bytes
 from studio.io.c3d.contents import analog_signals, force_plates, labels_and_kinds, marked_events, measures, unit_of
 from studio.io.c3d.parameters import BLOCK_BYTES, Numbers, Parameters, read_parameters
+from studio.io.referenced_files import read_bytes
 
 FloatArray = NDArray[np.float64]
 Progress = Callable[[float, str], None]

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.markers.trial import MARKER_KIND, Trial
+from studio.io.atomic_write import write_pieces
 from studio.io.c3d.parameters import BLOCK_BYTES
 from studio.io.registry import Progress
-from studio.io.replacing import write_pieces
 
 FloatArray = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from studio.core.errors import StudioError
 
 
-class Long(int):
+class Int64(int):
     """Integer of eight bytes, for times and the numbers of objects."""
 
 
@@ -90,7 +90,7 @@ def _value(value: Value) -> bytes:
     match value:
         case bool():
             return struct.pack("<cB", b"C", value)
-        case Long():
+        case Int64():
             return struct.pack("<cq", b"L", value)
         case int():
             return struct.pack("<ci", b"I", value)

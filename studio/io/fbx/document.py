@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import __version__
-from studio.io.fbx.binary import CREATION_TIME, FBX_VERSION, FILE_ID, FbxElement, Long, Value, block, element
+from studio.io.fbx.binary import CREATION_TIME, FBX_VERSION, FILE_ID, FbxElement, Int64, Value, block, element
 
 FloatArray = NDArray[np.float64]
 
@@ -21,8 +21,8 @@ _TIME_MODES = {120: 1, 100: 2, 60: 3, 50: 4, 48: 5, 30: 6, 25: 10, 24: 11, 1000:
 """The format's numbers of frame rates in Hz."""
 _CUSTOM_TIME_MODE = 14
 _CREATOR = f"Morpho Studio {__version__}"
-_SCENE = Long(1)
-WHOLE_SCENE = Long(0)
+_SCENE = Int64(1)
+WHOLE_SCENE = Int64(0)
 """The number of what everything hangs from."""
 _FIRST_OBJECT = 1000
 _CLASSES = {
@@ -82,9 +82,9 @@ def properties(*rows: FbxElement) -> FbxElement:
     return block("Properties70", children=rows)
 
 
-def ticks(seconds: float) -> Long:
+def ticks(seconds: float) -> Int64:
     """A time in the format's unit."""
-    return Long(round(seconds * TICKS))
+    return Int64(round(seconds * TICKS))
 
 
 def matrix(transform: FloatArray) -> FloatArray:
@@ -107,18 +107,18 @@ class FbxDocument:
         self.layer = self.add("AnimationLayer", "BaseLayer", "", [], within=stack)
 
     def add(
-        self, kind: str, name: str, subkind: str, children: Sequence[FbxElement], *, within: Long | None = None,
+        self, kind: str, name: str, subkind: str, children: Sequence[FbxElement], *, within: Int64 | None = None,
         own_class: str = "",
-      ) -> Long:  # fmt: skip
+      ) -> Int64:  # fmt: skip
         """The number of a new object, connected to the one that it is ``within``."""
-        key = Long(_FIRST_OBJECT + len(self._objects))
+        key = Int64(_FIRST_OBJECT + len(self._objects))
         full_name = f"{name}\0\1{own_class or _CLASSES[kind]}"
         self._objects.append(block(kind, key, full_name, subkind, children=children))
         if within is not None:
             self.connect(key, within)
         return key
 
-    def connect(self, child: Long, parent: Long, to_property: str = "") -> None:
+    def connect(self, child: Int64, parent: Int64, to_property: str = "") -> None:
         """Connect an object to another one, or to a property of it."""
         kind = ("OP", child, parent, to_property) if to_property else ("OO", child, parent)
         self._connections.append(element("C", *kind))

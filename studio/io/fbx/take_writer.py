@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from studio.core.mesh.appearance import Material
 from studio.core.rigs.joint_skin import JointSkin
 from studio.core.rotations import IDENTITY_QUATERNION
+from studio.io.atomic_write import write_pieces
 from studio.io.export import Take, plain_material, skin_of
-from studio.io.fbx.binary import FbxElement, Long, block, element, encode_document
+from studio.io.fbx.binary import FbxElement, Int64, block, element, encode_document
 from studio.io.fbx.document import (
     WHOLE_SCENE,
     FbxDocument,
@@ -26,7 +27,6 @@ from studio.io.fbx.document import (
 )
 from studio.io.fbx.euler import euler_curves
 from studio.io.registry import Progress
-from studio.io.replacing import write_pieces
 
 FloatArray = NDArray[np.float64]
 Share = Callable[[float], None]
@@ -72,7 +72,7 @@ def _reported(elements: Sequence[FbxElement], report: Callable[[], None]) -> Ite
             yield memoryview(piece)[first : first + _PIECE]
 
 
-def put_take(document: FbxDocument, take: Take, parent: Long, progress: Share) -> None:
+def put_take(document: FbxDocument, take: Take, parent: Int64, progress: Share) -> None:
     """Add the joints, curves and skin of ``take`` below ``parent``, 0 for the scene itself."""
     joints = _put_joints(document, take, parent, progress)
     skin = skin_of(take)
@@ -94,7 +94,7 @@ def put_take(document: FbxDocument, take: Take, parent: Long, progress: Share) -
     document.add("Pose", take.name, "BindPose", [*about, *nodes])
 
 
-def _put_joints(document: FbxDocument, take: Take, parent: Long, progress: Share) -> list[Long]:
+def _put_joints(document: FbxDocument, take: Take, parent: Int64, progress: Share) -> list[Int64]:
     """Add the joints in the skeleton's zero pose, and their curves."""
     skeleton, poses = take.skeleton, take.poses
     offsets = positions_in_file(skeleton.offsets)
@@ -104,7 +104,7 @@ def _put_joints(document: FbxDocument, take: Take, parent: Long, progress: Share
         if take.rest_rotations is not None
         else np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))
     )
-    joints: list[Long] = []
+    joints: list[Int64] = []
     for joint, name in enumerate(skeleton.names):
         progress(joint / skeleton.joint_count)
         order, angles = euler_curves(np.vstack([rests[joint], poses.local_rotations[:, joint]])[:, [*WORLD_TO_FILE, 3]])
@@ -157,7 +157,7 @@ def node(*rows: FbxElement, order: int = 0) -> list[FbxElement]:
     ]
 
 
-def put_curves(document: FbxDocument, node: Long, of_property: str, name: str, values: FloatArray) -> None:
+def put_curves(document: FbxDocument, node: Int64, of_property: str, name: str, values: FloatArray) -> None:
     """Add three curves with a key at every frame, ``values`` (F, 3), of one property of a node."""
     axes = "XYZ"
     first = [row(f"d|{axis}", "Number", "", "A", float(value)) for axis, value in zip(axes, values[0], strict=True)]
@@ -176,7 +176,7 @@ def put_curves(document: FbxDocument, node: Long, of_property: str, name: str, v
         document.connect(document.add("AnimationCurve", "", "", parts), curves, f"d|{axis}")
 
 
-def _put_mesh(document: FbxDocument, take: Take, skin: JointSkin, parent: Long) -> Long:
+def _put_mesh(document: FbxDocument, take: Take, skin: JointSkin, parent: Int64) -> Int64:
     """Add the node of the skin with its materials."""
     mesh = document.add("Model", f"{take.name} skin", "Mesh", node(), within=parent)
     for material in skin.appearance.materials if skin.appearance else (plain_material(take),):
@@ -184,7 +184,7 @@ def _put_mesh(document: FbxDocument, take: Take, skin: JointSkin, parent: Long) 
     return mesh
 
 
-def put_material(document: FbxDocument, material: Material, mesh: Long) -> None:
+def put_material(document: FbxDocument, material: Material, mesh: Int64) -> None:
     """Add a material of a mesh, with its picture inside the file."""
     colours = "#FFFFFF" if material.texture is not None else material.colour
     shares = [int(colours[place : place + 2], 16) / 255.0 for place in (1, 3, 5)]
@@ -261,7 +261,7 @@ def _mapped(mapping: str, reference: str) -> list[FbxElement]:
 
 
 def _put_skin(
-    document: FbxDocument, name: str, skin: JointSkin, geometry: Long, stands: Sequence[tuple[Long, FloatArray]]
+    document: FbxDocument, name: str, skin: JointSkin, geometry: Int64, stands: Sequence[tuple[Int64, FloatArray]]
 ) -> None:
     """Add a cluster for each joint: its vertices, and its bind pose."""
     about = [element("Version", 101), element("Link_DeformAcuracy", 50.0)]

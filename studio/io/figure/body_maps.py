@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.body_matching import LOOSE_VARIATION, MOST_VARIATION, BodySearch, Match
+from studio.core.body.body_matching import LOOSE_VARIATION, MOST_VARIATION, BodyMatch, BodySearch
 from studio.core.body.humanoid import LIMB_PARTS, BodyMap, BodyPart, is_spine, part_called
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
@@ -75,7 +75,7 @@ def find_body(skeleton: Skeleton, positions: FloatArray, chosen: Mapping[str, st
     return FoundBody(_overruled(best.body_map, skeleton, chosen or {}, fixed), family, ())
 
 
-def _best_match(skeleton: Skeleton, positions: FloatArray, fixed: dict[BodyPart, list[int]]) -> tuple[str, Match]:
+def _best_match(skeleton: Skeleton, positions: FloatArray, fixed: dict[BodyPart, list[int]]) -> tuple[str, BodyMatch]:
     """Body found, and the family of its names; bones may change length only if no body has constant ones."""
     by_name = _joints_by_name(skeleton)
     every = _candidates(_all_families(), by_name) | fixed
@@ -286,7 +286,7 @@ def _overruled(
     return BodyMap(parts, spine)
 
 
-def _chosen_are_no_body(best: Match) -> StudioError:
+def _chosen_are_no_body(best: BodyMatch) -> StudioError:
     return StudioError(
         f"With the joints chosen, no {' and no '.join(best.missing)} was found: the bones "
         "must hang below each other and be alike on both sides. Choose others in the inspector, under Body map."

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from studio.core.errors import StudioError
-from studio.io.beside import content_of, read_bytes
 from studio.io.json_record import Record
 from studio.io.json_text import json_of
+from studio.io.referenced_files import content_of, read_bytes
 
 MAGIC = b"glTF"
 _MOST_RECORDS = 1_000_000

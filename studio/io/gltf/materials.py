@@ -7,15 +7,15 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
-from studio.io.beside import content_of
 from studio.io.figure.textures import checked_picture
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import GltfFile
 from studio.io.json_record import Record
+from studio.io.referenced_files import content_of
 
 
 @dataclass(frozen=True, eq=False)
-class Placing:
+class TexturePlacing:
     """Set of texture coordinates of a texture, and their transform (KHR_texture_transform)."""
 
     set: int
@@ -25,7 +25,7 @@ class Placing:
     """(2,)"""
 
     @classmethod
-    def of(cls, slot: Record) -> "Placing":
+    def of(cls, slot: Record) -> "TexturePlacing":
         """Coordinates in a texture's record; its ``extensions`` overrule the set."""
         moved = slot.inner("extensions").inner("KHR_texture_transform")
         angle = moved.number("rotation", 0.0)
@@ -55,18 +55,18 @@ class Materials:
         """Count of the materials in the file."""
         return len(self._materials)
 
-    def __getitem__(self, index: int) -> tuple[Material, "Placing"]:
+    def __getitem__(self, index: int) -> tuple[Material, "TexturePlacing"]:
         """Material, and the placing of its texture."""
         return self._materials[index]
 
-    def _material(self, record: Record) -> tuple[Material, "Placing"]:
+    def _material(self, record: Record) -> tuple[Material, "TexturePlacing"]:
         surface = record.inner("pbrMetallicRoughness")
         linear = np.clip(surface.numbers("baseColorFactor", (1.0, 1.0, 1.0, 1.0))[:3], 0.0, 1.0)
         slot = surface.inner("baseColorTexture")
         texture = self._texture(slot) if "index" in slot else None
         cut_out = record.text("alphaMode", "OPAQUE") != "OPAQUE"
         colour, sides = hex_colour(shown(linear)), record.flag("doubleSided")
-        return Material(record.text("name"), colour, texture, sides, cut_out), Placing.of(slot)
+        return Material(record.text("name"), colour, texture, sides, cut_out), TexturePlacing.of(slot)
 
     def _texture(self, slot: Record) -> NDArray[np.uint8] | None:
         texture = slot.index("index", len(self._textures))

@@ -15,10 +15,10 @@ from studio.core.mesh.appearance import Material
 from studio.core.rigs.joint_skin import JointSkin
 from studio.core.rotations import from_matrix
 from studio.core.stage.saved_camera import CAMERA_ASPECT, FARTHEST_SEEN, NEAREST_SEEN, VIEW_ANGLE, SavedCamera
+from studio.io.atomic_write import write_pieces
 from studio.io.export import Take, plain_material, skin_of
 from studio.io.gltf.buffers import TRIANGLES, VERTICES, Buffers
 from studio.io.registry import Progress
-from studio.io.replacing import write_pieces
 from studio.io.takes.exported_stage import ExportedProp, ExportedStage
 
 FloatArray = NDArray[np.float64]

@@ -12,7 +12,7 @@ from studio.core.errors import StudioError
 from studio.core.names import readable
 from studio.io.figure.figure import MOST_FIGURE_JOINTS, MOST_VERTICES, Figure, MeshPiece
 from studio.io.hanim.geometry import ShapeSurface, surface_of
-from studio.io.hanim.looks import Looks
+from studio.io.hanim.looks import ShapeMaterials
 from studio.io.hanim.scene import MOST_VISITS, SceneNode, walk
 
 FloatArray = NDArray[np.float64]
@@ -31,13 +31,13 @@ def figure_of(scene: list[SceneNode], path: Path) -> Figure:
     if not humanoids:
         raise StudioError(f"{path.name} shows no humanoid: no HAnimHumanoid or Humanoid is in it. Export one.")
     humanoid = max(humanoids, key=lambda node: sum(inner.kind in JOINT_NODES for inner in walk(node.nodes(*_BODY))))
-    return _Reader(humanoid, Looks(path)).figure(path)
+    return _Reader(humanoid, ShapeMaterials(path)).figure(path)
 
 
 @dataclass
 class _Reader:
     humanoid: SceneNode
-    looks: Looks
+    looks: ShapeMaterials
     names: list[str] = field(default_factory=list)
     parents: list[int] = field(default_factory=list)
     positions: list[FloatArray] = field(default_factory=list)

@@ -7,15 +7,15 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
-from studio.io.beside import path_beside, read_bytes
 from studio.io.figure.textures import checked_picture
 from studio.io.gltf.materials import hex_colour
 from studio.io.hanim.scene import SceneNode
+from studio.io.referenced_files import path_beside, read_bytes
 
 _LARGEST_PICTURE = 100_000_000
 
 
-class Looks:
+class ShapeMaterials:
     """Materials of one file, equal ones shared. Missing pictures are reported in ``repairs``."""
 
     def __init__(self, path: Path) -> None:

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from studio.core.errors import StudioError
-from studio.io.beside import read_bytes
 from studio.io.hanim.scene import (
     DEEPEST_NODE,
     LARGEST_TEXT,
@@ -21,6 +20,7 @@ from studio.io.hanim.scene import (
     too_many,
     unquoted,
 )
+from studio.io.referenced_files import read_bytes
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
 _LONGEST_ROW = 1000

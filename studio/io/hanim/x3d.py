@@ -5,8 +5,8 @@ from typing import Any
 from xml.parsers import expat
 
 from studio.core.errors import StudioError
-from studio.io.beside import read_bytes
 from studio.io.hanim.scene import DEEPEST_NODE, LARGEST_TEXT, MOST_HANIM_NODES, SceneNode, too_many
+from studio.io.referenced_files import read_bytes
 
 _FIELDS = {
     "Appearance": "appearance",

@@ -15,8 +15,8 @@ from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.proposing import propose_map
 from studio.core.markers.sides import exchanged_places, with_exchanged
 from studio.core.markers.trial import MARKER_KIND, VIRTUAL_KIND, Trial, subject_of
+from studio.io.atomic_write import write_whole
 from studio.io.json_text import read_json
-from studio.io.replacing import write_whole
 from studio.resources_folder import resources_folder
 
 _SIDES = ({"side": "left", "Side": "Left", "S": "L", "s": "l"}, {"side": "right", "Side": "Right", "S": "R", "s": "r"})

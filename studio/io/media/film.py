@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
+from studio.io.atomic_write import replacing
 from studio.io.child_process import Streams, child_process, wait_for
 from studio.io.png import write_pictures
-from studio.io.replacing import replacing
 
 _QUALITY = 15
 """The constant rate factor of H.264: 0 loses nothing, 51 is the worst."""

@@ -8,11 +8,11 @@ import numpy as np
 
 from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
-from studio.io.beside import path_beside, read_bytes
 from studio.io.meshes.obj import read_obj
 from studio.io.meshes.ply import read_ply
 from studio.io.meshes.stl import read_stl
 from studio.io.meshes.triangles import MeshError, Points, Triangles
+from studio.io.referenced_files import path_beside, read_bytes
 
 _READERS: dict[str, Callable[[bytes], tuple[Points, Triangles]]] = {
     ".obj": read_obj,

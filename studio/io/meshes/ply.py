@@ -51,7 +51,7 @@ class Element:
 def read_ply(content: bytes) -> tuple[Points, Triangles]:
     """Points (V, 3) and triangles (T, 3). Raises MeshError."""
     order, elements, start = _header(content)
-    body = _Text(content[start:]) if order == "" else _Bytes(content, start, order)
+    body = _TextNumbers(content[start:]) if order == "" else _BinaryNumbers(content, start, order)
     points, corners = np.zeros((0, 3)), Corners()
     for element in elements:
         if element.count > body.most_rows:
@@ -107,7 +107,7 @@ def _places(element: Element, table: NDArray[np.float64]) -> Points:
     return table[:, [names.index(axis) for axis in "xyz"]]
 
 
-def _add_faces(element: Element, body: "_Text | _Bytes", corners: Corners) -> None:
+def _add_faces(element: Element, body: "_TextNumbers | _BinaryNumbers", corners: Corners) -> None:
     names = [name for name, _ in element.properties]
     place = next((names.index(name) for name in _LISTS if name in names), None)
     for _ in range(element.count):
@@ -116,7 +116,7 @@ def _add_faces(element: Element, body: "_Text | _Bytes", corners: Corners) -> No
             corners.add([checked_index(value) for value in row[place]])
 
 
-class _Text:
+class _TextNumbers:
     """Numbers one after the other."""
 
     def __init__(self, content: bytes) -> None:
@@ -149,7 +149,7 @@ class _Text:
         return self._numbers[begin : self._at]
 
 
-class _Bytes:
+class _BinaryNumbers:
     """Binary numbers one after the other."""
 
     def __init__(self, content: bytes, start: int, order: str) -> None:

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from studio.core.errors import StudioError
-from studio.io.beside import SNIFFED, refuse_devices, refuse_stand_in
-from studio.io.replacing import FolderNotWritable, remove_leftovers, replacing
+from studio.io.atomic_write import FolderNotWritable, remove_leftovers, replacing
+from studio.io.referenced_files import SNIFFED, refuse_devices, refuse_stand_in
 from studio.io.zipped import UnpacksTooFarError, unpacked
 
 SEAL = b"morpho-studio sha256:"

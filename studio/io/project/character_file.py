@@ -22,14 +22,14 @@ from studio.core.mesh.character import Character
 from studio.core.mesh.hand_shapes import HandShapes
 from studio.core.mesh.rig import Rig
 from studio.core.mesh.skin import Blending, SkinnedMesh
-from studio.io.beside import path_beside, read_bytes
+from studio.io.atomic_write import replacing_all
 from studio.io.figure.textures import checked_picture
 from studio.io.importing import ImportOptions
 from studio.io.json_text import json_of
 from studio.io.npy import arrays_of
 from studio.io.project.value_json import MemberCodec, from_json, to_json
+from studio.io.referenced_files import path_beside, read_bytes
 from studio.io.registry import Progress, ReadCharacter
-from studio.io.replacing import replacing_all
 from studio.resources_folder import resources_folder
 
 CHARACTER_FORMAT = "morpho-studio character"

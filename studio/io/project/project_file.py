@@ -14,6 +14,7 @@ from pathlib import Path
 from studio.core.constraints.objections import objections
 from studio.core.errors import StudioError
 from studio.core.stage.project import Project
+from studio.io.atomic_write import FolderNotWritable
 from studio.io.npy import array_of
 from studio.io.project.archive import Archive, Stamp, read_archive, stamp, write_archive
 from studio.io.project.entity_json import (
@@ -29,7 +30,6 @@ from studio.io.project.entity_json import (
 )
 from studio.io.project.upgrades import schema_of, upgraded
 from studio.io.project.value_json import Array, Json
-from studio.io.replacing import FolderNotWritable
 
 __all__ = [
     "ChangedOnDisk",

@@ -19,11 +19,11 @@ from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import girdle_of, restore
 from studio.core.rotations import IDENTITY_QUATERNION, to_matrix
-from studio.io.beside import read_bytes
 from studio.io.json_text import json_of
 from studio.io.npy import array_of
 from studio.io.project.constraint_file import constraint_of, contacts_of
 from studio.io.project.value_json import Json, MemberCodec, from_json
+from studio.io.referenced_files import read_bytes
 from studio.io.s4d.writer import CHANNELS, RECORD, ROTATIONS, S4D_FORMAT, S4D_VERSION, TRANSLATIONS, S4d
 from studio.io.zipped import UnpacksTooFarError, unpacked
 

@@ -10,13 +10,13 @@ from scipy.spatial import cKDTree
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
 from studio.core.names import readable
-from studio.io.beside import content_of
 from studio.io.figure.body import character_of
 from studio.io.figure.figure import MOST_VERTICES, Figure, FloatArray, IntArray, MeshPiece, rotations_of
 from studio.io.figure.textures import checked_picture
 from studio.io.gltf.materials import hex_colour
 from studio.io.importing import ImportOptions
 from studio.io.meshes.shapes import smooth_normals, unit
+from studio.io.referenced_files import content_of
 from studio.io.registry import Progress, ReadCharacter
 from studio.io.scene.scene_reader import Arrays
 

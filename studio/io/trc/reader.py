@@ -11,9 +11,9 @@ from studio.core.errors import StudioError
 from studio.core.markers.subjects import with_subjects
 from studio.core.markers.trial import MARKER_KIND, Trial
 from studio.core.names import counted, readable
-from studio.io.beside import read_bytes
 from studio.io.markers.unit import named_unit
 from studio.io.numbers import count_per_line, lines_of, number, table
+from studio.io.referenced_files import read_bytes
 
 FloatArray = NDArray[np.float64]
 

@@ -18,9 +18,9 @@ from studio.core.names import readable
 from studio.core.rigs.joint_skin import JointSkin
 from studio.core.rotations import to_matrix
 from studio.core.stage.saved_camera import CAMERA_ASPECT, FARTHEST_SEEN, NEAREST_SEEN, VIEW_ANGLE, SavedCamera
+from studio.io.atomic_write import replacing_all
 from studio.io.export import Take, plain_material, skin_of
 from studio.io.registry import Progress
-from studio.io.replacing import replacing_all
 from studio.io.takes.exported_stage import ExportedProp, ExportedStage
 from studio.io.usd.materials import bind_materials, identifiers
 from studio.io.zipped import write_zip

@@ -55,23 +55,23 @@ def begun(view: Diagram, event: QMouseEvent, place: QPointF) -> DiagramGesture |
     left = event.button() is Qt.MouseButton.LeftButton
     alt = bool(event.modifiers() & Qt.KeyboardModifier.AltModifier)
     if event.button() is Qt.MouseButton.MiddleButton or (left and alt):
-        return Panning(view, event, place)
+        return PanDiagram(view, event, place)
     if not left:
         return None
     state = view.state_at(place)
     if state is not None and state.on_rim(place):
-        return Connecting(view, event, place, state)
+        return DrawTransition(view, event, place, state)
     item = view.item_at(place)
     if item is None:
-        return Framing(view, event, place)
+        return SelectStates(view, event, place)
     if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
         view.document.selection.toggle(item)
     elif item not in view.document.selection:
         view.select(item)
-    return Moving(view, event, place) if state is not None else None
+    return MoveStates(view, event, place) if state is not None else None
 
 
-class Moving(DiagramGesture):
+class MoveStates(DiagramGesture):
     """Move the selected states with the mouse, on a grid, as one undo step."""
 
     def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF) -> None:
@@ -102,7 +102,7 @@ class Moving(DiagramGesture):
         self.view.edit(lambda _: self._before, "Move", self._number)
 
 
-class Connecting(DiagramGesture):
+class DrawTransition(DiagramGesture):
     """Drag of an arrow from a box: released on another box it makes a transition, on empty ground one
     to a new state.
     """
@@ -140,7 +140,7 @@ class Connecting(DiagramGesture):
         painter.drawEllipse(end, 3.0, 3.0)
 
 
-class Framing(DiagramGesture):
+class SelectStates(DiagramGesture):
     """Selection rectangle for states; a click selects the whole behaviour."""
 
     def release(self, event: QMouseEvent, place: QPointF) -> None:
@@ -157,7 +157,7 @@ class Framing(DiagramGesture):
             painter.drawRect(QRectF(self.begin, self.now).normalized())
 
 
-class Panning(DiagramGesture):
+class PanDiagram(DiagramGesture):
     """Pan the view with the mouse."""
 
     def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF) -> None:

@@ -9,7 +9,7 @@ from studio.core.constraints.base import Vector
 from studio.core.constraints.procedural import CirclePlace, NoisePlace, PendulumPlace, ProceduralPlace
 from studio.core.constraints.target import Place
 from studio.panels.constraint_editors.vector_row import VectorRow
-from studio.panels.editor import Editor, Named
+from studio.panels.editor import Editor, NamedEntity
 from studio.panels.fields import NumberField, Section
 
 RULES = (
@@ -58,7 +58,7 @@ _NUMBERS = (
 class ProceduralRows:
     """Rows of the rule of the entity's value ``field``; none if it has no rule."""
 
-    def __init__(self, editor: Editor[Named], section: Section, field: str) -> None:
+    def __init__(self, editor: Editor[NamedEntity], section: Section, field: str) -> None:
         self._editor, self._field = editor, field
         self._rows = []
         for number in _NUMBERS:

@@ -22,7 +22,7 @@ from studio.engine.performance import motion_time, stage_time
 from studio.engine.point_names import POINT_NAMES, point_words
 from studio.panels.constraint_editors.present import moment_now
 from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
-from studio.panels.editor import Editor, Named
+from studio.panels.editor import Editor, NamedEntity
 from studio.panels.fields import Choice, Section, labelled, press_button, short
 
 FIXED_KIND, KEYED_KIND = "fixed", Keys.kind
@@ -314,7 +314,7 @@ class TargetRows:
 class KeyRow:
     """Row with the number of the key at the playhead, and buttons to go to the next one, to set and to delete one."""
 
-    def __init__(self, editor: Editor[Named], section: Section, field: str) -> None:
+    def __init__(self, editor: Editor[NamedEntity], section: Section, field: str) -> None:
         self._editor, self._field = editor, field
         self._words = labelled("", "value")
         self._words.setAccessibleName("Keys")
@@ -390,7 +390,7 @@ class KeyRow:
 class NumberRows:
     """Rows of a number that may be keyed: a box to key it, and its keys."""
 
-    def __init__(self, editor: Editor[Named], section: Section, field: str) -> None:
+    def __init__(self, editor: Editor[NamedEntity], section: Section, field: str) -> None:
         self._editor, self._field = editor, field
         self.keyed = QCheckBox("keyed")
         self.keyed.setAccessibleName(f"{field.capitalize()} is keyed over time")

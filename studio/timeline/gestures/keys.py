@@ -5,7 +5,7 @@ from PySide6.QtCore import QPointF, QRectF
 from studio.document.key_edits import KeyDrag
 from studio.document.keyed_fields import KeyRef
 from studio.timeline.gestures.gesture import DragHint, TimelineGesture
-from studio.timeline.sheet import Sheet
+from studio.timeline.sheet import TimelineLayout
 from studio.timeline.shown import RowContext
 from studio.timeline.snapping import key_magnets, snapped
 from studio.timeline.time_words import moment
@@ -52,7 +52,7 @@ class DragKeys(TimelineGesture):
 class BoxSelect(TimelineGesture):
     """Selection of the keys in a box; with ``add`` in addition to the selected ones."""
 
-    def __init__(self, sheet: Sheet, press: QPointF, add: bool) -> None:
+    def __init__(self, sheet: TimelineLayout, press: QPointF, add: bool) -> None:
         self._sheet, self._press = sheet, press
         self._before = sheet.shown.document.keys.items
         self._kept = self._before if add else frozenset()

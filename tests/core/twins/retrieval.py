@@ -4,10 +4,10 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from studio.core.kernels import pose_search as at
-from studio.core.retrieval import Found, Query, SearchTable, pose_distances
+from studio.core.retrieval import Query, SearchMatch, SearchTable, pose_distances
 
 
-def brute_force(table: SearchTable, query: Query, count: int, allowed: np.ndarray) -> list[Found]:
+def brute_force(table: SearchTable, query: Query, count: int, allowed: np.ndarray) -> list[SearchMatch]:
     best = []
     for clip, (actor, limb, begin, length) in enumerate(table.clips):
         if not allowed[clip]:
@@ -25,7 +25,7 @@ def brute_force(table: SearchTable, query: Query, count: int, allowed: np.ndarra
         cost = query.posture_weight * posture + query.reach_weight * reach
         frame = int(np.argmin(cost))
         numbers = (float(each[frame]) for each in (cost, posture, reach, turns))
-        best.append(Found(clip, frame, int(away[frame].argmin()), *numbers))
+        best.append(SearchMatch(clip, frame, int(away[frame].argmin()), *numbers))
     return sorted(best, key=lambda each: each.cost)[:count]
 
 

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import AnyMorphology, at_frames
 from studio.core.captures.contacts import ContactPoint
+from studio.core.compact_array import PoseArray
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
@@ -17,7 +18,6 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.kernels import layout as at
 from studio.core.kernels import records
 from studio.core.kernels.support.body_settling import place_arms
-from studio.core.single import PoseArray
 from studio.core.solver.asking.task_rows import TaskRecords
 from studio.core.solver.standing.blends import release_weight
 from studio.core.solver.standing.body_support import GroundContact, track_of

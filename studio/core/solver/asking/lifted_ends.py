@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import at_frames, sole_rows
+from studio.core.compact_array import PoseArray
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.target import follows_of
 from studio.core.grounds.ground import Ground
-from studio.core.single import PoseArray
 from studio.core.solver.asking.points import limb_of
 from studio.core.solver.standing.blends import smooth_penetrations
 from studio.core.solver.standing.held_foot import FootPath
@@ -68,7 +68,10 @@ def lift_ends(
     body, ground, layout = standing.morphology, standing.ground, standing.morphology.layout
     before, solved = (standing.positions[window], standing.rotations[window]), (positions, rotations)
     for side in range(2):
-        hand, foot = End(layout.wrist(side), layout.hand(side), 1), End(layout.ankle(side), layout.foot(side), 2)
+        hand, foot = (
+            LimbEnd(layout.wrist(side), layout.hand(side), 1),
+            LimbEnd(layout.ankle(side), layout.foot(side), 2),
+        )
         heights = hand.tip_heights(ground, positions)
         if may_rise(heights):
             rises = _rises(heights, hand.tip_heights(ground, before[0]), free[side])
@@ -106,7 +109,7 @@ def risen(rises: FloatArray) -> FloatArray:
     return np.where(rises > NEGLIGIBLE_RISE, rises, 0.0)
 
 
-class End(NamedTuple):
+class LimbEnd(NamedTuple):
     """Hand or foot: the point of its ``joint``, its ``segment``, and its ``size`` in points, and in segments."""
 
     joint: int

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import at_frames, sole_rows
+from studio.core.compact_array import PoseArray
 from studio.core.rotations import normalized
-from studio.core.single import PoseArray
 from studio.core.solver.asking.lifted_ends import END_MARGIN, may_rise, risen
 from studio.core.solver.standing.blends import smooth_penetrations, smoothstep_array
 from studio.core.solver.standing.body_support import raise_by_swinging
@@ -34,7 +34,7 @@ LEAST_CIRCLE = 0.005
 """Rise in metres of elbow or knee on its circle at which its turn is halved: a lower one would whirl."""
 
 
-class _Posed(NamedTuple):
+class _PosedBody(NamedTuple):
     """Frames of a ``window``, (F, P, 3) and (F, S, 3, 3)."""
 
     standing: Standing
@@ -51,8 +51,8 @@ def lift_limbs(
 
     ``held`` (4, F) are the activations of constraints on each limb: the less a limb is held, the sooner it rises.
     """
-    before = _Posed(standing, window, standing.positions[window], standing.rotations[window])
-    solved, rounds = _Posed(standing, window, positions, rotations), 1 if standing.ground.is_level else SLOPE_ROUNDS
+    before = _PosedBody(standing, window, standing.positions[window], standing.rotations[window])
+    solved, rounds = _PosedBody(standing, window, positions, rotations), 1 if standing.ground.is_level else SLOPE_ROUNDS
     _raise_trunk(before, solved)
     for number in range(4):
         margins = _margins(held[number])
@@ -62,7 +62,7 @@ def lift_limbs(
                     break
 
 
-def _raise_trunk(before: _Posed, solved: _Posed) -> None:
+def _raise_trunk(before: _PosedBody, solved: _PosedBody) -> None:
     """Raise the body, in place, where trunk or head are in the ground; hands and feet stay where limbs reach them."""
     layout = solved.standing.morphology.layout
     limbs = [TwoBoneLimb.of(number, layout) for number in range(4)]
@@ -83,7 +83,7 @@ def _raise_trunk(before: _Posed, solved: _Posed) -> None:
     solved.positions[frames], solved.rotations[frames] = posed
 
 
-def _raise_end(number: int, margins: FloatArray, before: _Posed, solved: _Posed) -> bool:
+def _raise_end(number: int, margins: FloatArray, before: _PosedBody, solved: _PosedBody) -> bool:
     """Raise the end of a limb with hand or foot, in place; True if it rises in any frame."""
     heights, limb = _end_heights(number, solved), TwoBoneLimb.of(number, solved.standing.morphology.layout)
     if not may_rise(heights):
@@ -98,7 +98,7 @@ def _raise_end(number: int, margins: FloatArray, before: _Posed, solved: _Posed)
     return len(frames) > 0
 
 
-def _raise_middle(number: int, _: FloatArray, before: _Posed, solved: _Posed) -> bool:
+def _raise_middle(number: int, _: FloatArray, before: _PosedBody, solved: _PosedBody) -> bool:
     """Raise elbow or knee, in place; True if it rises in any frame."""
     limb = TwoBoneLimb.of(number, solved.standing.morphology.layout)
     heights, own = (_heights(each.standing, each.positions[:, limb.root + 1]) for each in (solved, before))
@@ -118,7 +118,7 @@ def _margins(held: FloatArray) -> FloatArray:
     return np.asarray(HARD_MARGIN + (END_MARGIN - HARD_MARGIN) * smoothstep_array(1.0 - held))
 
 
-def _end_heights(limb: int, posed: _Posed) -> FloatArray:
+def _end_heights(limb: int, posed: _PosedBody) -> FloatArray:
     """Heights (2 or 3, F) in metres above the ground of wrist and finger tips, or of ankle, heel and toes."""
     standing, window, positions, rotations = posed
     layout = standing.morphology.layout

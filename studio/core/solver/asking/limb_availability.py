@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnyMorphology, at_frames, sole_rows
 from studio.core.captures.contacts import ContactInterval, contact_mask
+from studio.core.compact_array import PoseArray
 from studio.core.grounds.ground import Ground
-from studio.core.single import PoseArray
 from studio.core.solver.asking.chains import HIP_LIMIT, point_masses
 from studio.core.solver.standing.blends import release_weight
 

@@ -20,7 +20,7 @@ from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quatern
 from studio.core.rotations import from_matrix, normalized, shortest_arc, to_matrix
 
 if TYPE_CHECKING:
-    from studio.core.solver.request import Unasked
+    from studio.core.solver.request import UnconstrainedPoses
 
 FloatArray = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ class Track:
 class OwnPath:
     """Track of an object that moves with the grounded body itself, known after grounding."""
 
-    make: "Callable[[Unasked, AnyMorphology], Track]"
+    make: "Callable[[UnconstrainedPoses, AnyMorphology], Track]"
 
 
 Tracks = Mapping[Follow | OwnPlace | Support, Track | OwnPath]

@@ -19,7 +19,7 @@ from studio.core.rotations import to_matrix
 from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.performers.rows import carry_of
-from studio.core.solver.request import AdaptedMotion, Unasked
+from studio.core.solver.request import AdaptedMotion, UnconstrainedPoses
 from studio.core.stage.placement import Placement
 
 FloatArray = NDArray[np.float64]
@@ -36,7 +36,7 @@ def point_track(
     return Track(positions[:, origin] + axes @ np.array(point.offset), axes @ to_matrix(np.array(turn)))
 
 
-def own_track(place: OwnPlace, unasked: Unasked, body: AnyMorphology, frame_rate: float) -> Track:
+def own_track(place: OwnPlace, unasked: UnconstrainedPoses, body: AnyMorphology, frame_rate: float) -> Track:
     """Fixed position relative to the grounded body at one time, one frame for all."""
     row = min(max(round(place.time * frame_rate), 0), len(unasked.positions) - 1)
     origin, segment = point_indices(place.point, body.still.layout)

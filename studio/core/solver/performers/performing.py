@@ -40,14 +40,14 @@ class Performance:
 
 
 @dataclass(frozen=True, eq=False)
-class Staged:
+class StagedPerformances:
     """Performances by performer, and the failures of others."""
 
     performances: Mapping[str, Performance]
     failures: Mapping[str, str] = field(default_factory=dict)
 
 
-def perform(project: Project, performer_ids: Iterable[str], prepare: Prepare, solve: Solve) -> Staged:
+def perform(project: Project, performer_ids: Iterable[str], prepare: Prepare, solve: Solve) -> StagedPerformances:
     """Adapt these performers and all that they follow; a failure affects only the performer and its followers."""
     known: dict[int, tuple[NormalizedMotion, Morphology]] = {}
 
@@ -63,7 +63,7 @@ def perform(project: Project, performer_ids: Iterable[str], prepare: Prepare, so
             done |= _perform(project, circle, prepared, solve, done)
         except StudioError as error:
             failures |= dict.fromkeys(circle, str(error))
-    return Staged(done, failures)
+    return StagedPerformances(done, failures)
 
 
 def _perform(

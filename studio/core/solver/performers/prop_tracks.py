@@ -18,7 +18,7 @@ from studio.core.rotations import to_matrix
 from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.performers.followed_tracks import performer_track, point_track
-from studio.core.solver.request import AdaptedMotion, Unasked
+from studio.core.solver.request import AdaptedMotion, UnconstrainedPoses
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Carried, InHand, Prop
 from studio.core.stage.timing import Timing
@@ -79,7 +79,7 @@ class OwnHands:
     Constraints that keep hands on the prop do not move it.
     """
 
-    unasked: Unasked
+    unasked: UnconstrainedPoses
     body: AnyMorphology
     placement: Placement
     rows: NDArray[np.int64]
@@ -191,7 +191,7 @@ def seen_from(follow: FollowProp, prop: Prop, track: Track, own: Placement) -> T
     return Track(own.to_motion(places), own.rotation.T @ track.rotations @ to_matrix(np.array(follow.turn)))
 
 
-def own_hands(unasked: Unasked, body: AnyMorphology, timing: Timing, own: Placement) -> OwnHands:
+def own_hands(unasked: UnconstrainedPoses, body: AnyMorphology, timing: Timing, own: Placement) -> OwnHands:
     """A body's own hands in every frame of its motion."""
     return OwnHands(unasked, body, own, np.arange(len(unasked.positions)), timing)
 

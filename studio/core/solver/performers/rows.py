@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from studio.core.constraints.base import Constraint
-from studio.core.constraints.carried_over import NEVER, Carry, carried_over
+from studio.core.constraints.carried_over import NEVER, ClipTransform, carried_over
 from studio.core.curves.keyed import KeyedNumber
 from studio.core.curves.retiming import playing_seconds
 from studio.core.normalized.compose import Composite
@@ -110,7 +110,7 @@ def pieces_of(
     )  # fmt: skip
 
 
-def carry_of(played: Played, timing: Timing, leg_length: float) -> Carry:
+def carry_of(played: Played, timing: Timing, leg_length: float) -> ClipTransform:
     """Mapping of constraints from a piece's motion to where it plays, on a body of that leg length."""
     piece, placement = played.piece, played.placement
     rate = piece.motion.frame_rate
@@ -122,7 +122,7 @@ def carry_of(played: Played, timing: Timing, leg_length: float) -> Carry:
     begin = piece.start - timing.begin - before
     x, y = (leg_length * np.array(placement.offset)).tolist()
     ends = played.first / timing.frame_rate, played.last / timing.frame_rate
-    return Carry(begin, piece.speed, placement.turn, (x, y), piece.mirrored, *ends)
+    return ClipTransform(begin, piece.speed, placement.turn, (x, y), piece.mirrored, *ends)
 
 
 def constraints_in(

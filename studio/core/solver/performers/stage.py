@@ -20,7 +20,7 @@ from studio.core.rotations import multiply, to_matrix
 from studio.core.solver.asking.tracks import OwnPath, Track, Tracks
 from studio.core.solver.asking.whole_body import areas_of
 from studio.core.solver.performers.rows import ClipConstraint, timing_of
-from studio.core.solver.request import AdaptedMotion, Unasked
+from studio.core.solver.request import AdaptedMotion, UnconstrainedPoses
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import InHand, Prop
@@ -202,7 +202,7 @@ def _prop(follow: FollowProp, project: Project, performer_id: str, results: Mapp
             rows = timings[key].frames_at(seconds) - result.first_frame
             hands[key] = Holder(result, rows, Placement.of(leaders[key]), timing=timings[key])
 
-        def among(unasked: Unasked, body: AnyMorphology) -> Track:
+        def among(unasked: UnconstrainedPoses, body: AnyMorphology) -> Track:
             mine = own_hands(unasked, body, composite.timing, own)
             return seen_from(follow, prop, stage_track(prop, seconds, {**hands, performer_id: mine}), own)
 

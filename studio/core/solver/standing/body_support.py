@@ -22,6 +22,7 @@ from studio.core.captures.contacts import (
     spans_of,
     touching_points,
 )
+from studio.core.compact_array import PoseArray
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.kernels.algebra.medians import geometric_median
@@ -32,7 +33,6 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.rotations import normalized, shortest_arc
 from studio.core.runs import runs_of
-from studio.core.single import PoseArray
 from studio.core.solver.standing.arching import arch_trunk
 from studio.core.solver.standing.blends import (
     AVERAGED,

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnyMorphology, leg_rows, sole_rows
 from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, ContactPoint, spans_of
+from studio.core.compact_array import PoseArray
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.layout import LIMB_SLACK
 from studio.core.kernels.limbs.legs import required_root_lowering
@@ -21,7 +22,6 @@ from studio.core.kernels.support.leg_lengths import keep_leg_lengths
 from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STANDS
 from studio.core.kernels.support.swing_foot_clearance import raise_swing_foot
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.single import PoseArray
 from studio.core.solver.standing.blends import AVERAGED, GOES_ALONG, LET_GO, averaged, release_weight, smooth_drops
 from studio.core.solver.standing.footprints import find_footprints, project_to_terrain
 from studio.core.solver.standing.obliquity import dip_pelvis

@@ -33,7 +33,7 @@ ELBOW_ROTATIONS = 3
 """Iterations of the rotation of an arm in contact: on its circle an elbow is lower than on its way out."""
 
 
-class _Posed(NamedTuple):
+class _PosedBody(NamedTuple):
     """A body whose ``positions`` (F, P, 3) and ``rotations`` (F, S, 3, 3) are corrected in place."""
 
     body: AnyMorphology
@@ -57,7 +57,7 @@ def raise_arms(
     """
     if not ground.is_level:
         return
-    posed = _Posed(body, ground, frame_rate, positions, rotations)
+    posed = _PosedBody(body, ground, frame_rate, positions, rotations)
     for side in range(2):
         stands = np.zeros(len(positions), dtype=np.bool_) if arms is None else arms.standing[side]
         free, slowly_free = (release_weight(stands, frame_rate, seconds) for seconds in (LET_GO, SLOWLY_LET_GO))
@@ -79,7 +79,7 @@ def _outright(now: FloatArray) -> FloatArray:
     return np.asarray(wide / (wide + STRAIGHT_LIMB_OFFSET**2))
 
 
-def _bend_hand(side: int, free: FloatArray, posed: _Posed) -> None:
+def _bend_hand(side: int, free: FloatArray, posed: _PosedBody) -> None:
     """Bend a hand back at the wrist, in place, by its weight ``free`` (F,), until its fingers are above the ground.
 
     It bends no farther than level: people bend the wrist before the elbow. A hand with its back down would not rise.
@@ -108,7 +108,7 @@ def _bend_hand(side: int, free: FloatArray, posed: _Posed) -> None:
     positions[bent, wrist + 1] = positions[bent, wrist] + np.einsum("fij,fj->fi", rotation_matrices, fingers[bent])
 
 
-def _raise_hand(side: int, free: FloatArray, posed: _Posed) -> None:
+def _raise_hand(side: int, free: FloatArray, posed: _PosedBody) -> None:
     """Raise a hand, in place, by its weight ``free`` (F,); its arm bends and swings in its plane."""
     body, ground, frame_rate, positions, rotations = posed
     wrist, margin = body.layout.wrist(side), ARM_CLEARANCE * body.leg_length
@@ -128,7 +128,7 @@ def _above(ground: Ground, places: FloatArray) -> FloatArray:
     return np.asarray(places[..., 2] - ground.height_at(places))
 
 
-def _raise_elbow(side: int, free: FloatArray, posed: _Posed) -> None:
+def _raise_elbow(side: int, free: FloatArray, posed: _PosedBody) -> None:
     """Move an elbow out of the ground, in place: the upper arm swings out, with forearm and hand by the weight ``free``
     (F,).
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnyMorphology, Morphology
 from studio.core.captures.contacts import ContactInterval, on_ground
+from studio.core.compact_array import PoseArray, single
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import records
 from studio.core.kernels.solve_clip import place_frames
@@ -20,9 +21,8 @@ from studio.core.mesh.volume import BodyVolume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize
 from studio.core.runs import runs_in
-from studio.core.single import PoseArray, single
 from studio.core.solver.asking.self_contact import PUSH_OUT_ROUNDS, SelfContact, self_contact_of, standing_hand_weights
-from studio.core.solver.request import AdaptRequest, Unasked
+from studio.core.solver.request import AdaptRequest, UnconstrainedPoses
 from studio.core.solver.standing.body_support import GroundContact, find_support, limb_freedom
 from studio.core.solver.standing.flight_height import flight_heights
 from studio.core.solver.standing.footing import Footing, find_footing
@@ -57,12 +57,12 @@ class Standing:
     self_contact: SelfContact | None = None
 
     @property
-    def unasked(self) -> Unasked:
+    def unasked(self) -> UnconstrainedPoses:
         """Poses before constraints."""
-        return Unasked(self.positions, self.rotations)
+        return UnconstrainedPoses(self.positions, self.rotations)
 
     def kept(self) -> "Standing":
-        """Copy with poses in half the memory, see ``core.single``."""
+        """Copy with poses in half the memory, see ``core.compact_array``."""
         footing = replace(self.footing, feet=single(self.footing.feet), toes=single(self.footing.toes))
         return replace(self, footing=footing, positions=single(self.positions), rotations=single(self.rotations))
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactInterval, ContactPoint, contact_mask, touching_points
-from studio.core.single import PoseArray
+from studio.core.compact_array import PoseArray
 from studio.core.solver.asking.chains import point_masses
 
 FloatArray = NDArray[np.float64]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 
 
-class Single:
+class CompactArray:
     """Numbers of any shape; reading an index returns a new array of 64 bits.
 
     A copy shares all rows with the original except those that are written to it, so that an edit of some seconds of a
@@ -64,11 +64,11 @@ class Single:
     def shape(self) -> tuple[int, ...]:
         return self._kept.shape
 
-    def copy(self) -> "Single":
+    def copy(self) -> "CompactArray":
         """Copy that may be changed."""
-        return Single(self._kept, self._written)
+        return CompactArray(self._kept, self._written)
 
-    def part(self, rows: slice) -> "Single":
+    def part(self, rows: slice) -> "CompactArray":
         """Slice of the rows, without a copy."""
         first, last, _ = rows.indices(len(self))
         written = [
@@ -76,7 +76,7 @@ class Single:
             for begin, numbers in self._written
             if begin < last and begin + len(numbers) > first
         ]
-        return Single(self._kept[rows], written)
+        return CompactArray(self._kept[rows], written)
 
     def _whole(self) -> NDArray[np.float32]:
         """All numbers in one read-only array."""
@@ -92,15 +92,15 @@ def _is_basic(index: Any) -> bool:
     return isinstance(index, int | np.integer | slice)
 
 
-PoseArray = FloatArray | Single
+PoseArray = FloatArray | CompactArray
 """Numbers that ``[...]`` reads as 64 bits, ``[:]`` all of them."""
 
 
 def part_of(numbers: PoseArray, rows: slice) -> PoseArray:
     """Slice of the rows of an array, without a copy."""
-    return numbers.part(rows) if isinstance(numbers, Single) else numbers[rows]
+    return numbers.part(rows) if isinstance(numbers, CompactArray) else numbers[rows]
 
 
-def single(numbers: PoseArray) -> Single:
+def single(numbers: PoseArray) -> CompactArray:
     """Array stored in 32 bits."""
-    return numbers if isinstance(numbers, Single) else Single(numbers)
+    return numbers if isinstance(numbers, CompactArray) else CompactArray(numbers)

@@ -9,7 +9,7 @@ from studio.viewport.camera import OrbitCamera
 MILLISECONDS = 120
 
 
-class Glide(QObject):
+class CameraAnimation(QObject):
     """Animation of 120 ms; a new one replaces one under way."""
 
     def __init__(self, show: Callable[[OrbitCamera], None], parent: QObject) -> None:

@@ -10,7 +10,7 @@ LATEST_EVENT = 1.0
 """Longest delay of an event in seconds; a longer one means that its time is missing or from another clock."""
 
 
-class Hand(QObject):
+class MouseTimestamps(QObject):
     """Event filter for all mouse events of the program, installed only during a drag."""
 
     def __init__(self, parent: QObject | None = None) -> None:
@@ -38,7 +38,7 @@ class Hand(QObject):
         return False
 
 
-class Rest(QTimer):
+class RestTimer(QTimer):
     """Timer that emits ``rested`` when the mouse has not moved for some time.
 
     If the window was busy at that moment, mouse moves may still be queued: then the timer starts again.

@@ -2,27 +2,27 @@
 
 from itertools import pairwise
 
-from studio.viewport.sharpness import RETRY, SHARES, SLOW_PICTURES, Sharpness
+from studio.viewport.resolution_scaling import RETRY, SHARES, SLOW_PICTURES, ResolutionScaling
 
 FULL, SLOW = (900, 600), 0.02
 
 
 def test_where_drawing_is_quick_every_picture_has_all_pixels() -> None:
-    sharpness = Sharpness(SLOW)
+    sharpness = ResolutionScaling(SLOW)
     for _ in range(100):
         sharpness.took(0.5 * SLOW)
     assert sharpness.size(FULL) == FULL
 
 
 def test_where_drawing_is_slow_pictures_that_move_have_fewer_pixels_and_never_less_than_half() -> None:
-    sharpness = Sharpness(SLOW)
+    sharpness = ResolutionScaling(SLOW)
     for _ in range(100):
         sharpness.took(2.0 * SLOW)
     assert sharpness.size(FULL) == (450, 300)
 
 
 def test_slow_pictures_now_and_then_among_quick_ones_change_nothing() -> None:
-    sharpness = Sharpness(SLOW)
+    sharpness = ResolutionScaling(SLOW)
     for _ in range(100):
         sharpness.took(3.0 * SLOW)
         for _ in range(5):
@@ -31,7 +31,7 @@ def test_slow_pictures_now_and_then_among_quick_ones_change_nothing() -> None:
 
 
 def test_after_a_rest_more_is_tried_again() -> None:
-    sharpness = Sharpness(SLOW)
+    sharpness = ResolutionScaling(SLOW)
     for _ in range(SLOW_PICTURES * len(SHARES)):
         sharpness.took(2.0 * SLOW)
     for _ in SHARES:
@@ -40,7 +40,7 @@ def test_after_a_rest_more_is_tried_again() -> None:
 
 
 def test_after_a_slow_while_all_pixels_come_back_though_nothing_rests() -> None:
-    sharpness = Sharpness(SLOW)
+    sharpness = ResolutionScaling(SLOW)
     for _ in range(SLOW_PICTURES):
         sharpness.took(2.0 * SLOW)
     for _ in range(2 * RETRY):
@@ -49,7 +49,7 @@ def test_after_a_slow_while_all_pixels_come_back_though_nothing_rests() -> None:
 
 
 def test_pixels_that_were_too_many_are_tried_ever_more_seldom() -> None:
-    sharpness = Sharpness(SLOW)
+    sharpness = ResolutionScaling(SLOW)
     sizes: list[tuple[int, int]] = []
     for _ in range(3000):
         sharpness.took(1.2 * SLOW if sharpness.size(FULL) == FULL else 0.6 * SLOW)

@@ -11,7 +11,7 @@ SAID_EVERY = 0.25
 """Seconds between one figure and the next."""
 
 
-class Pace:
+class FrameStats:
     """Statistics of every picture during motion."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:

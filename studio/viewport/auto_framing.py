@@ -23,7 +23,7 @@ class CameraStep:
     after: OrbitCamera
 
 
-class Newcomers:
+class AutoFraming:
     """Known performers; undoing an import moves the camera back, unless the user has moved it."""
 
     def __init__(self) -> None:

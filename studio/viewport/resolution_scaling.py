@@ -11,7 +11,7 @@ RETRY = 60
 """Pictures so quick that more pixels should do as well, before that is tried; twice as many each time it failed."""
 
 
-class Sharpness:
+class ResolutionScaling:
     """Resolution from the drawing times of pictures during motion; above ``slow`` seconds is too long."""
 
     def __init__(self, slow: float) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from studio.core.single import Single
+from studio.core.compact_array import CompactArray
 
 ROWS, SHAPE = 40, (40, 5, 3)
 INDICES: tuple[Any, ...] = (
@@ -18,11 +18,11 @@ INDICES: tuple[Any, ...] = (
 )  # fmt: skip
 
 
-def written(seed: int) -> tuple[Single, np.ndarray]:
+def written(seed: int) -> tuple[CompactArray, np.ndarray]:
     """Numbers that were copied, cut and written to at random, and an array to which the same was done."""
     random = Random(seed)
     numbers = np.random.default_rng(seed).normal(size=SHAPE).astype(np.float32).astype(np.float64)
-    kept = Single(numbers)
+    kept = CompactArray(numbers)
     for _ in range(random.randrange(6)):
         first = random.randrange(ROWS)
         index = random.choice([slice(first, first + random.randrange(ROWS)), (..., 2), (slice(first, None), 1), first])
@@ -50,7 +50,7 @@ def test_what_was_written_anywhere_is_read_by_every_index(seed: int) -> None:
 
 def test_a_copy_changes_alone() -> None:
     numbers = np.random.default_rng(0).normal(size=SHAPE).astype(np.float32)
-    kept = Single(numbers)
+    kept = CompactArray(numbers)
     copy = kept.copy()
     copy[3:9] = 1.0
     other = copy.copy()
@@ -62,7 +62,7 @@ def test_a_copy_changes_alone() -> None:
 
 
 def test_a_copy_costs_what_is_written_to_it() -> None:
-    kept = Single(np.zeros((100_000, 5, 3)))
+    kept = CompactArray(np.zeros((100_000, 5, 3)))
     tracemalloc.start()
     copy = kept.copy()
     copy[500:600] = 1.0
