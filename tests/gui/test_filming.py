@@ -57,6 +57,7 @@ def viewport(qtbot, window):
     bench.set_viewport(viewport)
     with qtbot.waitSignal(viewport.started, timeout=PATIENCE):
         viewport.show()
+    viewport.clearFocus()  # whose mark is no part of the stage
     viewport.set_tool("select")
     viewport.set_ghost_shown(True)
     bench.document.playhead.set_time(0.1)
