@@ -168,6 +168,29 @@ def test_a_whole_comes_from_the_cache_without_its_parts(tmp_path) -> None:
     assert answers[2][1:] == [1, 0]
 
 
+BELOW_FIRST = """
+import subprocess
+import sys
+from pathlib import Path
+from tests.core import test_linked as here
+if len(sys.argv) == 2:
+    here.two_rows(0.0, 3)
+    for file in Path(sys.argv[1]).rglob("*.nb*"):  # so that the other compiles the same, and names it the same
+        file.unlink()
+    subprocess.run([*sys.orig_argv, "other"], check=True)
+else:
+    here.two_rows(0.0, 3)
+print(here.row_of(1.5, 3).tolist(), len(here.row_of.stats.cache_hits))
+"""
+
+
+def test_a_whole_that_another_process_cached_works_where_its_part_is_compiled(tmp_path) -> None:
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-c", BELOW_FIRST, str(tmp_path)]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert done.stdout.splitlines()[-1:] == ["[3.0, 5.0, 7.0] 1"], done.stdout + done.stderr
+
+
 ANOTHER = """
 import sys
 import numba

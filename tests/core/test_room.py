@@ -20,8 +20,8 @@ MOTION, ACTOR = normalize(KICK)
 CONTACTS = detected_contacts(KICK, "kick")
 BALL, CHAIN = BodyPoint(BodyPart.RIGHT_FOOT, at_end=True), Chain(clavicle=0.0, root=0.6)
 TOP = 154
-HOLD = slice(TOP - 6, TOP + 13)
-"""Frames from where it is asked in full to a while after."""
+HOLD = slice(TOP - 6, TOP + 7)
+"""Frames in which it is asked in full."""
 CURVE = ActivationCurve(*((TOP + step) / MOTION.frame_rate for step in (-24.0, -6.0, 6.0, 24.0)))
 STEPS = np.arange(0.02, 0.51, 0.04)
 """Metres by which the target is raised above where the child kicks."""

@@ -28,6 +28,7 @@ from numba.core import (
 )
 from numba.core.codegen import CodeLibrary, JITCodeLibrary
 from numba.core.dispatcher import _FunctionCompiler  # type: ignore[attr-defined]
+from numba.core.environment import Environment
 from numba.core.registry import CPUDispatcher
 from numba.core.targetconfig import ConfigStack
 
@@ -205,6 +206,8 @@ class PartCompiler(_FunctionCompiler):
             typing_context, context, self.py_func, arguments, None, flags, self.locals, library, self.pipeline_class
         )
         made = made._replace(entry_point=made.fndesc.mangled_name)  # what callers find it by
+        # A program that another process has put into the cache since brings its own environment, with its constants.
+        Environment._memo.pop(made.fndesc.env_name, None)
         context.insert_user_function(made.entry_point, made.fndesc, [library])
         return made
 

@@ -1,9 +1,9 @@
-"""Bodies that constraints take into the ground are raised out of it (METHOD 7).
+"""Arms and legs that constraints take into the ground are raised out of it (METHOD 7).
 
-Feet and hands first rotate out of it (``lifted_ends``). A trunk in the ground raises the body, while hands and feet
-stay where limbs reach them. What is left in the ground of an arm or a leg raises the limb, which swings and bends in
+Feet and hands first rotate out of it (``lifted_ends``); what is left raises the whole limb, which swings and bends in
 its plane. Then elbow and knee turn out of the ground about the line from the limb's root to its end, so that targets
-of wrist and ankle are still met. Frames are independent of each other.
+of wrist and ankle are still met. The trunk stays, as raising it would move what constraints of higher priority hold.
+Frames are independent of each other.
 """
 
 from typing import NamedTuple
@@ -46,41 +46,19 @@ class _PosedBody(NamedTuple):
 def lift_limbs(
     standing: Standing, window: slice, held: FloatArray, positions: FloatArray, rotations: FloatArray
 ) -> None:
-    """Raise solved frames of a ``window``, (F, P, 3) and (F, S, 3, 3), in place, until no part is lower than before the
-    constraints, or below the ground.
+    """Raise arms and legs of solved frames of a ``window``, (F, P, 3) and (F, S, 3, 3), in place, until no part of them
+    is lower than before the constraints, or below the ground.
 
     ``held`` (4, F) are the activations of constraints on each limb: the less a limb is held, the sooner it rises.
     """
     before = _PosedBody(standing, window, standing.positions[window], standing.rotations[window])
     solved, rounds = _PosedBody(standing, window, positions, rotations), 1 if standing.ground.is_level else SLOPE_ROUNDS
-    _raise_trunk(before, solved)
     for number in range(4):
         margins = _margins(held[number])
         for move in (_raise_end, _raise_middle):
             for _ in range(rounds):
                 if not move(number, margins, before, solved):
                     break
-
-
-def _raise_trunk(before: _PosedBody, solved: _PosedBody) -> None:
-    """Raise the body, in place, where trunk or head are in the ground; hands and feet stay where limbs reach them."""
-    layout = solved.standing.morphology.layout
-    limbs = [TwoBoneLimb.of(number, layout) for number in range(4)]
-    trunk = np.setdiff1d(
-        np.arange(solved.positions.shape[1]), [point for each in limbs for point in range(each.root + 1, each.last + 1)]
-    )
-    heights = _heights(solved.standing, solved.positions[:, trunk])
-    if heights.min(initial=0.0) > -LIMB_TOLERANCE:
-        return
-    own = _heights(before.standing, before.positions[:, trunk])
-    rises = _rises(heights, own, np.full(own.shape, HARD_MARGIN)).max(axis=1)
-    frames = np.flatnonzero(rises)
-    posed = solved.positions[frames], solved.rotations[frames]
-    ends = [posed[0][:, each.root + 2].copy() for each in limbs]
-    posed[0][:, :, 2] += rises[frames, None]
-    for limb, goals in zip(limbs, ends, strict=True):
-        limb.move_end(goals, rises[frames], *posed)
-    solved.positions[frames], solved.rotations[frames] = posed
 
 
 def _raise_end(number: int, margins: FloatArray, before: _PosedBody, solved: _PosedBody) -> bool:
