@@ -169,10 +169,12 @@ def registered(site: Path, monkeypatch):
     monkeypatch.syspath_prepend(str(site))
     known = (kinds.CONSTRAINT_KINDS, motion_measures.ADDED_MEASURES)
     before = [dict(each) for each in known]
-    plug_ins.load_registered.cache_clear()
+    for looked_up in (plug_ins.entry_points, plug_ins.load_registered):
+        looked_up.cache_clear()
     assert plug_ins.load_registered() == ()
     yield
-    plug_ins.load_registered.cache_clear()
+    for looked_up in (plug_ins.entry_points, plug_ins.load_registered):
+        looked_up.cache_clear()
     for each, was in zip(known, before, strict=True):
         each.clear()
         each.update(was)
