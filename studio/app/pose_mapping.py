@@ -17,7 +17,7 @@ HIP_JOINTS, KNEE_JOINT = (12, 16), 1
 
 
 class PoseMapping:
-    """Connection of the map, the library and the list of strikes."""
+    """Controller of the pose map: draws the open library's poses in groups, and lists the clips of a chosen group."""
 
     def __init__(self, striking: "Striking") -> None:
         self._striking = striking

@@ -44,7 +44,9 @@ def panel_signs(layout: BodyLayout) -> NDArray[np.float32]:
 
 
 def draw_seams(actor: pv.Actor, colour: str) -> None:
-    """Draw the field of an actor's mesh as panels, with seams in this colour."""
+    """Colour an actor's mesh by its scalars in [-1, 1]: one colour per panel, and lines of ``colour`` where panels
+    meet.
+    """
     actor.mapper.lookup_table = _table(colour)
     actor.mapper.scalar_range = (-1.0, 1.0)
     actor.mapper.interpolate_before_map = True

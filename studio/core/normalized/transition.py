@@ -49,7 +49,7 @@ class Inertialisation:
 
     @cached_property
     def halts(self) -> FloatArray:
-        """Seconds, (C,), in which each column's speed decays: the shortest allowed, or a fast limb would overshoot."""
+        """Decay times (C,) in seconds of the speeds of the columns, shorter for fast joints, which would overshoot."""
         halts = np.full(len(self.offset), self.seconds)
         halting = halts_of(np.linalg.norm(joint_vectors(self.speed), axis=-1), self.peaks, self.seconds)
         turns = turn_columns(len(self.offset))

@@ -121,7 +121,9 @@ def _misses_and_blockers(
 def winners(
     standing: Standing, constraints: Sequence[Constraint], tracks: Tracks, adapted: AdaptedMotion, eased: bool = False
 ) -> IntArray:
-    """Blockers (C, F) of each constraint; see ``Report``."""
+    """Row of the constraint, or a ``BLOCKED_BY_*`` number, that keeps each of C constraints from its target in each of
+    F frames, (C, F).
+    """
     problem = _Problem(standing, constraints, tracks)
     return _BlockerSearch(problem, adapted, problem.misses(adapted), eased).winners()
 

@@ -109,7 +109,7 @@ def _headings(capture: Capture) -> FloatArray:
 
 
 def _shifted(body: BodyMap | None) -> BodyMap | None:
-    """The same parts, of joints behind a new one."""
+    """``body`` with all joint indices one higher, for a skeleton with a new first joint."""
     if body is None:
         return None
     return BodyMap({part: joint + 1 for part, joint in body.parts.items()}, tuple(joint + 1 for joint in body.spine))

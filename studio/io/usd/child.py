@@ -88,7 +88,7 @@ def _animation(cache: Any, skeleton: Any) -> Any:
 
 
 def _rate(stage: Any) -> float:
-    """Frame rate in Hz; for time codes in a clock's unit, the playback rate."""
+    """Frame rate of a stage in fps: time codes per second, or the playback rate where they count ticks of a clock."""
     codes = stage.GetTimeCodesPerSecond()
     return float(stage.GetFramesPerSecond() if codes > _CLOCK else codes)
 

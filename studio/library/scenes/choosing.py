@@ -52,8 +52,8 @@ def one_target() -> Project:
 def target_of(
     guard: NormalizedMotion, frame: int, body: Morphology, place: tuple[float, float] = (TARGET_AHEAD, TARGET_HEIGHT)
 ) -> StrikeQuery:
-    """Query for a target of a body in a frame of its guard; ``place`` is metres ahead of its root, and above the
-    ground.
+    """Search query for strikes from ``frame`` of the guard stance ``guard`` at a target ``place``: metres ahead of the
+    root of ``body``, and above the ground.
     """
     pose = replace(guard, channels=guard.channels[frame : frame + 1])
     x, y, _ = realize(pose, body)[0][0, 0].tolist()

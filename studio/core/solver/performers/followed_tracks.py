@@ -37,7 +37,9 @@ def point_track(
 
 
 def own_track(place: OwnPlace, unasked: UnconstrainedPoses, body: AnyMorphology, frame_rate: float) -> Track:
-    """Fixed position relative to the grounded body at one time, one frame for all."""
+    """Track of one frame: the world position, in metres, of a point of the unconstrained motion at ``place.time``,
+    moved by the offset in leg lengths.
+    """
     row = min(max(round(place.time * frame_rate), 0), len(unasked.positions) - 1)
     origin, segment = point_indices(place.point, body.still.layout)
     there = unasked.positions[row, origin] + unasked.rotations[row, segment] @ np.array(place.point.offset)
