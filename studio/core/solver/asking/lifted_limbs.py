@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import at_frames, sole_rows
+from studio.core.captures.contacts import BODY_POINTS
 from studio.core.compact_array import PoseArray
 from studio.core.rotations import normalized
 from studio.core.solver.asking.lifted_ends import END_MARGIN, may_rise, risen
 from studio.core.solver.standing.blends import smooth_penetrations, smoothstep_array
-from studio.core.solver.standing.body_support import raise_by_swinging
+from studio.core.solver.standing.body_support import limb_freedom, raise_by_swinging
 from studio.core.solver.standing.held_foot import FootPath
 from studio.core.solver.standing.limb_moves import TwoBoneLimb, across
 from studio.core.solver.standing.stand import Standing
@@ -67,6 +68,7 @@ def _raise_end(number: int, margins: FloatArray, before: _PosedBody, solved: _Po
     if not may_rise(heights):
         return False
     rises = _rises(heights, _end_heights(number, before), margins).max(axis=0)
+    rises = rises * _contact_freedom(number, solved)
     frames = np.flatnonzero(rises)
     if len(frames):
         posed = solved.positions[frames], solved.rotations[frames]
@@ -74,6 +76,15 @@ def _raise_end(number: int, margins: FloatArray, before: _PosedBody, solved: _Po
         limb.move_end(goals, rises[frames], *posed)
         solved.positions[frames], solved.rotations[frames] = posed
     return len(frames) > 0
+
+
+def _contact_freedom(limb: int, posed: _PosedBody) -> FloatArray:
+    """Release weights (F,) of a limb from contacts of hand or knee, which stay where they stand; feet in contact are
+    on the ground already.
+    """
+    contacts, motion = posed.standing.contacts, posed.standing.motion
+    held = [each for each in contacts if each.point in BODY_POINTS]
+    return limb_freedom(held, limb, motion.frame_count, motion.frame_rate)[posed.window]
 
 
 def _raise_middle(number: int, _: FloatArray, before: _PosedBody, solved: _PosedBody) -> bool:
