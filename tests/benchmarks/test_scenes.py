@@ -13,9 +13,7 @@ from studio.jobs.adaptation import ready_capture
 from studio.resources_folder import example_captures_folder
 
 LAW = 0.2
-"""Millimetres, where constraints act wholly."""
-RAMPED_LAW = 0.5
-"""Millimetres, where they come and go: limbs that are kept out of the ground meanwhile share the way."""
+"""Millimetres."""
 SEEDS = 4
 
 
@@ -28,4 +26,4 @@ def test_what_is_asked_below_changes_nothing_that_is_missed_above(clip: str, exa
         results = measure(f"{clip} {body}", standing, seed, 1.0, exact)
         assert [each.count for each in results] == list(COUNTS)
         assert max(each.changed for each in results) < LAW, seed
-        assert max(each.ramped for each in results) < RAMPED_LAW, seed
+        assert max(each.ramped for each in results) < LAW, seed

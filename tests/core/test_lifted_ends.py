@@ -66,7 +66,7 @@ def test_a_hand_led_low_over_the_ground_bends_up_at_its_wrist() -> None:
     assert tips[met].min() > -0.001
 
 
-def test_a_foot_with_a_target_of_its_own_keeps_its_rotation_and_stays_above_the_ground() -> None:
+def test_a_foot_with_a_target_of_its_own_is_left_where_that_takes_it() -> None:
     standing = standing_on("child")
     toes = BodyPoint(BodyPart.LEFT_TOE, at_end=True)
     before = hold(standing, ())
@@ -74,6 +74,4 @@ def test_a_foot_with_a_target_of_its_own_keeps_its_rotation_and_stays_above_the_
     place = place_of(toes, before)[frame]
     place[2] = -0.03
     solved = hold(standing, (target("left_toe", place, Chain(), 0),))
-    foot = standing.morphology.layout.foot(0)
-    assert solved.rotations[frame, foot] == pytest.approx(before.rotations[frame, foot], abs=1e-9)
-    assert np.minimum(sole_heights(before, 0), 0.0)[frame] - sole_heights(solved, 0)[frame] < 0.005
+    assert np.linalg.norm(place_of(toes, solved)[frame] - place) < 2e-4

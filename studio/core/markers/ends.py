@@ -152,10 +152,8 @@ def _fronts(tracks: Tracks) -> dict[str, FloatArray]:
             feet.append(max(ends, key=lambda end: _median(np.linalg.norm(end, axis=-1))))
         pelvis = [each for name in ("front_hip", "back_hip") if (each := middle_of(tracks, name)) is not None]
         if knee is not None and len(pelvis) == 2:
-            thigh, leg = knee - ankle, np.mean(pelvis, axis=0) - ankle
-            knees.append(
-                thigh - np.sum(thigh * leg, axis=-1, keepdims=True) / np.sum(leg**2, axis=-1, keepdims=True) * leg
-            )
+            thigh, leg = knee - ankle, normalized(np.mean(pelvis, axis=0) - ankle)
+            knees.append(thigh - np.sum(thigh * leg, axis=-1, keepdims=True) * leg)
     for name, own in (("feet", feet), ("knees", knees)):
         if len(own) == 2:
             found[name] = normalized(own[0] + own[1])

@@ -12,8 +12,7 @@ from studio.core.body.morphology import AnimatedMorphology
 from studio.core.compact_array import PoseArray, part_of
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.runs import runs_in
-from studio.core.solver.asking.lifted_ends import constrained_ends, constrained_limbs, lift_ends
-from studio.core.solver.asking.lifted_limbs import lift_limbs
+from studio.core.solver.asking.lifted_ends import constrained_ends, lift_ends
 from studio.core.solver.asking.measured_residuals import measured_again
 from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.releasing import constraint_activations
@@ -87,7 +86,6 @@ def hold(
     asked = [constraint for constraint, active in zip(constraints, acting, strict=True) if active]
     window_of = partial(SolvedWindow, standing, asked, activations[acting], tracks, bound)
     free_ends = 1.0 - constrained_ends(constraints, activations)
-    held_limbs = constrained_limbs(constraints, activations)
     for run in runs_in(window, acts, math.ceil(2.0 * SMOOTHING_HORIZON * standing.motion.frame_rate)):
         touched = self_contact.around(run) if self_contact else run
         solved = _solved(window_of, standing, touched, eased)
@@ -95,10 +93,7 @@ def hold(
         if self_contact:
             free = pushed[touched, None, None] * (1.0 - solved.arms_asked(touched))
             self_contact.push_out(touched, free, *posed[:2])
-        before = solved.constrained_points(*posed[:2])
         lift_ends(standing, touched, free_ends[:, touched], *posed[:2])
-        lift_limbs(standing, touched, held_limbs[:, touched], *posed[:2])
-        solved.add_lift(touched, before, solved.constrained_points(*posed[:2]), posed[2])
         rows, own = (slice(run.start - frames.start, run.stop - frames.start) for frames in (window, touched))
         positions[rows], rotations[rows], residuals[acting, rows] = posed[0][own], posed[1][own], posed[2][:, own]
     return _answer(standing, first, positions, rotations, residuals)

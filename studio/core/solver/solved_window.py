@@ -24,11 +24,9 @@ from studio.core.runs import runs_of
 from studio.core.solver.asking.chains import joints_of_chains, point_masses, relevant_chain, segment_masses
 from studio.core.solver.asking.clearance import activations_by_tier, lowest_first, pack_clearance
 from studio.core.solver.asking.contact_constraints import contact_constraints, release_hands, write_contact_targets
-from studio.core.solver.asking.ground_limit import target_above_ground
 from studio.core.solver.asking.kinds.known import ENTERING_KINDS
 from studio.core.solver.asking.limb_availability import arm_availability, leg_availability, limb_availability
 from studio.core.solver.asking.packing import pack_tasks, priority_order
-from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.releasing import contact_release, is_ramped, ramped_target
 from studio.core.solver.asking.self_contact import arm_activations
 from studio.core.solver.asking.tracks import OwnPath, Targets, Track, Tracks
@@ -58,7 +56,6 @@ class SolverLimits:
 
     by_contacts: bool = True
     by_limits: bool = True
-    by_ground: bool = True
 
 
 BOUND = SolverLimits()
@@ -94,7 +91,6 @@ class SolvedWindow:
             stands = np.array([each.standing[window] for each in held])
             acts = np.concatenate([stands & (activations[:, window] > 0.0).any(axis=0), acts])
         self._activations = np.ascontiguousarray(acts)
-        self._targets_of_points = dict[int, tuple[FloatArray, FloatArray]]()  # as wished, and above the ground, by row
         self._shares, self._targets = self._lead(asked)
         joints = joints_of_chains(tuple(map(relevant_chain, everything)), self._rows.levels, body.layout)
         self._joints = joints if bound.by_limits else joints.without_limits
@@ -130,10 +126,6 @@ class SolvedWindow:
             if is_ramped(constraint):
                 fractions[c] = free[c - self._held]
                 places[c] = ramped_target(constraint, places[c], fractions[c], self.standing, self.window)
-                below = places[c]
-                if self._asked[-1].by_ground:
-                    places[c] = target_above_ground(constraint, below, self.standing, self.window)
-                self._targets_of_points[c] = below, places[c]
         return fractions, replace(self._rows, positions=places).stacked_targets
 
     def _find_freedoms(self, activations: FloatArray) -> FloatArray:
@@ -337,31 +329,7 @@ class SolvedWindow:
         """Residuals (C, F), metres or radians, in the given order of constraints."""
         residuals = np.empty((len(self._order) + len(self._clear), len(self._positions)))
         residuals[self._order + self._clear] = self._missed[self._held :]
-        points = self.constrained_points(self._positions, self._rotations)
-        for c, (wished, raised) in self._targets_of_points.items():
-            if wished is not raised:
-                number = self._order[c - self._held]
-                missed, solved = (np.linalg.norm(points[number] - target, axis=1) for target in (wished, raised))
-                residuals[number] = np.maximum(residuals[number] + self._activations[c] * (missed - solved), 0.0)
         return residuals
-
-    def add_lift(self, window: slice, before: FloatArray, after: FloatArray, residuals: FloatArray) -> None:
-        """Add to the ``residuals`` (C, F) of some frames, in place, what positions miss more ``after`` their points
-        (C, F, 3) were lifted out of the ground than ``before``.
-        """
-        rows = slice(window.start - self.window.start, window.stop - self.window.start)
-        for c, (wished, _) in self._targets_of_points.items():
-            number, target = self._order[c - self._held], wished[rows] if len(wished) > 1 else wished
-            was, now = (np.linalg.norm(points[number] - target, axis=1) for points in (before, after))
-            residuals[number] = np.maximum(residuals[number] + self._activations[c, rows] * (now - was), 0.0)
-
-    def constrained_points(self, positions: FloatArray, rotations: FloatArray) -> FloatArray:
-        """Positions (C, F, 3) of the points of all constraints in posed frames."""
-        layout, points = self.standing.morphology.layout, np.empty((len(self._asked[0]), len(positions), 3))
-        for row, constraint in zip(points, self._asked[0], strict=True):
-            origin, segment = point_indices(constraint.point, layout)
-            row[:] = positions[:, origin] + rotations[:, segment] @ np.array(constraint.point.offset)
-        return points
 
 
 def targets_of(standing: Standing, constraints: Sequence[Constraint], window: slice, tracks: Tracks) -> Targets:

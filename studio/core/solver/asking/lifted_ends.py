@@ -37,19 +37,11 @@ END_PARTS = tuple(BodyPart(f"{side}_{part}") for side in ("left", "right") for p
 
 def constrained_ends(constraints: Sequence[Constraint], activations: FloatArray) -> FloatArray:
     """Activations (4, F) of constraints, (C, F), on the end segment of each limb itself."""
-    return constrained_limbs(constraints, activations, END_PARTS)
-
-
-def constrained_limbs(
-    constraints: Sequence[Constraint], activations: FloatArray, parts: Iterable[BodyPart] = tuple(BodyPart)
-) -> FloatArray:
-    """Activations (4, F) of constraints, (C, F), on some ``parts`` of each limb."""
     asked = np.zeros((4, activations.shape[1]))
     for constraint, activation in zip(constraints, activations, strict=True):
-        for part in {constraint.point.part, *_followed_parts(constraint)}.intersection(parts):
+        for part in {constraint.point.part, *_followed_parts(constraint)}.intersection(END_PARTS):
             limb = limb_of(part)
-            if limb >= 0:
-                asked[limb] = np.maximum(asked[limb], activation)
+            asked[limb] = np.maximum(asked[limb], activation)
     return asked
 
 
