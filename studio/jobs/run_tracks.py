@@ -54,7 +54,7 @@ def with_tracks(
 
 
 def _played(request: AdaptRequest) -> Composite:
-    """Whole motion of a request, from second 0 on."""
+    """Composite of one piece: all frames of the request's motion, beginning at 0 s."""
     return compose_pieces((MotionPiece(request.motion, request.contacts, 0, request.motion.frame_count - 1),))
 
 

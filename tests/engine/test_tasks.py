@@ -100,7 +100,8 @@ def test_a_job_that_outlives_its_runner_ends_in_silence(qapp: Any) -> None:
     [thread] = [thread for thread in threading.enumerate() if thread.name.startswith("task-")]
     shiboken6.delete(runner)
     going_on.set()
-    thread.join()  # pytest fails a test in which a thread ends with an exception
+    thread.join(SECONDS)  # pytest fails a test in which a thread ends with an exception
+    assert not thread.is_alive()
 
 
 def test_a_job_that_has_ended_when_the_runner_is_closed_is_not_told(qapp: Any) -> None:

@@ -47,7 +47,7 @@ class Accessors:
         return numbers
 
     def indices(self, index: int, width: int, below: int) -> IntArray:
-        """Whole numbers, each of them less than ``below``."""
+        """Indices of accessor ``index``, rows of ``width``, each in [0, ``below``); raises StudioError otherwise."""
         record = self._records[index]
         array = self._array(record, width)
         if array.dtype.kind not in "iu":
