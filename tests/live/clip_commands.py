@@ -4,24 +4,19 @@ from collections.abc import Callable
 from dataclasses import replace
 from random import Random
 
-import numpy as np
-
 from studio.core.constraints.scope import Scope
 from studio.core.curves.keyed import KeyedNumber
 from studio.core.curves.retiming import FASTEST_CLIP, SLOWEST_CLIP, Speed
 from studio.core.curves.tangents import TangentMode, tangents_of
 from studio.core.errors import StudioError
-from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import perform
 from studio.core.stage.clip_row import begun_at, ended_at
 from studio.core.stage.layer import Region
 from studio.core.stage.project import Project
 from studio.document import clip_edits
 from studio.document.edited_project import EditedProject
 from studio.io.project.entity_json import project_json
-from studio.live.playing_stage import LiveStage
 from tests.builders import make_constraint
-from tests.live.short_clips import NAMES, prepare, short_clip, short_layer, staged
+from tests.live.short_clips import NAMES, assert_finite, short_clip, short_layer, staged
 
 STEPS = 10
 
@@ -89,13 +84,7 @@ def play(seed: int, live: bool = False) -> int:
         assert refused.endswith("."), f"no sentence: {refused}"
     last = document.project
     if last.performers["one"].clips and sum(each.length(60.0) for each in last.performers["one"].all_clips) < 60.0:
-        adapted = perform(last, ["one"], prepare, adapt).performances["one"].adapted
-        assert np.isfinite(adapted.positions).all(), "positions that are not finite"
-        if live:
-            stage = LiveStage(last, prepare)
-            for _ in range(3):
-                shown = stage.step(1.0 / 60.0)["one"]
-            assert np.isfinite(shown.positions).all(), "live positions that are not finite"
+        assert_finite(last, live)
     while document.undo_stack.canUndo():
         document.undo_stack.undo()
     assert project_json(document.project, {}) == project_json(first, {}), "undo"

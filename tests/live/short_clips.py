@@ -77,14 +77,22 @@ def play(seed: int, live: bool = True) -> int:
     clips = tuple(short_clip(random, number) for number in range(random.choice([1, 1, 2, 3])))
     layers = (short_layer(random),) if random.random() < 0.4 else ()
     project = staged(clips, layers, random.random() < 0.3)
+    return assert_finite(project, live, short_clip(random, 9))
+
+
+def assert_finite(project: Project, live: bool, next_clip: Clip | None = None) -> int:
+    """Adapt the performer ``one``, play it live, and let ``next_clip`` take over. Returns the adapted frames.
+
+    Raises AssertionError where positions are not finite.
+    """
     adapted = perform(project, ["one"], prepare, adapt).performances["one"].adapted
     assert np.isfinite(adapted.positions).all(), "positions that are not finite"
     if live:
         stage = LiveStage(project, prepare)
-        for _ in range(3):
-            shown = stage.step(1.0 / 60.0)["one"]
-        stage.start("one", short_clip(random, 9))
-        for _ in range(3):
-            shown = stage.step(1.0 / 60.0)["one"]
-        assert np.isfinite(shown.positions).all(), "live positions that are not finite"
+        for clip in (None, next_clip):
+            if clip is not None:
+                stage.start("one", clip)
+            for _ in range(3):
+                shown = stage.step(1.0 / 60.0)["one"]
+            assert np.isfinite(shown.positions).all(), "live positions that are not finite"
     return len(adapted.positions)
