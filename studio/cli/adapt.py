@@ -71,14 +71,16 @@ def places_of(said: Sequence[Sequence[str]]) -> dict[str, Placement]:
         except ValueError:
             x = y = degrees = math.nan
         if not all(abs(number) <= PLACE_RANGE.most for number in (x, y, degrees)):
-            raise StudioError(f"--place {name} {' '.join(numbers)}: say two lengths in metres and degrees.")
+            raise StudioError(
+                f"--place {name} {' '.join(numbers)}: give two lengths in metres and an angle in degrees."
+            )
         places[name] = Placement((x, y), math.radians(degrees))
     return places
 
 
 def print_report(report: JsonObject) -> None:
     """Print the report as tables: one line for each character, and one for each constraint and character."""
-    print(f"{report['source']}: {counted(report['frames'], 'frame')} at {report['frame_rate']:g} Hz\n")
+    print(f"{report['source']}: {counted(report['frames'], 'frame')} at {report['frame_rate']:g} fps\n")
     titles = ("character", *QUALITY_TITLES.values(), "us/frame")
     keys = (*QUALITY_TITLES, "microseconds_per_frame")
     rows = [[record["name"], *(f"{record[key]:.2f}" for key in keys)] for record in report["characters"]]
@@ -93,7 +95,7 @@ def print_report(report: JsonObject) -> None:
     ]
     if lines:
         print()
-        print_table(("constraint", "character", "residual", "reached", "frames held", "kept off by"), lines)
+        print_table(("constraint", "character", "residual", "reached", "frames held", "limited by"), lines)
 
 
 def _residual(record: JsonObject) -> str:

@@ -40,7 +40,7 @@ def run_stage(arguments: Namespace) -> int:
     known = known_formats().suffixes("stage_writer" if arguments.one_file else "motion_writer")
     if suffix not in known:
         what = "a whole stage" if arguments.one_file else "motions"
-        raise StudioError(f"'{arguments.format}' is not a kind of file for {what}: choose {', '.join(known)}.")
+        raise StudioError(f"'{arguments.format}' is not a file format for {what}: choose {', '.join(known)}.")
     options = export_options(arguments)
     options.check(Path(f"motion{suffix}"))
     project = with_solver_options(open_project(arguments.stage), arguments)

@@ -38,7 +38,7 @@ def run(arguments: Namespace) -> int:
         result = run_batch(settings, tell)
     except KeyboardInterrupt:
         done = f"{last.number} of {counted(last.count, 'file')}" if last.count else "no file"
-        raise Stopped(f"Stopped after {done}; the same command goes on from there.") from None
+        raise Stopped(f"Stopped after {done}; run the same command to continue.") from None
     _print_result(result, arguments.json)
     return 1 if result.failed else 0
 

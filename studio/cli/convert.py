@@ -56,7 +56,7 @@ def run(arguments: Namespace) -> int:
         f"{arguments.target}: {written.name}, {counted(capture.frame_count, 'frame')} of {counted(joints, 'joint')}",
         end=" ",
     )
-    print(f"at {capture.frame_rate:g} Hz.")
+    print(f"at {capture.frame_rate:g} fps.")
     _print_changes(guesses, capture.repairs)
     return 0
 

@@ -22,6 +22,6 @@ def run_example() -> int:
     try:
         check_libraries()
     except StudioError as error:
-        print(f"\nNo picture of it was drawn. {error}")
+        print(f"\nNo image of it was rendered. {error}")
         return code
     return code or main(["render", str(capture), "--out", str(picture), "--overwrite"])

@@ -31,7 +31,7 @@ def run(arguments: Namespace) -> int:
         ]
         print_table(("clip", "take", "limb", "kind", "segment", "first", "last", "hit", "confirmed"), rows)
         found = f"{counted(len(library.clips), 'clip')} of {counted(len(library.actors), 'actor')}"
-        print(f"\n{found}; {counted(report.read, 'file')} read now.")
+        print(f"\n{found}; {counted(report.read, 'file')} indexed now.")
         for name, problem in problems.items():
             print(f"{name}: {problem}")
     return 1 if report.problems else 0

@@ -196,7 +196,7 @@ def _words(record: JsonObject, key: str) -> str:
     value = record[key]
     match key:
         case "round_trip":
-            return f"{value['position_mm']:.2g} mm, {value['rotation_deg']:.2g} degrees at worst"
+            return f"max. {value['position_mm']:.2g} mm, {value['rotation_deg']:.2g} degrees"
         case "contacts":
             return ", ".join(f"{len(spans)} {_label(foot)}" for foot, spans in value.items())
         case "contents":
@@ -211,7 +211,7 @@ def _words(record: JsonObject, key: str) -> str:
         case "body_map":
             return ", ".join(f"{_label(part)} {joint}" for part, joint in value.items())
         case "frame_rate":
-            return f"{value:g} Hz"
+            return f"{value:g} fps"
         case "floor" | "floor_drift" | "stature":
             return f"{value:.3f} m"
     return str(value)

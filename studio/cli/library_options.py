@@ -21,7 +21,7 @@ def library_with_clips(arguments: Namespace) -> Library:
             print(catalogue.remarks, file=sys.stderr)
     if not library.clips:
         raise StudioError(
-            f"The library in '{arguments.library}' has no clips. Add captures with `index FOLDER`, or the strikes that "
-            "come with the studio with `--bundled`."
+            f"The library in '{arguments.library}' is empty. Add captures with `index FOLDER`, or the bundled"
+            " strikes with `--bundled`."
         )
     return library

@@ -37,7 +37,7 @@ CIRCLE, SWAY = 0.5, 0.35
 def run(arguments: Namespace) -> int:
     """Fight, or play a stage, then print the report."""
     if arguments.stream_to is not None and arguments.stream is None:
-        raise StudioError("--stream-to names the receiver alone. Add --stream PORT to send.")
+        raise StudioError("--stream-to only sets the address. Add --stream PORT to send.")
     if arguments.stage is not None:
         return run_live_stage(arguments)
     library = library_with_clips(arguments)
@@ -62,7 +62,7 @@ def run(arguments: Namespace) -> int:
     print(report.words)
     if arguments.head:
         counts = inbox.counts
-        print(f"{counts.taken} packets taken, {counts.bad} bad, {counts.strangers} of strangers")
+        print(f"{counts.taken} packets received, {counts.bad} invalid, {counts.strangers} from unknown senders")
     return STOPPED if report.stopped else 0
 
 

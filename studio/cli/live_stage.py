@@ -94,7 +94,7 @@ def played(project: Project, seconds: float, presses: Iterable[tuple[float, str]
     stage, waiting = LiveStage(project, prepared), list(presses)
     parts = {key: PerformerTally(each.name) for key, each in project.performers.items() if each.visible and each.clips}
     if not parts:
-        raise StudioError("No visible character has a motion: there is nothing to play live.")
+        raise StudioError("No visible character has a clip: there is nothing to play live.")
     stage.step(0.0)
     stage.record()
     spent: list[float] = []
@@ -141,8 +141,8 @@ def _note(stage: LiveStage, parts: dict[str, PerformerTally]) -> None:
 def print_report(report: JsonObject) -> None:
     """Print the speed, one line for each performer and each constraint, and the failures."""
     print(
-        f"{counted(report['steps'], 'step')}, {report['steps_a_second']:.0f} a second of one processor's time, "
-        f"the slowest {report['slowest_step_ms']:.1f} ms\n"
+        f"{counted(report['steps'], 'step')}, {report['steps_a_second']:.0f} per second of CPU time, slowest"
+        f" {report['slowest_step_ms']:.1f} ms\n"
     )
     performers = report["performers"]
     rows = [

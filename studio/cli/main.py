@@ -21,16 +21,16 @@ if TYPE_CHECKING:
     from studio.startup.kernel_warm_up import WarmUp
 
 VERBS = {
-    "info": "say what was read from a file, what was guessed, and how well it round-trips",
+    "info": "show what a file contains, what was assumed, and the round-trip error",
     "convert": "write a motion in another file format",
     "adapt": "adapt a capture to characters and report what was reached",
     "batch": "adapt every capture of a folder, by many processes",
-    "index": "bring folders of captures into the motion library",
-    "search": "find the clip of the library that hits a place best",
-    "live": "let a fighter strike at a tracked head, streamed out as VMC",
+    "index": "index folders of captures into the motion library",
+    "search": "find the clip of the library that best hits a position",
+    "live": "run a character that strikes at a tracked head, streamed as VMC",
     "formats": "list the kinds of files that can be read and written",
-    "render": "draw a project or a capture as a picture or a film",
-    "bench": "measure how long the studio's jobs take on this machine",
+    "render": "render a project or a capture to an image or a video",
+    "bench": "benchmark the solver on this machine",
     "script": "run a Python script that uses studio.api",
 }
 WORK_FAILED, NOBODY_READS = 1, 141
@@ -85,7 +85,7 @@ def _run(given: Sequence[str]) -> int:
         if has_display():
             return open_window(files)
         if files:
-            raise StudioError(f"There is no display to open {', '.join(files)} in. A verb needs none: see --help.")
+            raise StudioError(f"No display is available to open {', '.join(files)} in. Use a command: see --help.")
         return run_example()
     except StudioError as error:
         report(error, wants_json)
@@ -95,7 +95,7 @@ def _run(given: Sequence[str]) -> int:
             raise
         name = os.fsdecode(error.filename)
         shown = name if len(name) <= LONGEST_SHOWN else f"{name[:LONGEST_SHOWN]}…"
-        report(StudioError(f"'{shown}' cannot be used: {error.strerror}. Choose another name or place."), wants_json)
+        report(StudioError(f"'{shown}' cannot be used: {error.strerror}. Choose another name or folder."), wants_json)
         return WORK_FAILED
 
 
@@ -108,11 +108,11 @@ def make_parser(verb: str | None, added: Mapping[str, plug_ins.Verb | plug_ins.P
         prog="morpho-studio",
         allow_abbrev=False,
         description="Adapts captured motions live to any character.",
-        epilog="Without a verb the window opens, with the captures and projects that are named. Every verb has its own"
-        " --help.",
+        epilog="Without a command the window opens with the given captures and projects. Each command has its"
+        " own --help.",
     )
     parser.add_argument("--version", action="version", version=f"Morpho Studio {__version__}")
-    verbs = parser.add_subparsers(title="verbs", metavar="VERB")
+    verbs = parser.add_subparsers(title="commands", metavar="COMMAND")
     for name, summary in VERBS.items():
         description = summary[0].upper() + summary[1:] + "."
         verb_parser = verbs.add_parser(name, help=summary, description=description, allow_abbrev=False)
@@ -148,7 +148,7 @@ def open_window(files: Sequence[str] | None = None) -> int:
     check_libraries(window=True)
     found = entry_points(group="morpho_studio.window", name="main")
     if not found:
-        raise StudioError("No window is installed. Install Morpho Studio with `pip install -e .` first.")
+        raise StudioError("The desktop application is not installed. Install it with `pip install -e .`.")
     # It compiles while the window is imported.
     warm_up = import_module("studio.startup.kernel_warm_up").WarmUp(held=True)
     window: Callable[[Sequence[str] | None, WarmUp], int] = next(iter(found)).load()

@@ -12,5 +12,5 @@ def refuse_replacing(paths: Iterable[Path], source: Path, overwrite: bool) -> No
         return
     for path in paths:
         if path.exists():
-            what = "is the file that is read" if source.exists() and path.samefile(source) else "is there already"
-            raise StudioError(f"'{path}' {what}. Choose another place, or replace it with --overwrite.")
+            what = "is the input file" if source.exists() and path.samefile(source) else "already exists"
+            raise StudioError(f"'{path}' {what}. Choose another path, or replace it with --overwrite.")

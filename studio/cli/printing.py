@@ -16,7 +16,7 @@ QUALITY_TITLES = {
     "slide_mm": "slide mm",
     "skate_mm": "skate mm",
     "float_mm": "float mm",
-    "penetration_mm": "below ground mm",
+    "penetration_mm": "penetration mm",
     "acceleration_ratio": "acceleration ratio",
     "speed_ratio": "speed ratio",
 }

@@ -42,7 +42,7 @@ def key_press(text: str) -> tuple[float, str]:
     key, _, when = text.rpartition("@")
     seconds = _value(when, float)
     if not key or not 0.0 <= seconds <= LONGEST_SECONDS:
-        raise ArgumentTypeError(f"'{text}' is not a key press: say the key and the second, as in K@1.5")
+        raise ArgumentTypeError(f"'{text}' is not a key press: write KEY@SECONDS, as in K@1.5")
     return seconds, key.upper()
 
 

@@ -32,10 +32,10 @@ def run(arguments: Namespace) -> int:
     """Stage, adapt and draw."""
     suffix = arguments.out.suffix.lower()
     if suffix not in (".png", ".mp4", ""):
-        sentence = "says no kind of picture. End its name with .png or .mp4, or name a new folder for many pictures."
+        sentence = "has no image format. Use .png or .mp4, or a new folder for an image sequence."
         raise StudioError(f"{arguments.out.name} {sentence}")
     if arguments.time is not None and suffix != ".png":
-        raise StudioError("--time is the moment of one picture: let the file end with .png.")
+        raise StudioError("--time selects a still image: use a .png file.")
     if suffix:
         refuse_replacing([arguments.out], arguments.source, arguments.overwrite)
     check_libraries()
@@ -46,9 +46,9 @@ def run(arguments: Namespace) -> int:
     results = {key: each.adapted for key, each in made.performances.items()}
     failed = [f"{project.performers[key].name}: {reason}" for key, reason in made.failures.items()]
     if failed and not results:
-        raise StudioError(f"Nobody could be adapted. {failed[0]}")
+        raise StudioError(f"No character could be adapted. {failed[0]}")
     if not results:
-        raise StudioError(f"{arguments.source.name} has no visible character with a motion: there is nothing to draw.")
+        raise StudioError(f"{arguments.source.name} has no visible character with a clip: there is nothing to render.")
     duration = max(stage_duration(project, key) for key in results)
     if arguments.time is not None and not 0.0 <= arguments.time <= duration + 1e-9:
         raise StudioError(
@@ -71,7 +71,7 @@ def staged_project(arguments: Namespace) -> Project:
     """Project to draw: that of the file, or a capture on the chosen characters side by side."""
     if is_project(arguments.source):
         if arguments.character:
-            raise StudioError("A project has its own characters: --character goes with a capture.")
+            raise StudioError("--character can only be used with a capture.")
         return open_project(arguments.source)
     characters = chosen_characters(arguments.character)
     ready = ready_capture(arguments.source, import_options(arguments))
@@ -95,7 +95,7 @@ def renderer(kind: str) -> Callable[..., Any]:
     """
     found = entry_points(group="morpho_studio.render", name=kind)
     if not found:
-        raise StudioError("Nothing that draws is installed. Install Morpho Studio with `pip install -e .` first.")
+        raise StudioError("The renderer is not installed. Install Morpho Studio with `pip install -e .`.")
     drawing: Callable[..., Any] = next(iter(found)).load()
     return drawing
 
@@ -113,7 +113,7 @@ def _say(arguments: Namespace, frames: int, characters: int, failed: Sequence[st
         print_json({**record, "frames": frames, "characters": characters, "failed": failed})
     else:
         size = f"{arguments.size[0]}x{arguments.size[1]}"
-        print(f"{arguments.out}: {counted(frames, 'picture')} of {size}, {counted(characters, 'character')}.")
+        print(f"{arguments.out}: {counted(frames, 'image')} of {size}, {counted(characters, 'character')}.")
         for sentence in failed:
             print(f"Not adapted: {sentence}")
     return 0

@@ -83,7 +83,7 @@ class AdaptSettings:
         known = known_formats().suffixes("motion_writer")
         if self.suffix not in known:
             raise StudioError(
-                f"'{self.suffix.lstrip('.')}' is not a kind of file for motions: choose {', '.join(known)}."
+                f"'{self.suffix.lstrip('.')}' is not a file format for motions: choose {', '.join(known)}."
             )
         self.writing.check(Path(f"motion{self.suffix}"))
         others = [name for name in self.characters if name != ACTOR_WORD]

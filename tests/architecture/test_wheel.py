@@ -84,7 +84,7 @@ def names_in(folder):
 
 
 def test_the_installed_command_explains_itself_away_from_the_checkout(away):
-    assert "VERB" in run(away / "venv" / BIN / "morpho-studio", "--help", cwd=away)
+    assert "COMMAND" in run(away / "venv" / BIN / "morpho-studio", "--help", cwd=away)
 
 
 def test_the_installed_command_knows_its_version(away):

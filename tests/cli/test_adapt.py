@@ -218,7 +218,7 @@ def test_files_beside_the_capture_are_not_replaced_unless_that_is_asked_for(caps
     (tmp_path / there).write_text("precious")
     monkeypatch.chdir(tmp_path)
     assert main(["adapt", "walk.bvh", "--character", "child", "--out", "."]) == 1
-    assert f"'{there}' is there already. Choose another place" in capsys.readouterr().err
+    assert f"'{there}' already exists. Choose another path" in capsys.readouterr().err
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(["walk.bvh", there])
     assert main(["adapt", "walk.bvh", "--character", "child", "--out", ".", "--overwrite"]) == 0
     assert (tmp_path / there).read_text() != "precious"
@@ -234,7 +234,7 @@ def test_the_actor_is_a_character_on_the_captures_own_joints(tmp_path, capsys):
 
 def test_a_kind_of_file_that_there_is_not_is_refused_before_anything_is_read(tmp_path, capsys):
     assert main(["adapt", "missing.bvh", "--format", "xyz", "--out", str(tmp_path)]) == 1
-    assert "'xyz' is not a kind of file for motions: choose .bvh" in capsys.readouterr().err
+    assert "'xyz' is not a file format for motions: choose .bvh" in capsys.readouterr().err
 
 
 def test_a_number_a_frame_is_reported_on_request_and_who_kept_a_constraint_from_being_met(capsys, kick, tmp_path):
@@ -323,8 +323,8 @@ def test_who_follows_another_follows_where_that_one_is_placed(capsys, walk, tmp_
     ("options", "sentence"),
     [
         (["--place", "giant", "0", "0", "0"], "No character 'giant' is among those to be placed: child."),
-        (["--place", "child", "0", "north", "0"], "say two lengths in metres and degrees"),
-        (["--place", "child", "0", "nan", "0"], "say two lengths in metres and degrees"),
+        (["--place", "child", "0", "north", "0"], "give two lengths in metres"),
+        (["--place", "child", "0", "nan", "0"], "give two lengths in metres"),
         (["--ground", "none.json"], "none.json could not be read"),
     ],
 )

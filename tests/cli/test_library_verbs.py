@@ -66,4 +66,4 @@ def test_search_finds_the_bundled_strikes_in_a_library_that_is_empty(tmp_path, c
 
 def test_search_of_an_empty_library_says_how_to_fill_it(tmp_path, capsys):
     assert main(["search", str(EXAMPLES / "walk_turn.bvh"), "--target", "1", "0", "1", "--library", str(tmp_path)]) == 1
-    assert "`index FOLDER`, or the strikes that come with the studio with `--bundled`" in capsys.readouterr().err
+    assert "`index FOLDER`, or the bundled strikes with `--bundled`" in capsys.readouterr().err

@@ -48,9 +48,9 @@ def test_a_project_is_drawn_with_its_own_characters(capsys, tmp_path):
     assert main(["render", str(tmp_path / "play.studio"), "--out", str(tmp_path / "p.png"), "--size", "160x90"]) == 0
     assert "2 characters" in capsys.readouterr().out
     assert main(["render", str(tmp_path / "play.studio"), "--out", str(tmp_path / "p.png")]) == 1
-    assert "p.png' is there already" in capsys.readouterr().err
+    assert "p.png' already exists" in capsys.readouterr().err
     assert main(["render", str(tmp_path / "play.studio"), "--out", "other.png", "--character", "child"]) == 1
-    assert "has its own characters" in capsys.readouterr().err
+    assert "can only be used with a capture" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("circle", [False, True])
@@ -75,17 +75,17 @@ def test_a_film_has_its_progress_on_standard_error(capsys, walk, tmp_path):
 def test_a_folder_gets_a_picture_for_every_frame(capsys, walk, tmp_path):
     command = ["render", str(walk), "--out", str(tmp_path / "shots"), "--size", "160x90", "--character", "child"]
     assert main([*command, "--film-rate", "10"]) == 0
-    assert "5 pictures" in capsys.readouterr().out
+    assert "5 images" in capsys.readouterr().out
     assert sorted(path.name for path in (tmp_path / "shots").iterdir())[-1] == "shots_0005.png"
 
 
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["--out", "walk.gif"], "End its name with .png or .mp4"),
+        (["--out", "walk.gif"], "Use .png or .mp4"),
         (["--out", "walk.mp4", "--size", "161x90"], "even numbers"),
         (["--out", "walk.png", "--time", "9"], "--time 9 is outside walk.bvh, which lasts 0.48 seconds."),
-        (["--out", "walk.mp4", "--time", "0"], "--time is the moment of one picture"),
+        (["--out", "walk.mp4", "--time", "0"], "--time selects a still image"),
     ],
 )
 def test_what_cannot_be_drawn_is_a_sentence(capsys, walk, tmp_path, monkeypatch, arguments, sentence):

@@ -46,7 +46,7 @@ def test_every_performer_is_a_file_and_a_report_and_one_that_fails_keeps_nobody_
         assert load_capture(record["file"]).frame_count == made.performances[key].played.frame_count
     assert json.loads((out / "report.json").read_text()) == report
     assert main(["adapt", "--stage", str(play), "--out", str(out)]) == 1
-    assert "is there already" in capsys.readouterr().err
+    assert "already exists" in capsys.readouterr().err
 
 
 def test_a_clip_that_ends_before_its_capture_is_reported_with_what_is_asked_of_it(play, capsys, tmp_path):

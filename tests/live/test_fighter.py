@@ -250,7 +250,7 @@ def test_the_verb_fights_a_replayed_head_and_reports(tmp_path, capsys):
     assert main([*asked, "--replay", str(tmp_path / "head.osc"), "--mirrored"]) == 0
     printed = capsys.readouterr().out
     assert "240 frames, 2 strikes" in printed
-    assert "60 packets taken, 0 bad" in printed
+    assert "60 packets received, 0 invalid" in printed
 
 
 def test_ctrl_c_ends_a_fight_with_the_report_of_what_was_fought_until_then(library):
