@@ -40,7 +40,7 @@ PLACE_RANGE = Range("A place", 1e5)
 SKIN = Range("A place on a skin", 1e3)
 TIME_RANGE = Range("A time", 1e9, "s")  # also "always", as files write it
 ROUND = Range("A round", 1e6, "s", least=1e-3)
-FRAME_RATE = Range("A frame rate", 1e5, "Hz", least=0.01)
+FRAME_RATE = Range("A frame rate", 1e5, "fps", least=0.01)
 TURN_RANGE = Range("A turn", 1e4, "rad")
 GROUND = Range("A measure of the ground", 1e4)
 UNIT = Range("A unit", 1e3, least=1e-6)

@@ -159,7 +159,7 @@ def guess_frame_rate(frame_time: float | None, digit: float) -> tuple[float, Gue
     """Frame rate in Hz; a whole number if the frame time is that of one within its last ``digit``."""
     if frame_time is None:
         return _USUAL_RATE, Guess(
-            "frame rate", "30 Hz", "The file does not say a usable frame time.", Confidence.DOUBTFUL
+            "frame rate", "30 fps", "The file does not say a usable frame time.", Confidence.DOUBTFUL
         )
     rate = 1.0 / frame_time
     whole = float(round(rate))
@@ -167,7 +167,7 @@ def guess_frame_rate(frame_time: float | None, digit: float) -> tuple[float, Gue
         return whole, None
     if whole > 0 and abs(1.0 / whole - frame_time) <= digit:
         reason = f"The frame time {frame_time:g} s is 1/{whole:g} s, rounded."
-        return whole, Guess("frame rate", f"{whole:g} Hz", reason, Confidence.SURE)
+        return whole, Guess("frame rate", f"{whole:g} fps", reason, Confidence.SURE)
     return rate, None
 
 

@@ -346,7 +346,7 @@ class LiveStage:
         own = self._unasked(key) if holds else None
         followed = tracks_followed_by(self._staged, key, solved.get, circle, constraints, own)
         if followed is None:
-            raise StudioError(f"'{self._staged.performers[key].name}' follows somebody who cannot be adapted.")
+            raise StudioError(f"'{self._staged.performers[key].name}' follows a character that cannot be adapted.")
         part.tracks = expected_at(tracks_of(followed, playing.composite.at(frame)), expected)
         standing = playing.standing
         request = AdaptRequest(

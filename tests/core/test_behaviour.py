@@ -193,7 +193,7 @@ def test_what_has_to_be_measured_is_what_leads_away() -> None:
             "from 'Guard' to 'Nap' needs a state called 'Nap', and there is none",
         ),
         (lambda: replace(FIGHTER, cast=(Role("a"), Role("a", "b"))), "in one role only"),
-        (lambda: Role("a", "a"), "A performer cannot be its own partner"),
+        (lambda: Role("a", "a"), "A character cannot be its own partner"),
         (lambda: Transition("Guard", "Strike", ()), "needs a condition"),
         (lambda: Transition("Guard", "Strike", (NEAR,), -1.0), "a blend takes 0 to 5 seconds, got -1.0"),
         (lambda: State("  "), "needs a name"),

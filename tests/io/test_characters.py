@@ -169,7 +169,7 @@ def test_data_uris_are_read_as_base64(tmp_path: Path):
     made = Gltf()
     made.root["images"] = [{"uri": "data:image/png;base64," + base64.b64encode(b"no picture").decode()}]
     found = read(tmp_path, json.dumps(json.loads(made.gltf())).encode(), "hero.gltf")
-    assert found.repairs == ("hero.gltf, images[0]: the picture was left out, it is neither PNG nor JPEG.",)
+    assert found.repairs == ("hero.gltf, images[0]: the image was left out, it is neither PNG nor JPEG.",)
 
 
 def low_articulation(joints: dict[str, tuple[str, tuple[float, float, float]]], name: str) -> str:

@@ -354,7 +354,7 @@ def test_who_follows_somebody_hidden_is_told_so_and_the_others_play_on(constrain
     stage.step(0.0)
     stage.project = project.with_entity("performers", "two", replace(project.performers["two"], visible=False))
     assert set(stage.step(STEP)) == {"three"}
-    assert "follows somebody" in stage.failures["one"]
+    assert "follows a character" in stage.failures["one"]
 
 
 def test_who_comes_or_goes_is_taken_in_while_it_plays():

@@ -73,7 +73,7 @@ class Role:
 
     def __post_init__(self) -> None:
         if self.performer_id == self.partner_id:
-            raise ValueError("A performer cannot be its own partner. Choose another performer.")
+            raise ValueError("A character cannot be its own partner. Choose another character.")
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class Behaviour:
                     )
         players = [role.performer_id for role in self.cast]
         if len(set(players)) < len(players):
-            raise ValueError(f"'{self.name}': a performer plays a behaviour in one role only.")
+            raise ValueError(f"'{self.name}': a character plays a behaviour in one role only.")
 
     def state(self, name: str) -> State | None:
         """State of that name, or None."""

@@ -63,7 +63,7 @@ def load_acclaim(path: Path, options: ImportOptions, progress: Progress) -> Read
         if options.frame_rate is not None:
             return capture
         reason = "AMC files do not say it; nearly all were recorded so."
-        return capture.with_guess(Guess("frame rate", f"{_RATE:g} Hz", reason, Confidence.DOUBTFUL))
+        return capture.with_guess(Guess("frame rate", f"{_RATE:g} fps", reason, Confidence.DOUBTFUL))
 
     return ReadCapture(interpret(options, progress), interpret=interpret)
 

@@ -181,7 +181,7 @@ def _frame_rate(tracks: list[AnimationTrack], options: ImportOptions, guesses: l
         step, digit = float((densest[-1] - densest[0]) / len(steps)), _DIGIT / len(steps)
     if step > _SPARSE:
         guesses.append(
-            Guess("frame rate", f"{_USUAL_RATE:g} Hz", "The keys are too few to tell a rate.", Confidence.DOUBTFUL)
+            Guess("frame rate", f"{_USUAL_RATE:g} fps", "The keys are too few to tell a rate.", Confidence.DOUBTFUL)
         )
         return _USUAL_RATE
     rate, guess = guess_frame_rate(step, digit)

@@ -72,7 +72,7 @@ class Materials:
         texture = slot.index("index", len(self._textures))
         source = self._textures[texture or 0].index("source", len(self._images)) if self._textures else None
         if source is None:
-            self.repairs.append(f"{slot.where}: its picture is of a kind the studio does not read; it was left out.")
+            self.repairs.append(f"{slot.where}: its image has a format the studio does not read; it was left out.")
             return None
         if source not in self._pictures:
             self._pictures[source] = self._picture(self._images[source])
@@ -86,9 +86,9 @@ class Materials:
                 content = self._accessors.view_bytes(image.whole("bufferView"))
             return checked_picture(content)
         except ValueError as error:
-            self.repairs.append(f"{image.where}: the picture was left out, {error}.")
+            self.repairs.append(f"{image.where}: the image was left out, {error}.")
         except StudioError as error:
-            self.repairs.append(f"A picture was left out. {error}")
+            self.repairs.append(f"An image was left out. {error}")
         return None
 
 

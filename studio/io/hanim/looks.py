@@ -48,12 +48,12 @@ class ShapeMaterials:
             try:
                 return checked_picture(read_bytes(path_beside(url, self._path, where), _LARGEST_PICTURE))
             except ValueError as error:
-                self.repairs.append(f"{where}: the picture '{url[:80]}' was left out, {error}.")
+                self.repairs.append(f"{where}: the image '{url[:80]}' was left out, {error}.")
                 return None
             except StudioError:
                 continue
         named = f"'{urls[0][:80]}'" if urls else "that it names"
-        self.repairs.append(f"{where}: the picture {named} is not beside the file; the plain colour is shown.")
+        self.repairs.append(f"{where}: the image {named} is not beside the file; the plain colour is shown.")
         return None
 
 

@@ -76,7 +76,7 @@ def film_encoder(path: Path, source: Streams, size: tuple[int, int], frame_rate:
     The film appears whole or not at all: whatever the block raises, the encoder is ended at once. Raises StudioError.
     """
     if size[0] % 2 or size[1] % 2:
-        raise StudioError(f"A film's width and height are even numbers, not {size[0]}x{size[1]}.")
+        raise StudioError(f"A video's width and height are even numbers, not {size[0]}x{size[1]}.")
     with replacing(path) as part, child_process(_command(part, size, frame_rate), source) as process:
         yield FilmEncoder(process, path, part)
 

@@ -48,7 +48,7 @@ def read_footage(path: Path) -> Footage:
         rate = float(next(probe)["fps"])
         probe.close()
     except (OSError, RuntimeError, StopIteration) as error:
-        raise StudioError(f"{path.name} has no pictures that can be read. Choose an MP4, MOV or WebM file.") from error
+        raise StudioError(f"{path.name} has no frames that can be read. Choose an MP4, MOV or WebM file.") from error
     least, most = FOOTAGE_RATES
     rate = min(max(rate, least), most)
     # Frames of a telephone's film may last unequally long: those that are shown last equally long.
@@ -84,7 +84,7 @@ def _picture_frames(files: tuple[Path, ...]) -> Generator[Picture, None, None]:
                 image.draft("RGB", (MOST_FOOTAGE_SIDE, MOST_FOOTAGE_SIDE))
                 pixels = image.convert("RGB")
         except (OSError, UnidentifiedImageError, Image.DecompressionBombError) as error:
-            raise StudioError(f"The picture {file.name} cannot be read. Choose a PNG or JPEG file.") from error
+            raise StudioError(f"The image {file.name} cannot be read. Choose a PNG or JPEG file.") from error
         pixels.thumbnail((MOST_FOOTAGE_SIDE, MOST_FOOTAGE_SIDE))
         yield np.asarray(pixels)
 

@@ -156,5 +156,5 @@ def _material(path: Path, place: int, told: dict[str, Any], part: Arrays, repair
         try:
             texture = checked_picture(content_of(name, path, path.name) if picture is None else picture.tobytes())
         except (StudioError, ValueError) as error:
-            repairs.append(f"{path.name}: the picture '{name}' was left out; the plain colour is shown. {error}")
+            repairs.append(f"{path.name}: the image '{name}' was left out; the plain colour is shown. {error}")
     return Material(told["name"], hex_colour(np.ones(3) if texture is not None else np.array(told["colour"])), texture)

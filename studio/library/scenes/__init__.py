@@ -34,7 +34,7 @@ SCENES = (
     ),
     BundledScene(
         "One walk on five bodies",
-        "Everybody walks the same way: steps are as long as legs allow, and no foot slides.",
+        "All walk the same way: steps are as long as legs allow, and no foot slides.",
         "papers.five_bodies",
     ),
     BundledScene(
