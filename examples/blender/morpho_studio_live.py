@@ -1,9 +1,9 @@
 """A Blender add-on: armatures follow the bodies that a running Morpho Studio streams, while one edits there.
 
-Install it in *Edit > Preferences > Add-ons > Install from Disk*. In the studio, *Play > Stream bodies as VMC* sends the
-first body to port 39539 of this computer, the second to 39540, and so on. In Blender, select an armature, enter its
-port in the sidebar of the 3D view (N, *Morpho*), and press *Follow*. Bones are found by the names of Mixamo, Unreal,
-VRM, HumanIK and Blender's own rigs; the rest pose may be a T-pose, an A-pose, or one with hanging arms.
+Install it in *Edit > Preferences > Add-ons > Install from Disk*. In the studio, *Play > Stream characters as VMC* sends
+the first body to port 39539 of this computer, the second to 39540, and so on. In Blender, select an armature, enter
+its port in the sidebar of the 3D view (N, *Morpho*), and press *Follow*. Bones are found by the names of Mixamo,
+Unreal, VRM, HumanIK and Blender's own rigs; the rest pose may be a T-pose, an A-pose, or one with hanging arms.
 
 VMC sends for each bone its rotation in its parent against a T-pose, in Unity's axes (x right, y up, z forward,
 left-handed); Blender's characters face -Y with their left on +X.

@@ -29,7 +29,7 @@ from studio.jobs.batch import BatchResult, BatchSettings, FileDone, run_batch
 from studio.panels.fields import FIELD_ICON_PX, Choice, Section, labelled, press_button
 
 BATCH_DIALOG_WIDTH = 520
-ACTOR_CHOICE = (ACTOR_WORD, "The body each capture was recorded from")
+ACTOR_CHOICE = (ACTOR_WORD, "The proportions of each captured actor")
 
 
 class BatchDialog(QDialog):
@@ -178,7 +178,7 @@ class BatchDialog(QDialog):
 
     def _open_page(self) -> None:
         if not QDesktopServices.openUrl(QUrl.fromLocalFile(str(self._page))):
-            raise StudioError(f"No program opens web pages here. The summary is {self._page}.")
+            raise StudioError(f"No web browser was found. The summary is {self._page}.")
 
 
 def _show_path(field: QLineEdit, path: Path) -> None:
@@ -187,7 +187,7 @@ def _show_path(field: QLineEdit, path: Path) -> None:
 
 def _run_batch(settings: BatchSettings, progress: Progress) -> BatchResult:
     """Run the batch in a background thread; if it is cancelled, its workers end."""
-    share, text = 0.0, "Starting the workers"
+    share, text = 0.0, "Starting worker processes"
 
     def tell(done: FileDone) -> None:
         nonlocal share, text

@@ -209,7 +209,7 @@ def read_again(
                 bench.sources[capture_id] = motion.path
                 if old.digest not in ("", motion.capture.digest):
                     bench.say(
-                        f"The content of {motion.path} has changed since it was read before.",
+                        f"The content of {motion.path} has changed since it was imported.",
                         until=Lifetime.PROJECT_OPENED,
                     )
 
@@ -228,7 +228,7 @@ def tell_repairs(bench: Workbench, capture_id: str) -> None:
     if capture.markers is not None and capture.body_map is None:
         ask = ("Markers…", lambda: bench.window.inspector.markers_requested.emit(capture_id))
         held = next(guess.reason for guess in capture.guesses if guess.subject == "marker map").partition(".")[0]
-        bench.say(f"No body was found in {capture.source}. {held}: label its markers.", ask, until=Lifetime.EDITED)
+        bench.say(f"No skeleton was found in {capture.source}. {held}: label its markers.", ask, until=Lifetime.EDITED)
         return
     if not capture.repairs:
         bench.clear_message()
@@ -273,9 +273,11 @@ def tell_corrections(bench: Workbench, capture_id: str) -> None:
     def guess() -> None:
         bench.settings.correct(read_as.kind, {})
         if capture_id in bench.document.project.captures:
-            read_again(bench, capture_id, GUESS_ALL, f"Read {capture.name} as guessed")
+            read_again(bench, capture_id, GUESS_ALL, f"Re-import {capture.name} with detected settings")
 
-    sentence = f"{capture.source} was read as you corrected its kind of file before: {words(corrections)}."
+    sentence = (
+        f"{capture.source} was imported with your earlier corrections for this kind of file: {words(corrections)}."
+    )
     bench.say(sentence, ("Keep", bench.clear_message), ("Detect again", guess), until=Lifetime.PROJECT_OPENED)
 
 

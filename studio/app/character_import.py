@@ -96,7 +96,7 @@ def remap_character(bench: Workbench, character_id: str, joints: Mapping[str, st
 
     def put(made: Character) -> None:
         if document.project.characters.get(character_id) is not character:
-            raise StudioError(f"{character.name} was changed while it was mapped. Choose the joint again.")
+            raise StudioError(f"{character.name} changed while you mapped it. Pick the joint again.")
         document.replace("characters", character_id, made, text)
 
     task: int = bench.runner.run(text, work, put)
@@ -139,11 +139,11 @@ def _tell(bench: Workbench, path: Path, read: ReadCharacter) -> None:
         first = read.repairs[0].removeprefix(f"{path.name}, ")
         sentences.append(f"{path.name} was read with {count} repair{'' if count == 1 else 's'}: {first}")
     elif daring:
-        sentences.append(f"{path.name} was read; guessed {' '.join(daring)}")
+        sentences.append(f"{path.name} was imported; assumed {' '.join(daring)}")
     actions: list[tuple[str, Callable[[], object]]] = [("Close", bench.clear_message)]
     sentences += [f"Warning: {remark.sentence}" for remark in remarks_on_body(read.character.build)]
     if read.moves:
-        sentences.append("The file holds a motion too." if sentences else f"{path.name} holds a motion too.")
+        sentences.append("The file also contains animation." if sentences else f"{path.name} also contains animation.")
         actions.insert(0, ("Import its motion", lambda: import_motion(bench, path)))
     if sentences:
         bench.say(" ".join(sentences), *actions)

@@ -28,7 +28,7 @@ class ExportContent(Enum):
 
     ADAPTED = "Adapted motion"
     STAGE = "Whole stage"
-    MOTION = "Body-independent motion"
+    MOTION = "Source motion"
     FILM = "Video of the 3D view"
 
 
@@ -46,21 +46,21 @@ RATES = (24.0, 25.0, 30.0, 60.0)
 MOTION_RATES = (*RATES, 120.0)
 WITH_BODIES = (ExportContent.ADAPTED, ExportContent.STAGE)
 """Contents with skeletons, to which options apply."""
-OWN_NAMES = "Character's own"
+OWN_NAMES = "Original names"
 HINTS = {
-    ".bvh": "Joints and angles: read by nearly every program.",
+    ".bvh": "Skeleton and rotations; supported by nearly every program.",
     ".fbx": "Joints, skin, materials and animation for Maya, MotionBuilder, Unreal, Unity and Blender.",
-    ".s4d": "The motion as it was captured, with its contacts and constraints, for any body.",
+    ".s4d": "The motion as it was captured, with its contacts and constraints, for any character.",
     ".glb": "Joints, skin, materials and animation in one file.",
     ".gltf": "The same as GLB, as text.",
-    ".vrma": "The motion of a body, for any VRM avatar; without its skin.",
-    ".usd": "Joints, skin and animation for USD pipelines; textures as pictures beside it.",
+    ".vrma": "Animation for any VRM avatar; without skin.",
+    ".usd": "Joints, skin and animation for USD pipelines; textures as images beside it.",
     ".usdz": "The same with its textures in one file.",
-    ".c3d": "Joints and the markers the body would wear, for laboratories.",
-    ".csv": "Where every joint is at every frame, and by how much constraints are missed.",
+    ".c3d": "Joint centres and virtual markers, for biomechanics software.",
+    ".csv": "World position of every joint per frame, and the constraint errors.",
     ".npz": "The same as CSV, for NumPy.",
-    ".mp4": "The range of the timeline, as the 3D view shows it now.",
-    "": "A PNG picture a frame, as the 3D view shows it, in a new folder.",
+    ".mp4": "The timeline range, as shown in the 3D view.",
+    "": "One PNG image per frame of the 3D view, in a new folder.",
 }
 
 
@@ -82,8 +82,8 @@ def kinds() -> tuple[ExportKind, ...]:
         *motions,
         *stages,
         ExportKind(ExportContent.MOTION, ".s4d", "S4D (.s4d)"),
-        ExportKind(ExportContent.FILM, ".mp4", "Film (.mp4)"),
-        ExportKind(ExportContent.FILM, "", "Pictures (.png)"),
+        ExportKind(ExportContent.FILM, ".mp4", "Video (.mp4)"),
+        ExportKind(ExportContent.FILM, "", "Image sequence (.png)"),
     )
 
 
@@ -96,8 +96,8 @@ class ExportDialog(QDialog):
         self.setObjectName("export_dialog")
         self.setWindowTitle("Export")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.what = Choice("What", [(what, self._said(what)) for what in self._offered()])
-        self.kind = Choice("As", ())
+        self.what = Choice("Content", [(what, self._said(what)) for what in self._offered()])
+        self.kind = Choice("Format", ())
         self.names = Choice(
             "Joint naming", [("", OWN_NAMES), *((key, each.name) for key, each in joint_namings().items())]
         )
@@ -108,12 +108,12 @@ class ExportDialog(QDialog):
         self.others = Choice("Other joints", [("carry", words), ("leave", "Leave out")])
         self.range = Choice("Range", [("all", "All frames"), ("timeline", "Timeline range")])
         self.frame_rate = Choice(
-            "Frame rate", [(None, "As captured"), *((rate, f"{rate:g} Hz") for rate in MOTION_RATES)]
+            "Frame rate", [(None, "As captured"), *((rate, f"{rate:g} fps") for rate in MOTION_RATES)]
         )
         self.root = Choice("Root", list(ROOTS.items()))
         self.position = Choice("Position", [("stage", "On the stage"), ("origin", "At the origin")])
         self.picture_size = Choice("Size", [(size, f"{size[0]} × {size[1]}") for size in PICTURE_SIZES])
-        self.rate = Choice("Frame rate", [(rate, f"{rate:g} Hz") for rate in RATES])
+        self.rate = Choice("Frame rate", [(rate, f"{rate:g} fps") for rate in RATES])
         self.hint = QLabel()
         self.hint.setProperty("role", "hint")
         self.hint.setWordWrap(True)
@@ -175,7 +175,7 @@ class ExportDialog(QDialog):
             return str(what.value)
         keys = exporting.chosen_performers(self._bench)
         performers = self._bench.document.project.performers
-        return f"{what.value} of {performers[keys[0]].name if len(keys) == 1 else f'{len(keys)} bodies'}"
+        return f"{what.value} of {performers[keys[0]].name if len(keys) == 1 else f'{len(keys)} characters'}"
 
     def _show_last(self, last: Mapping[str, object]) -> None:
         """Choose the options of the last export, as far as they are available."""

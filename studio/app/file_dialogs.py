@@ -14,8 +14,8 @@ from studio.io.registry import known_formats
 PROJECTS = "Morpho Studio projects (*.studio)"
 CONSTRAINTS_FILTER = "Constraints (*.json)"
 MEDIA_FILTERS = {
-    "sounds": f"Sounds and films ({' '.join(f'*{suffix}' for suffix in SOUND_SUFFIXES)})",
-    "footage": f"Films and pictures ({' '.join(f'*{suffix}' for suffix in (*FILM_SUFFIXES, *PICTURE_SUFFIXES))})",
+    "sounds": f"Sounds and videos ({' '.join(f'*{suffix}' for suffix in SOUND_SUFFIXES)})",
+    "footage": f"Videos and images ({' '.join(f'*{suffix}' for suffix in (*FILM_SUFFIXES, *PICTURE_SUFFIXES))})",
 }
 """Files of sounds and footage, by collection."""
 EVERYTHING = "All files (*)"

@@ -37,12 +37,14 @@ def film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate: float)
     becomes a folder of pictures. Raises StudioError without a 3D view, and for far too long a range.
     """
     if not bench.has_viewport:
-        raise StudioError("There is no 3D view to film.")
+        raise StudioError("There is no 3D view to render.")
     playhead = bench.document.playhead
     begin, end = playhead.first / playhead.frame_rate, playhead.last / playhead.frame_rate
     count = int((end - begin) * frame_rate + 1e-6) + 1
     if count > MOST_PICTURES:
-        raise StudioError(f"A film of {count} pictures is too long. Set a shorter range; {MOST_PICTURES} are the most.")
+        raise StudioError(
+            f"{count} frames are too many for a video. Set a shorter range; {MOST_PICTURES} are the most."
+        )
     times = begin + np.arange(count) / frame_rate
     shots = Shots(_played(bench.document.project), bench.viewport.view, tuple(times.tolist()), size)
 
@@ -58,7 +60,7 @@ def film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate: float)
                 _follow(renderer, progress)
         return [path]
 
-    task: int = bench.runner.run("Film", work, lambda written: bench.say(words_of(written)))
+    task: int = bench.runner.run("Video", work, lambda written: bench.say(words_of(written)))
     return task
 
 
@@ -99,8 +101,8 @@ def _follow(renderer: "subprocess.Popen[bytes]", progress: Progress) -> None:
     if code:
         reason = f": {last}" if code > 0 and last else ""
         raise StudioError(
-            f"The renderer of the film crashed at '{text}'{reason}. Nothing was written. Choose a smaller size or"
-            " update the driver of the graphics card."
+            f"The renderer of the video crashed at '{text}'{reason}. Nothing was written. Choose a smaller size"
+            " or update the driver of the graphics card."
         )
 
 

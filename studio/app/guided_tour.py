@@ -65,8 +65,8 @@ def _kinds_of_targets(project: Project) -> dict[str, type]:
 STEPS = (
     Step("Press Space to play the motion, and Space again to pause it where the foot kicks highest.", _has_played),
     Step("Click a joint of a character, such as the kicking foot, or press Shift+J to choose one.", _has_picked),
-    Step("Press C: a constraint holds the joint from here on. Its bar appears in the timeline.", _has_constrained),
-    Step("Drag the blue arrow of the target up until a character reaches no further.", _has_moved_target),
+    Step("Press C to constrain the joint. A bar for the constraint appears in the timeline.", _has_constrained),
+    Step("Drag the blue arrow of the target up until one of the characters can no longer reach it.", _has_moved_target),
     Step(
         "Read the strips below the bar: green is held, amber partly held, red not reached. "
         "Press Ctrl+Z to undo the drag.",

@@ -304,7 +304,7 @@ class LiveControl:
             name = f"{source.name}, drives {drives}" if drives else source.name
             rate = source.rate("", number.taken, seconds)
             rows.append(InputRow(key, source.name, name, rate, _senders(source, now, seconds)))
-        words = f"{counts[0]:,} packets taken, {counts[1]:,} bad, {counts[2]:,} of senders that are off."
+        words = f"{counts[0]:,} packets received, {counts[1]:,} invalid, {counts[2]:,} from disabled senders."
         problems = list(self.bench.live.driven.problems.values())
         self.panel.show_inputs(rows, " ".join([words, *problems]))
         self.panel.show_driver(self.drivers.get(str(self.panel.performer.value)) if self.drivers else None)
@@ -315,7 +315,7 @@ class LiveControl:
         words = ""
         if self.broadcast is not None:
             ports = [f"{name} to {body.port}" for name, body in self.bodies_to_stream()]
-            words = self.broadcast.problem or (", ".join(ports) + "." if ports else "Nobody is shown.")
+            words = self.broadcast.problem or (", ".join(ports) + "." if ports else "No character is visible.")
         self.panel.show_streaming(self.broadcast is not None, words)
 
     def _drives(self, key: str) -> str:

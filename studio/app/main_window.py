@@ -218,7 +218,7 @@ class MainWindow(QMainWindow):
             files.save(self.bench)
 
         self.question.ask(
-            f"{self._document_name()} has changes that are not saved.",
+            f"{self._document_name()} has unsaved changes.",
             ("Save", save_first),
             ("Don't save", then),
             ("Cancel", self._forget_after_save),

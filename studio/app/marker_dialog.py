@@ -85,7 +85,7 @@ class MarkerDialog(QDialog):
         row.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)
         self.words = labelled("", "hint")
         self.apply = press_button("Apply", self.solve, "main")
-        self.apply.setToolTip("Find the body again with this map and these steps")
+        self.apply.setToolTip("Re-solve the skeleton with this marker map and these cleaning steps")
         row.addWidget(self.words, 1)
         row.addWidget(self.apply)
         row.addWidget(press_button("Close", self.close))
@@ -118,7 +118,7 @@ class MarkerDialog(QDialog):
             if self._is_open and self.steps.steps == take.steps:
                 self.steps.show_reports(reports)
 
-        self._bench.runner.run("Trying the steps", work, done)
+        self._bench.runner.run("Previewing cleaning steps", work, done)
         self._refresh()
 
     def _refresh(self) -> None:

@@ -106,14 +106,15 @@ def toggle(bench: Workbench) -> None:
         return
     if not bench.live.play.begin():
         bench.say(
-            "The solver is still being prepared. Play live as soon as the bar below is gone.", until=Lifetime.EDITED
+            "The solver is still being prepared. Start live play when the progress bar below is gone.",
+            until=Lifetime.EDITED,
         )
         return
     active = bench.document.active_performer_id or ""
     names = [_name(bench.document.project, clip) for clip in clips_of(bench.document.project, active)]
-    own = [f"{number}: {name} (selected body)." for number, name in enumerate(names[:9], 1)]
+    own = [f"{number}: {name} (selected character)." for number, name in enumerate(names[:9], 1)]
     heard = [f"{key}: {', '.join(states).lower()}." for key, states in keys_of(bench.document.project).items()]
-    bench.say(" ".join([PLAYS_LIVE, *own, *heard, "R: record. Esc: end."]))
+    bench.say(" ".join([PLAYS_LIVE, *own, *heard, "R: record. Esc: stop."]))
 
 
 def record(bench: Workbench) -> None:
@@ -142,7 +143,7 @@ def put_take(bench: Workbench, take: StageTake) -> None:
     document.playhead.set_time(begin)
     clips = sum(len(each.clips) for each in rows)
     bench.say(
-        f"Recorded {take.end - take.begin:.1f} s: the clips of {counted(len(rows), 'performer')} are replaced by"
+        f"Recorded {take.end - take.begin:.1f} s: the clips of {counted(len(rows), 'character')} are replaced by"
         f" {clips}. Undo restores them.",
         until=Lifetime.EDITED,
     )

@@ -74,7 +74,9 @@ class PoseLibrary:
         path = saved.path
         try:
             if not name or name in taken:
-                raise StudioError(f"A pose has a name of its own, not '{name}'. Type another one.")
+                raise StudioError(
+                    f"A pose cannot have the name '{name}', which is empty or used already. Type another one."
+                )
             path = rename_pose(saved, name).path if name != saved.name else path
         finally:
             self._list(path)

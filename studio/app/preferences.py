@@ -64,15 +64,17 @@ class Preferences:
         for each in ("move_step", "rotate_step", "scale_step"):
             value = getattr(self, each)
             if not (isinstance(value, float | int) and math.isfinite(value) and value >= LEAST_SNAP):
-                raise ValueError(f"The preference '{each}' is a number above zero, got {value!r}.")
+                raise ValueError(f"The preference '{each}' must be greater than zero, not {value!r}.")
         for each, least, most in WHOLE_NUMBERS:
             value = getattr(self, each)
             if not (isinstance(value, int) and least <= value <= most):
-                raise ValueError(f"The preference '{each}' is a whole number from {least} to {most}, got {value!r}.")
+                raise ValueError(
+                    f"The preference '{each}' must be a whole number from {least} to {most}, not {value!r}."
+                )
         for each, allowed in CHOICES.items():
             if getattr(self, each) not in allowed:
                 raise ValueError(
-                    f"The preference '{each}' is one of {', '.join(allowed)}, got {getattr(self, each)!r}."
+                    f"The preference '{each}' must be one of {', '.join(allowed)}, not {getattr(self, each)!r}."
                 )
         object.__setattr__(self, "own_keys", {key: tuple(keys) for key, keys in dict(self.own_keys).items()})
 
@@ -139,7 +141,7 @@ def keys_in(text: str) -> tuple[str, ...]:
     words = text.split()
     for word in words:
         if not _normal(word):
-            raise ValueError(f"'{word}' is no key. Write it like Ctrl+Shift+K or F5.")
+            raise ValueError(f"'{word}' is not a shortcut. Write it like Ctrl+Shift+K or F5.")
     return tuple(map(_normal, words))
 
 

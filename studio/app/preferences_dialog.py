@@ -29,7 +29,7 @@ NUMBERS = (
 ONION_NUMBERS = (
     ("onion_before", "Before", ""),
     ("onion_after", "After", ""),
-    ("onion_step", "Every", "frames"),
+    ("onion_step", "Step", "frames"),
 )
 ACTIVATIONS = ((FITTED, "While the point stays still"), (WHOLE_CLIP_ACTIVATION, "For the whole clip"))
 LENGTHS = (("usual", "m, cm and mm"), ("m", "Metres"), ("cm", "Centimetres"), ("in", "Inches"))
@@ -46,7 +46,7 @@ class PreferencesDialog(QDialog):
         self.setWindowTitle("Preferences")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.resize(520, 860)
-        section = Section("Steps of the gizmo")
+        section = Section("Gizmo snapping")
         for name, words, unit, low, high in NUMBERS:
             field = NumberField(words, unit, low, high, low, 2)
             field.show_value(getattr(bench.preferences, name))
@@ -55,21 +55,21 @@ class PreferencesDialog(QDialog):
         onion = Section("Onion skins")
         for name, words, unit in ONION_NUMBERS:
             self._add_whole(onion, name, words, unit)
-        work = Section("Work")
-        self._add_choice(work, "activation", "New constraints", ACTIVATIONS)
+        work = Section("General")
+        self._add_choice(work, "activation", "New constraints active", ACTIVATIONS)
         self._add_whole(work, "autosave_minutes", "Autosave", "min")
-        look = Section("Appearance, after restart")
+        look = Section("Appearance (after restart)")
         self._add_choice(look, "theme", "Theme", [(name, name.capitalize()) for name in CHOICES["theme"]])
-        self._add_whole(look, "interface_scale", "Scale", "%")
-        self._add_choice(look, "lengths", "Lengths", LENGTHS)
-        keys = Section("Keys")
-        self.map = Choice("Key map", [(key, name) for key, (name, _) in key_maps().items()])
+        self._add_whole(look, "interface_scale", "Interface scale", "%")
+        self._add_choice(look, "lengths", "Linear units", LENGTHS)
+        keys = Section("Shortcuts")
+        self.map = Choice("Keymap", [(key, name) for key, (name, _) in key_maps().items()])
         self.map.show_value(bench.preferences.key_map)
         self.map.value_chosen.connect(lambda key: self._change(key_map=key))
-        keys.add_row("Key map", self.map)
+        keys.add_row("Keymap", self.map)
         self.table = QTableWidget(len(ACTIONS), 2)
-        self.table.setAccessibleName("Keys of actions")
-        self.table.setHorizontalHeaderLabels(("Action", "Keys"))
+        self.table.setAccessibleName("Keyboard shortcuts")
+        self.table.setHorizontalHeaderLabels(("Action", "Shortcuts"))
         self.table.verticalHeader().hide()
         self.table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
         self.words = labelled("", "hint")
@@ -112,7 +112,7 @@ class PreferencesDialog(QDialog):
         texts = {row.id: row.text for row in ACTIONS}
         told = [f"{key}: {' and '.join(texts[each] for each in actions)}" for key, actions in conflicts.items()]
         self.words.setText(
-            f"The same key twice. {'; '.join(told)}." if told else "Separate several shortcuts with spaces."
+            f"A shortcut is used twice. {'; '.join(told)}." if told else "Separate several shortcuts with spaces."
         )
 
     def _typed(self, item: QTableWidgetItem) -> None:

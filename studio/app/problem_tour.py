@@ -7,7 +7,7 @@ from studio.engine.problem_search import ProblemSearch
 from studio.engine.quality_summary import FoundProblem, SummaryRow
 from studio.panels.message_strip import Lifetime
 
-NO_PROBLEMS = "No problems: every constraint holds, and nothing slides, sinks in or pops."
+NO_PROBLEMS = "No problems: all constraints are met; no foot sliding, penetration or pops."
 
 
 class ProblemTour(QObject):

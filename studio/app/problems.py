@@ -39,7 +39,7 @@ def sentence_of(error: BaseException) -> str:
     if isinstance(error, StudioError):
         return str(error)
     what = f"{type(error).__name__}: {error}".rstrip(": ")
-    return f"An {INTERNAL_ERROR} occurred: {what}. Your work is in the journal; the details are in {log_file()}."
+    return f"An {INTERNAL_ERROR} occurred: {what}. Your work is backed up; the details are in {log_file()}."
 
 
 class ProblemHooks(QObject):

@@ -17,7 +17,7 @@ def offer(bench: Workbench, folder: Path) -> None:
         sessions = recoverable_sessions(folder)
         tidy(folder)
     except OSError as error:
-        bench.say(f"Earlier work in '{folder}' cannot be looked for: {error.strerror}.")
+        bench.say(f"The recovery folder '{folder}' cannot be read: {error.strerror}.")
         return
     if sessions:
         bench.window.recovery.offer(words_of(sessions[0]), lambda: _recover(bench, sessions[0]))
@@ -27,8 +27,8 @@ def choose(bench: Workbench) -> None:
     """List all unsaved earlier work, newest first, declined sessions included."""
     sessions = recoverable_sessions(bench.journals, declined=True) if bench.journals else ()
     if not sessions:
-        raise StudioError("There is no earlier work to recover: everything was saved, or is older than 30 days.")
-    bench.window.choose("Recover earlier work", [(line_of(each), _recovery(bench, each)) for each in sessions])
+        raise StudioError("There is no unsaved work of the last 30 days to recover.")
+    bench.window.choose("Recover unsaved work", [(line_of(each), _recovery(bench, each)) for each in sessions])
 
 
 def line_of(session: Session) -> tuple[str, str]:

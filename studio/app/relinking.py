@@ -117,4 +117,4 @@ def ask_media(bench: Workbench, collection: str, source: str) -> None:
 
 def _words(bench: Workbench, capture_id: str, source: SourceFile) -> str:
     name = bench.document.project.captures[capture_id].name
-    return f"The source file of {name} is {source.path}. Change an import setting to read it again."
+    return f"The source file of {name} is {source.path}. Change an import setting to re-import it."

@@ -64,7 +64,7 @@ def put_strike(bench: Workbench, wish: StrikeRequest, source: ReadMotion | str) 
     document, found, key = bench.document, wish.found, wish.performer_id
     project = document.project
     if key not in project.performers or project.get(wish.target.collection, wish.target.id) is None:
-        raise StudioError("The body or the target no longer exists. Search again.")
+        raise StudioError("The character or the target no longer exists. Search again.")
     motions = _motions_of(bench, key)
     if wish.frozen is not None and not {clip.motion_id for clip in project.performers[key].clips} <= motions.keys():
         raise StudioError(f"{project.performers[key].name} is still being solved. Try again in a moment.")

@@ -180,7 +180,7 @@ class Striking:
         asked = self._strike_query(performer_id, time)
         if asked is None or self.library is None:
             raise StudioError(
-                f"{name} plays nothing yet, or the target is hidden. Wait until both are solved, then try again."
+                f"{name} has no clip yet, or the target is hidden. Wait until both are solved, then try again."
             )
         found = find(self.library, replace(asked, limbs=(), kinds=(), numbers=(clip.number,)), 1)
         if not found:
@@ -325,12 +325,12 @@ def label_strike(bench: Workbench) -> None:
 def _unused_files(report: "IndexReport | None", folder: Path) -> str:
     """Words for the files that could not be used; empty if all could."""
     if report is None:
-        return f"Adding {folder.name} was cancelled. What had been read by then is in the library."
+        return f"Adding {folder.name} was cancelled. Clips indexed by then are in the library."
     if not report.problems:
         return ""
     name, problem = next(iter(report.problems.items()))
     others = len(report.problems) - 1
-    more = f" {others} other{'s' if others > 1 else ''} could not be used either." if others else ""
+    more = f" {others} other file{'s' if others > 1 else ''} could not be used either." if others else ""
     named = problem if problem.startswith(Path(name).name) else f"{Path(name).name}: {problem}"
     return (
         f"{named}{more} Everything else was added."

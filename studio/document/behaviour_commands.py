@@ -68,8 +68,8 @@ def edit_behaviour(
 def let_play(document: EditedProject, performer_id: str, behaviour_id: str | None, partner_id: str = "") -> None:
     """Let a performer play a behaviour against a partner, in place of any other one; with None it plays its clips."""
     name = document.project.performers[performer_id].name
-    chosen = document.project.behaviours[behaviour_id].name if behaviour_id else "its clips"
-    text = f"Let {name} play {chosen}"
+    chosen = document.project.behaviours[behaviour_id].name if behaviour_id else "own clips"
+    text = f"Set behaviour of {name} to {chosen}"
     with document.group(text):
         for key, behaviour in document.project.behaviours.items():
             if key == behaviour_id:
@@ -94,7 +94,7 @@ def make_own(document: EditedProject, performer_id: str, behaviour_id: str) -> s
     project = document.project
     behaviour = project.behaviours[behaviour_id]
     role = behaviour.role_of(performer_id)
-    with document.group(f"{project.performers[performer_id].name} has its own {behaviour.name}"):
+    with document.group(f"Make {behaviour.name} unique for {project.performers[performer_id].name}"):
         copied = replace(behaviour, cast=())
         return add_behaviour(document, performer_id, copied, role.partner_id if role else "")
 

@@ -107,7 +107,8 @@ def _whole(project: Project, motion_id: str, start: float) -> Clip:
     capture = project.captures[project.motions[motion_id].capture_id]
     if capture.body_map is None:
         raise StudioError(
-            f"No body was found in '{capture.name}', so no character can play it. Its report says what is missing."
+            f"No skeleton was found in '{capture.name}', so no character can play it. Its import report lists"
+            " what is missing."
         )
     return Clip(motion_id, capture.first_frame, capture.frame_count - 1, start, new_id())
 
@@ -144,7 +145,7 @@ def layer_of(project: Project, clip_id: str) -> Layer | None:
 def make_own(document: EditedProject, performer_id: str, clip_id: str) -> str:
     """Give a performer a copy of its own of a shared clip, with the clip's constraints; return the copy's id."""
     performer, name = document.project.performers[performer_id], new_id()
-    text = f"{performer.name} has its own {name_of(document.project, document.project.clips[clip_id])}"
+    text = f"Make {name_of(document.project, document.project.clips[clip_id])} unique for {performer.name}"
     with document.group(text):
         own = edited(performer, clip_id, lambda clip: (replace(clip, id=name),))
         document.replace("performers", performer_id, own, text)

@@ -50,7 +50,7 @@ CLIPBOARD_KEY_KINDS: Mapping[str, type[Keys]] = {
     "measures": KeyedProportions,
     "poses": KeyedPoses,
 }
-NOTHING_TO_PASTE = "The clipboard holds nothing to paste here. Copy constraints, contacts, corrections or keys first."
+NOTHING_TO_PASTE = "There is nothing to paste. Copy constraints, contacts, corrections or keys first."
 _NUMBERS = re.compile(r"\[\s+(-?[\d.e+-]+(?:,\s+-?[\d.e+-]+)*)\s+\]")
 
 
@@ -102,9 +102,11 @@ def _record_of(text: str) -> JsonObject:
     if not isinstance(record, dict) or record.get("format") != CLIPBOARD_FORMAT:
         raise StudioError(NOTHING_TO_PASTE)
     if record.get("version") != CLIPBOARD_VERSION:
-        raise StudioError("The clipboard was filled by a newer version of Morpho Studio. Update this one to paste it.")
+        raise StudioError(
+            "The content of the clipboard is from a newer version of Morpho Studio. Update this one to paste it."
+        )
     if large := too_large({name: item for name, item in record.items() if name != "from"}):
-        raise StudioError(f"{CLIPBOARD_NAME}, {large} is too large to be true. Lengths are metres, times seconds.")
+        raise StudioError(f"{CLIPBOARD_NAME}, {large} is out of range. Lengths are metres, times seconds.")
     return record
 
 
@@ -147,7 +149,7 @@ def _add_correction(document: EditedProject, correction: Correction, text: str) 
 def _paste_entities(document: EditedProject, record: JsonObject, mirrored: bool) -> None:
     clip, origin = document.active_clip, record.get("from", {})
     if clip is None:
-        raise StudioError("Nothing plays that constraints could be pasted on. Add a clip to a character first.")
+        raise StudioError("No character has a clip to paste constraints on. Add a clip first.")
     chosen = [key for key in document.selection.of("performers") if key in document.project.performers]
     body = chosen[-1] if chosen and chosen[-1] != origin.get("performer_id") else ""
     constraints = [

@@ -63,7 +63,7 @@ def mirror_correction(document: EditedProject, correction_id: str) -> None:
 def _add(document: EditedProject, performer_id: str, time: float, name: str) -> str:
     performer = document.project.performers.get(performer_id)
     if performer is None or not performer.clips:
-        raise StudioError("Nothing plays that could be corrected. Add a clip to the character first.")
+        raise StudioError("There is no clip to correct. Add a clip to the character first.")
     taken = {each.name for each in document.project.corrections_of(performer_id).values()}
     made = new_correction(free_name(name[:1].upper() + name[1:], taken), performer_id, time)
     return document.add("corrections", made, f"Correct {name}")

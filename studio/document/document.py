@@ -146,7 +146,7 @@ class Document(EditedProject):
         """
         target = path or self._path
         if target is None:
-            raise StudioError("This project has no file yet. Choose one with Save As.")
+            raise StudioError("This project has not been saved yet. Use File > Save as…")
         own = self._path is not None and target.resolve() == self._path.resolve()
         if own and self._read_only:
             raise StudioError(self._read_only)

@@ -194,8 +194,8 @@ class Journal(QObject):
                 told, self._stopped = self._stopped, True
                 if not told:
                     self.failed.emit(
-                        f"The journal in '{self._folder}' cannot be written ({error}). Save the project now: edits are"
-                        " not kept for recovery until it can be."
+                        f"The backup folder '{self._folder}' cannot be written ({error}). Save the project now:"
+                        " edits are not backed up until it can be."
                     )
                     self.acknowledged_changed.emit()
                 if self._closing.wait(RETRY_SECONDS):
@@ -226,7 +226,7 @@ class Journal(QObject):
     def _see_that_it_is_there(self) -> None:
         """Raise if the database was deleted: SQLite would go on writing to it without an error."""
         if not self._files[-1].exists():
-            raise FileNotFoundError(f"'{self._files[-1].name}' was taken away")
+            raise FileNotFoundError(f"'{self._files[-1].name}' was moved or deleted")
 
     def _waiting(self) -> list["_Item"] | None:
         """Queued items; an empty list after a pause, None when the journal is closed."""

@@ -254,4 +254,4 @@ def set_beyond(document: EditedProject, fields: Iterable[KeyedField], side: str,
     values = {field: keyed_value(document.shown_project, field) for field in fields}
     changes: dict[str, object] = {side: beyond}
     keyed = {field: with_fields(value, **changes) for field, value in values.items() if isinstance(value, Keys)}
-    replace_fields(document, keyed, f"{beyond.value.capitalize()} {side} keys")
+    replace_fields(document, keyed, f"Set {'pre' if side == 'before' else 'post'}-infinity to {beyond.value}")

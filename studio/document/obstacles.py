@@ -31,7 +31,7 @@ def set_obstacle(document: Document, prop_id: str, collides: bool) -> None:
     """Make a prop an obstacle for all performers, or no longer; one undo step."""
     project = document.project
     prop = project.props[prop_id]
-    text = f"{'Keep bodies out of' if collides else 'Let bodies through'} {prop.name}"
+    text = f"{'Enable' if collides else 'Disable'} collision of {prop.name}"
     with document.group(text):
         for key in obstacles_of(project, prop_id):
             document.remove("constraints", key, text)

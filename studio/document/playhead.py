@@ -58,7 +58,7 @@ class Playhead(QObject):
     @frame_rate.setter
     def frame_rate(self, value: float) -> None:
         if not value > 0.0:
-            raise ValueError(f"A frame rate is above zero, got {value}.")
+            raise ValueError(f"A frame rate must be greater than zero, not {value}.")
         if value != self._frame_rate:
             self._frame_rate = float(value)
             self.range_changed.emit()
@@ -128,7 +128,7 @@ class Playhead(QObject):
     def set_range(self, first: int, last: int) -> None:
         """Play frames ``first`` to ``last``. Raises ValueError if they are not in order."""
         if not first <= last:
-            raise ValueError(f"A range runs from a frame to a later one, not from {first} to {last}.")
+            raise ValueError(f"A range must end after it starts, not run from {first} to {last}.")
         if (first, last) != (self._first, self._last):
             self._first, self._last = int(first), int(last)
             self.range_changed.emit()

@@ -130,7 +130,7 @@ def recover(session: Session) -> Recovered:
     problems = recovered.problems
     if last < session.written:
         lost = f"{session.written - last} of the {counted(session.written, 'edit')}"
-        problems += (f"{lost} in the journal could not be read: it is damaged.",)
+        problems += (f"{lost} in the backup could not be read: it is damaged.",)
     return replace(recovered, problems=problems, playhead=playhead)
 
 
@@ -249,7 +249,7 @@ def _recovered(connection: sqlite3.Connection) -> tuple[Recovered, int]:
         recovered = _replayed(states[number], later, load, hashes)
         if recovered is not None:
             return recovered, number + len(recovered.steps)
-    raise StudioError("No state in the journal is whole. Open the project's file instead.")
+    raise StudioError("The backup is damaged and cannot be recovered. Open the project's file instead.")
 
 
 def _playhead(connection: sqlite3.Connection) -> PlayheadState | None:
@@ -289,7 +289,7 @@ def _replayed(base: Project | None, rows: list[StoredRow], load: LoadArray, hash
             edits = tuple(_edit(record, project, load) for record in json.loads(content))
             after = applied(project, edits)
             if hashes.of(after) != state:
-                raise ValueError("its hash is wrong")
+                raise ValueError("its checksum does not match")
         except (ValueError, KeyError, TypeError, StudioError) as error:
             problem = f"Edits from number {number} on ('{text}') could not be recovered: {error}."
             return Recovered(project, base, tuple(steps), (problem,))

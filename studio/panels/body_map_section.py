@@ -117,7 +117,7 @@ class BodyMapSection(Section):
         row.addWidget(self._joints, 1)
         self.add_wide(figures)
         self._preset = Choice("Preset", [(family, family.name) for family in naming_families()])
-        self._preset.setPlaceholderText("Names of joints as in…")
+        self._preset.setPlaceholderText("Joint naming preset…")
         self._preset.setCurrentIndex(-1)
         self._preset.value_chosen.connect(self._choose_preset)
         self.add_row("Preset", self._preset)

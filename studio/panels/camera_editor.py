@@ -29,7 +29,7 @@ class CameraEditor(Editor[SavedCamera]):
             lambda slot: give_slot(document, entity_id, None if slot == NO_SLOT else int(slot))
         )
         section.add_row("Shortcut", self._slot)
-        self._target = VectorRow(self, section, "Looks at", lambda target: self._place(target=target))
+        self._target = VectorRow(self, section, "Target", lambda target: self._place(target=target))
         self._distance = self.bind(
             NumberField("Distance", "m", 0.15, 150.0, 0.1, 2), lambda value: self._place(distance=value)
         )
@@ -61,4 +61,4 @@ class CameraEditor(Editor[SavedCamera]):
         self._parallel.setChecked(placement.parallel)
 
     def _place(self, **values: object) -> None:
-        self.change(f"Place {self.entity.name}", placement=with_fields(self.entity.placement, **values))
+        self.change(f"Move {self.entity.name}", placement=with_fields(self.entity.placement, **values))

@@ -20,9 +20,9 @@ from studio.panels.reference_figure import ReferenceFigure
 
 UNIT_CHOICES = (
     *(("m", "metres"), ("dm", "decimetres"), ("cm", "centimetres"), ("mm", "millimetres")),
-    *(("inch", "inches"), ("foot", "feet"), ("cmu", "5.64 cm units")),
+    *(("inch", "inches"), ("foot", "feet"), ("cmu", "CMU (5.64 cm)")),
 )
-REFERENCES = (("zero", "Zero pose"), ("here", "Frame at the playhead"))
+REFERENCES = (("zero", "All rotations zero"), ("here", "Frame at the playhead"))
 UP_AXIS_CHOICES = tuple((axis, f"{axis} up") for axis in ("X", "Y", "Z", "-X", "-Y", "-Z"))
 
 
@@ -39,13 +39,13 @@ class CaptureEditor(Editor[Capture]):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         self._facts = Section("Capture")
-        self._actor = press_button("Make a character", lambda: self.character_requested.emit(self.entity_id))
-        self._actor.setToolTip("The captured actor as a character of exactly these measures")
+        self._actor = press_button("Create character", lambda: self.character_requested.emit(self.entity_id))
+        self._actor.setToolTip("Create a character with the actor's exact proportions")
         self._facts.head.addWidget(self._actor)
         self._values = {name: labelled("", "value") for name in ("File", "Frames", "Length", "Joints")}
         for name, value in self._values.items():
             self._facts.add_row(name, value)
-        self._tags = TagField("walk, fast", "the search of the library finds them")
+        self._tags = TagField("walk, fast", "used by the library search")
         self._tags.tags_edited.connect(self._set_tags)
         self._facts.add_row("Tags", self._tags)
         self.column.addWidget(self._facts)
@@ -73,7 +73,7 @@ class CaptureEditor(Editor[Capture]):
         self._reference.setPlaceholderText("Detected")
         self._reference.value_chosen.connect(self._ask_reference)
         self._rate = self.bind(
-            NumberField("Frame rate", "Hz", 1.0, 1000.0, 1.0, 3),
+            NumberField("Frame rate", "fps", 1.0, 1000.0, 1.0, 3),
             self._changer("Set frame rate", lambda capture, value: capture.with_frame_rate(value)),
         )
         self._floor = self.bind(
@@ -102,7 +102,7 @@ class CaptureEditor(Editor[Capture]):
             return
         facts = (
             capture.source,
-            f"{capture.frame_count} at {capture.frame_rate:.5g} Hz",
+            f"{capture.frame_count} at {capture.frame_rate:.5g} fps",
             f"{capture.duration:.2f} s",
             f"{capture.skeleton.joint_count}",
         )
@@ -150,7 +150,7 @@ class CaptureEditor(Editor[Capture]):
 
     def _make_report(self, capture: Capture) -> QWidget:
         """Guesses with their reasons and choices, then the repairs, then warnings."""
-        section = Section(f"Guessed · {len(capture.guesses)}")
+        section = Section(f"Assumptions · {len(capture.guesses)}")
         for guess in capture.guesses:
             section.add_wide(_guess_lines(guess))
             if guess.subject == "cleaning":

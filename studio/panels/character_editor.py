@@ -23,7 +23,7 @@ from studio.panels.sliders import ValueSlider
 
 LEAST_PROPORTION, MOST_PROPORTION = 0.5, 1.6
 BUILD = Proportions()
-BLENDINGS = ((Blending.LINEAR, "Linear blending"), (Blending.DUAL_QUATERNIONS, "Dual quaternions"))
+BLENDINGS = ((Blending.LINEAR, "Classic linear"), (Blending.DUAL_QUATERNIONS, "Dual quaternions"))
 PRESETS: dict[str, Proportions] = {
     "Original": BUILD,
     "Child": Proportions(stature=0.68, head=1.35, thighs=0.92, shanks=0.92, hands=0.95, shoulders=0.9),
@@ -31,6 +31,7 @@ PRESETS: dict[str, Proportions] = {
     "Tall": Proportions(stature=1.14, thighs=1.05, shanks=1.05, head=0.94),
     "Long-armed": Proportions(upper_arms=1.25, forearms=1.28, hands=1.1),
 }
+SLIDER_NAMES = {"trunk": "Torso", "shanks": "Lower legs"}
 
 
 def measure_of(name: str, body: Morphology) -> float:
@@ -53,17 +54,17 @@ def measure_of(name: str, body: Morphology) -> float:
 
 def grip_words(grip: float) -> str:
     """Word for a grip."""
-    return "open" if grip < -0.5 else "at ease" if grip < 0.25 else "half closed" if grip < 0.75 else "fists"
+    return "open" if grip < -0.5 else "relaxed" if grip < 0.25 else "half closed" if grip < 0.75 else "fists"
 
 
 class BodySection(Section):
     """All proportions of one character; every view follows a moving slider."""
 
     def __init__(self, editor: Editor[Character | Performer], character_id: Callable[[], str]) -> None:
-        super().__init__("Body")
+        super().__init__("Proportions")
         self._editor, self._character_id = editor, character_id
-        reset = press_button("Reset", lambda: self._put(BUILD, f"Reset body of {self._character.name}"), "link")
-        reset.setToolTip("All lengths as built")
+        reset = press_button("Reset", lambda: self._put(BUILD, f"Reset proportions of {self._character.name}"), "link")
+        reset.setToolTip("Reset all proportions")
         self.head.addWidget(reset)
         self._preset = Choice("Preset", [(values, name) for name, values in PRESETS.items()])
         self._preset.setPlaceholderText("Custom")
@@ -72,16 +73,16 @@ class BodySection(Section):
         self._blending = Choice("Skinning", BLENDINGS)
         self._blending.value_chosen.connect(self._blend)
         self.add_row("Skinning", self._blending)
-        self._grip = ValueSlider("Grip", -1.0, 1.0)
-        self._grip.slider.setToolTip("From open through relaxed hands to fists. Double-click to reset.")
+        self._grip = ValueSlider("Finger curl", -1.0, 1.0)
+        self._grip.slider.setToolTip("From open to fist. Double-click to reset.")
         self._grip.begun.connect(editor.begin)
         self._grip.edited.connect(self._close_hands)
         self._grip.ended.connect(editor.end)
         self._grip.restored.connect(lambda: self._close_hands(0.0))
-        self.add_row("Hands", self._grip)
+        self.add_row("Finger curl", self._grip)
         self._growth = GrowthRow(editor, self, character_id)
         self._sliders = {field.name: self._make_slider(field.name) for field in fields(Proportions)}
-        self._tags = TagField("hero, tall", "the search of the library finds them")
+        self._tags = TagField("hero, tall", "used by the library search")
         self._tags.tags_edited.connect(self._set_tags)
         self.add_row("Tags", self._tags)
         self._odd = labelled("", "hint")
@@ -93,7 +94,7 @@ class BodySection(Section):
         return self._editor.document.project.characters[self._character_id()]
 
     def _make_slider(self, name: str) -> ValueSlider:
-        words = name.replace("_", " ").capitalize()
+        words = SLIDER_NAMES.get(name, name.replace("_", " ").capitalize())
         slider = ValueSlider(words, LEAST_PROPORTION, MOST_PROPORTION)
         slider.begun.connect(self._editor.begin)
         slider.edited.connect(lambda factor: self._set(name, words, factor))
@@ -134,16 +135,16 @@ class BodySection(Section):
         self._put(proportions, f"Set {words.lower()} of {self._character.name}")
 
     def _choose(self, values: Proportions) -> None:
-        self._put(values, f"Give {self._character.name} the body '{self._preset.currentText().lower()}'")
+        self._put(values, f"Set proportions of {self._character.name} to '{self._preset.currentText().lower()}'")
 
     def _blend(self, blending: Blending) -> None:
         make = lambda: replace(self._character, blending=blending)  # noqa: E731
-        text = f"Bend the skin of {self._character.name} by {dict(BLENDINGS)[blending].lower()}"
+        text = f"Set skinning of {self._character.name} to {dict(BLENDINGS)[blending].lower()}"
         self._editor.put_other("characters", self._character_id(), make, text)
 
     def _close_hands(self, grip: float) -> None:
         make = lambda: replace(self._character, grip=round(grip, 2))  # noqa: E731
-        self._editor.put_other("characters", self._character_id(), make, f"Close the hands of {self._character.name}")
+        self._editor.put_other("characters", self._character_id(), make, f"Set finger curl of {self._character.name}")
 
     def _set_tags(self, tags: tuple[str, ...]) -> None:
         if self._editor.entity is not None:

@@ -25,9 +25,9 @@ from studio.panels.layer_section import LayerSection
 CLIP_OFFSET_LIMIT = 1000.0
 CLIP_TIME_LIMIT = 100_000.0
 GRIP_CHOICES = (
-    (None, "As the character has them"),
+    (None, "From character"),
     (OPEN_GRIP, "Open"),
-    (RELAXED_GRIP, "At ease"),
+    (RELAXED_GRIP, "Relaxed"),
     (HALF_CLOSED_GRIP, "Half closed"),
     (FIST_GRIP, "Fists"),
 )
@@ -53,38 +53,40 @@ class ClipEditor(Editor[Clip]):
         section.add_row("Used by", self._players)
         self._own = press_button("", self._make_own)
         self._own.setToolTip(
-            "An edit changes the clip for every body that plays it. A copy of its own is edited separately."
+            "Shared: edits affect every character that plays this clip. Make it unique to edit it separately."
         )
         section.add_wide(self._own)
         self._start = self._number(
-            NumberField("Start", "s", -CLIP_TIME_LIMIT, CLIP_TIME_LIMIT, 0.05, 3), "Move", "in time", start=1.0
+            NumberField("Start", "s", -CLIP_TIME_LIMIT, CLIP_TIME_LIMIT, 0.05, 3), "Shift", start=1.0
         )
         section.add_row("Start", self._start)
         self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), self._set_first)
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), self._set_last)
-        section.add_row("Frames", self._first, self._last)
+        section.add_row("Frame range", self._first, self._last)
         self._speed = self.bind(NumberField("Speed", "×", SLOWEST_CLIP, FASTEST_CLIP, 0.05), self._set_speed)
         self._keyed = self._box("keyed", self._set_keyed)
-        self._keyed.setToolTip("The speed changes from key to key: set keys here or by S, edit them as curves")
+        self._keyed.setToolTip("Animate speed: set keys here or with S; edit them in the curve editor")
         section.add_row("Speed", self._speed, self._keyed)
-        self._repeats = self.bind(NumberField("Repeats", "", 1, MOST_REPEATS, 1, 0), self._set_repeats)
-        section.add_row("Repeats", self._repeats)
-        self._mirrored = self._box("left and right swapped", lambda on: self._set("Mirror", mirrored=on))
-        section.add_row("Mirrored", self._mirrored)
+        self._repeats = self.bind(NumberField("Loop count", "", 1, MOST_REPEATS, 1, 0), self._set_repeats)
+        section.add_row("Loop count", self._repeats)
+        self._mirrored = self._box("Mirror left/right", lambda on: self._set("Mirror", mirrored=on))
+        section.add_row("Mirror", self._mirrored)
         self._grip = Choice("Hands", GRIP_CHOICES)
-        self._grip.setToolTip("How the hands of mannequins are held while the clip plays")
-        self._grip.value_chosen.connect(lambda grip: self._set("Hold hands of", grip=grip))
+        self._grip.setToolTip(
+            "Pose of the hands while the clip plays, for characters whose fingers it does not animate"
+        )
+        self._grip.value_chosen.connect(lambda grip: self._set("Set hands of", grip=grip))
         section.add_row("Hands", self._grip)
         section.add_wide(self._buttons())
         return section
 
     def _placing(self) -> Section:
         section = Section("Placement")
-        self._joined = self._box("Follow previous clip", lambda on: self._set("Align", joined=on))
+        self._joined = self._box("Match previous clip", lambda on: self._set("Match previous clip:", joined=on))
         section.add_row("Alignment", self._joined)
-        turn = NumberField("Turn", "°", -360.0, 360.0, 1.0, 1)
-        self._turn = self._number(turn, "Turn", "", turn=math.radians(1.0))
-        section.add_row("Turn", self._turn)
+        turn = NumberField("Rotation", "°", -360.0, 360.0, 1.0, 1)
+        self._turn = self._number(turn, "Rotate", turn=math.radians(1.0))
+        section.add_row("Rotation", self._turn)
         self._offset = [
             self.bind(
                 NumberField(f"Offset {axis}", "", -CLIP_OFFSET_LIMIT, CLIP_OFFSET_LIMIT, 0.01), partial(self._move, k)
@@ -92,12 +94,12 @@ class ClipEditor(Editor[Clip]):
             for k, axis in enumerate("XY")
         ]
         for field in self._offset:
-            field.setToolTip("In leg lengths, so that it is in proportion for every body. Drag sideways to change.")
-        section.add_row("Offset  legs", *self._offset)
-        self._ease = self._number(NumberField("Blend time", "s", 0.0, 60.0, 0.05), "Ease", "", ease=1.0)
+            field.setToolTip("In leg lengths, so that it scales with each character. Drag sideways to change.")
+        section.add_row("Offset (× leg)", *self._offset)
+        self._ease = self._number(NumberField("Blend time", "s", 0.0, 60.0, 0.05), "Set blend time of", ease=1.0)
         self._ease.setSpecialValueText("automatic")
         section.add_row("Blend", self._ease)
-        section.add_wide(labelled("Over another clip, a line in its bar shows when it takes over.", "hint"))
+        section.add_wide(labelled("Where clips overlap, a line in the bar marks the transition.", "hint"))
         return section
 
     def _buttons(self) -> QWidget:
@@ -114,10 +116,10 @@ class ClipEditor(Editor[Clip]):
         box.toggled.connect(put)
         return box
 
-    def _number(self, field: NumberField, verb: str, rest: str, **unit: float) -> NumberField:
+    def _number(self, field: NumberField, verb: str, **unit: float) -> NumberField:
         """Bind ``field`` to the clip's value named by ``unit``, whose number is the size of the field's unit."""
         [(name, size)] = unit.items()
-        return self.bind(field, lambda number: self._set(verb, rest, **{name: number * size}))
+        return self.bind(field, lambda number: self._set(verb, **{name: number * size}))
 
     def refresh(self) -> None:
         """Update all fields from the document."""
@@ -150,8 +152,8 @@ class ClipEditor(Editor[Clip]):
         """True for performers, which play clips, and for motions, which name them."""
         return collection in ("performers", "motions")
 
-    def _edit(self, edit: ClipEdit, verb: str, rest: str = "") -> None:
-        text = f"{verb} {clip_edits.name_of(self.document.project, self.entity)} {rest}".strip()
+    def _edit(self, edit: ClipEdit, verb: str) -> None:
+        text = f"{verb} {clip_edits.name_of(self.document.project, self.entity)}"
 
         def edit_all() -> None:
             with self.document.group(text, self._gesture):
@@ -160,8 +162,8 @@ class ClipEditor(Editor[Clip]):
 
         self._say(edit_all)
 
-    def _set(self, verb: str, rest: str = "", **values: object) -> None:
-        self._edit(lambda clip: (with_fields(clip, **values),), verb, rest)
+    def _set(self, verb: str, **values: object) -> None:
+        self._edit(lambda clip: (with_fields(clip, **values),), verb)
 
     def _time_of(self, clip: Clip) -> float:
         """Second of the motion at the playhead, at a whole frame within the clip."""
@@ -178,14 +180,14 @@ class ClipEditor(Editor[Clip]):
             lambda clip: (
                 clip.speed.with_key(self._time_of(clip), number) if isinstance(clip.speed, KeyedNumber) else number
             ),
-            "Change",
+            "Set",
         )
 
     def _set_keyed(self, on: bool) -> None:
         """Key the speed at the playhead, or make its value there that of the whole clip."""
         self._change_speed(
             lambda clip: KeyedNumber((self._time_of(clip),), (self._speed_of(clip),)) if on else self._speed_of(clip),
-            "Key" if on else "Fix",
+            "Key" if on else "Remove keys of the",
         )
 
     def _change_speed(self, change: Callable[[Clip], Speed], verb: str) -> None:

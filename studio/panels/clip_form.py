@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from studio.library.label_motion import OpenedClip
 
 FIGURES_PX, CAPTION_PX = 104, 16
-HINT = "Proposed by the assistant. Drag the marks, choose what it is, and confirm; indexing keeps your label."
-SAID = "Confirmed. Indexing keeps it."
+HINT = "Labelled automatically. Drag the marks, set the type, and confirm; indexing keeps your label."
+SAID = "Confirmed (kept on re-indexing)"
 
 
 class ClipForm(QScrollArea):
@@ -38,8 +38,8 @@ class ClipForm(QScrollArea):
         self._opened: OpenedClip | None = None
         self.line, self.figures = ClipLine(), Figures()
         self.limb = Choice("Limb", [(limb, limb.words.capitalize()) for limb in Limb])
-        self.kind = Choice("Kind", [(kind, kind.capitalize()) for kind in Kind])
-        self.segment = Choice("Hits with", [])
+        self.kind = Choice("Type", [(kind, kind.capitalize()) for kind in Kind])
+        self.segment = Choice("Striking segment", [])
         self.tags = TagField("high, spinning", "`search --tag` finds clips by them")
         self.frames = {mark: NumberField(f"Frame: {mark}", "", 0, 0, 1, 0) for mark in ClipMark}
         self.undo = press_button("Undo", self._undo)
@@ -166,12 +166,12 @@ class ClipForm(QScrollArea):
         drawn.addWidget(self.line)
         drawn.addWidget(self.figures)
         column.addLayout(drawn)
-        section = Section("What it is")
+        section = Section("Classification")
         section.add_row("Limb", self.limb)
-        section.add_row("Kind", self.kind)
-        section.add_row("Hits with", self.segment)
+        section.add_row("Type", self.kind)
+        section.add_row("Striking segment", self.segment)
         section.add_row("Tags", self.tags)
-        section.add_row("Frames", *self.frames.values())
+        section.add_row("Frame range", *self.frames.values())
         column.addWidget(section)
         self.hint.setContentsMargins(FIELD_ICON_PX, 0, FIELD_ICON_PX, 0)
         column.addWidget(self.hint)

@@ -60,8 +60,8 @@ class ClipLine(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.setAccessibleName("Speed of hands and feet; drag the ends of the cut and the moment of the hit")
-        self.setToolTip("How fast each hand and foot is. Drag the ends of the cut, and the moment of the hit.")
+        self.setAccessibleName("Speed of hands and feet; drag the trim handles and the hit marker")
+        self.setToolTip("Speed of each hand and foot. Drag the trim handles and the hit marker.")
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)  # keys are meant for what was dragged last
         self.setFixedHeight(CLIP_LINE_HEIGHT)

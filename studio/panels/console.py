@@ -10,7 +10,7 @@ from studio.document.document import Document
 from studio.panels.console_session import ConsoleSession
 from studio.panels.fields import FIELD_ICON_PX
 
-WELCOME = "scene is the open project, api is studio.api (docs/scripts.md). Every edit is an undo step.\n"
+WELCOME = "scene: the open project; api: studio.api (docs/scripts.md). Edits can be undone.\n"
 MOST_LINES = 5000
 ENTRY_LINES = 4
 _INDENT = "    "

@@ -15,10 +15,10 @@ def contact_words(point: ContactPoint | Touch) -> str:
     return point.words.capitalize()
 
 
-ON_BODY = "The {what} lies where the actor's does, on the surface,"
+ON_BODY = "The {what} keeps the actor's contact point on the surface"
 KEPT = {
-    "together": "The hands are as far from each other, by the length of the arms, as the actor's",
-    "thing": "The thing between the hands keeps its size",
+    "together": "The distance of the hands is the actor's, scaled by arm length",
+    "thing": "The size of the object between the hands is kept",
     **dict.fromkeys(("head", "trunk", "hips", "thigh"), ON_BODY),
 }
 """Sentence on the property kept by a contact that is not with the ground, by the member of its point."""
@@ -37,7 +37,7 @@ class ContactEditor(Editor[ContactInterval]):
         section.add_row("Point", self._point)
         self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), self._set_first)
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), self._set_last)
-        section.add_row("Frames", self._first, self._last)
+        section.add_row("Frame range", self._first, self._last)
         self._scope = ScopeRow(self, section, self._ask)
         self._words = labelled("", "hint")
         section.add_wide(self._words)
@@ -55,18 +55,18 @@ class ContactEditor(Editor[ContactInterval]):
         self._last.show_value(contact.last)
         seconds = (contact.last - contact.first + 1) / self.document.playhead.frame_rate
         what = contact_words(contact.point).lower()
-        kept = KEPT.get(contact.point.member, "The {what} stands still on the ground").format(what=what)
+        kept = KEPT.get(contact.point.member, "The {what} is planted on the ground").format(what=what)
         self._words.setText(f"{kept} for {seconds:.2f} s{self._whose(contact)}.")
 
     def _whose(self, contact: ContactInterval) -> str:
-        return "" if contact.scope.is_narrow else ", on every body"
+        return "" if contact.scope.is_narrow else ", on every character"
 
     def concerns(self, collection: str, entity_id: str) -> bool:
         """True also for performers, which the scope names."""
         return super().concerns(collection, entity_id) or collection == "performers"
 
     def _ask(self, scope: Scope) -> None:
-        text = f"Change scope of {contact_words(self.entity.point).lower()} contacts"
+        text = f"Set scope of {contact_words(self.entity.point).lower()} contacts"
         contact_id = ask_contact_of(self.document, self.entity_id, scope, text)
         self.document.selection.set(("contacts", contact_id))
 

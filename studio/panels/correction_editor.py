@@ -14,7 +14,7 @@ from studio.engine.live_interface import Live
 from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import PER_CENT, Choice, NumberField, Section, labelled, press_button
 
-RANGE_FIELDS = ("Start", "Full from", "Full until", "End")
+RANGE_FIELDS = ("Start", "Ease-in end", "Ease-out start", "End")
 TURN_AXES = ("x", "y", "z")
 
 
@@ -25,30 +25,28 @@ class CorrectionEditor(Editor[Correction]):
         super().__init__(document, live, collection, entity_id)
         section = Section("Correction")
         mirror = press_button("Mirror", lambda: mirror_correction(document, self.entity_id), "link")
-        mirror.setToolTip("Move it to the other side of the body")
+        mirror.setToolTip("Mirror the correction to the other side")
         section.head.addWidget(mirror)
         self._name = EntityNameField(self)
         section.add_row("Name", self._name)
         self._enabled = QCheckBox("Enabled")
-        self._enabled.toggled.connect(lambda on: self._change("Switch", enabled=on))
+        self._enabled.toggled.connect(lambda on: self._change("Enable" if on else "Disable", enabled=on))
         section.add_row("State", self._enabled)
         self._above = Choice("Order", [(False, "Below constraints"), (True, "Above constraints")])
-        self._above.setToolTip(
-            "Below, constraints still hold and planted feet stay; above, the pose is left as corrected."
-        )
+        self._above.setToolTip("Below: constraints and foot contacts still apply. Above: the pose is used as it is.")
         self._above.value_chosen.connect(lambda above: self._change("Reorder", above=above))
         section.add_row("Order", self._above)
         self._weight = self.bind(
             NumberField("Weight", "%", 0.0, PER_CENT, 1.0, 0),
-            lambda number: self._change("Weight of", weight=number / PER_CENT),
+            lambda number: self._change("Set weight of", weight=number / PER_CENT),
         )
         section.add_row("Weight", self._weight)
         self._range = [
             self.bind(NumberField(name, "s", -1e6, 1e6, 0.01, 3), partial(self._set_time, place))
             for place, name in enumerate(RANGE_FIELDS)
         ]
-        section.add_row("Start · full", *self._range[:2])
-        section.add_row("Full · end", *self._range[2:])
+        section.add_row("Ease in (s)", *self._range[:2])
+        section.add_row("Ease out (s)", *self._range[2:])
         self.column.addWidget(section)
         self._pose = Section("Pose at playhead")
         self._pose.head.addWidget(press_button("Set key", self._set_key, "link"))
@@ -128,8 +126,8 @@ class CorrectionEditor(Editor[Correction]):
         pose, count = correction.keys.value_at(time), len(correction.keys.times)
         at_key = correction.keys.key_at(time) is not None
         keys = "1 key" if count == 1 else f"{count} keys"
-        where = "a key here" if at_key else "between keys" if count > 1 else "no key here"
-        self._words.setText(f"{keys}, {where}. Degrees in the axes of each part: x bends an elbow or a knee.")
+        where = "on a key" if at_key else "between keys" if count > 1 else "no key"
+        self._words.setText(f"{keys}, {where}. Local rotations in degrees; x bends elbows and knees.")
         for part, fields in self._turns.items():
             for field, angle in zip(fields, pose.turn(part), strict=True):
                 field.show_value(math.degrees(angle))
@@ -145,7 +143,7 @@ class CorrectionEditor(Editor[Correction]):
         times[place] = time
         times[:place] = [min(each, time) for each in times[:place]]
         times[place + 1 :] = [max(each, time) for each in times[place + 1 :]]
-        self._change("Range of", activation=self.entity.activation.with_times(*times))
+        self._change("Set range of", activation=self.entity.activation.with_times(*times))
 
     def _set_turn(self, part: BodyPart, place: int, degrees: float) -> None:
         turn = [*self.entity.pose_at(self.document.playhead.time).turn(part)]

@@ -119,8 +119,9 @@ class Section(QWidget):
 
 
 def with_unit(caption: str, unit: str) -> str:
-    """Caption of a row whose fields leave out their unit, with the unit that is shown."""
-    return f"{caption}  {shown_unit(unit).symbol}".rstrip()
+    """Caption of a row whose fields leave out their unit, with the unit that is shown: ``Offset (cm)``."""
+    symbol = shown_unit(unit).symbol
+    return f"{caption} ({symbol})" if symbol else caption
 
 
 def _stretches(widget: QWidget) -> bool:
@@ -310,7 +311,7 @@ class TagField(QLineEdit):
         self._tags: tuple[str, ...] = ()
         self.setAccessibleName("Tags")
         self.setPlaceholderText(examples)
-        self.setToolTip(f"Your own tags, separated by commas; {about}")
+        self.setToolTip(f"Tags, comma-separated; {about}")
         self.editingFinished.connect(self._read)
 
     def show_tags(self, tags: tuple[str, ...]) -> None:

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QWidget
 from studio.document import colours
 
 BELOW_PX = 20
-NO_FOOTAGE_HINT = "No footage yet. File > Add footage… puts a film or numbered pictures on the timeline."
+NO_FOOTAGE_HINT = "No footage yet. File > Add footage… adds a video or an image sequence."
 
 
 class FootageView(QWidget):

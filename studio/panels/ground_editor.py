@@ -64,9 +64,9 @@ MEASURES: dict[type[Ground], tuple[GroundSlider, ...]] = {
     ),
 }
 GROUND_PLACES: dict[type[Ground], tuple[str, str]] = {
-    Slope: ("foot", "Begins at"),
-    Steps: ("start", "First step at"),
-    HeightMap: ("origin", "Origin at"),
+    Slope: ("foot", "Start position"),
+    Steps: ("start", "First step position"),
+    HeightMap: ("origin", "Origin"),
 }
 
 
@@ -76,9 +76,9 @@ class GroundEditor(Editor[Ground]):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Ground")
-        self._kind = Choice("Kind of ground", [(kind, words) for kind, words in GROUND_CHOICES if kind in MADE_HERE])
+        self._kind = Choice("Ground type", [(kind, words) for kind, words in GROUND_CHOICES if kind in MADE_HERE])
         self._kind.value_chosen.connect(self._choose)
-        section.add_row("Kind", self._kind)
+        section.add_row("Type", self._kind)
         self._height = self.bind(
             NumberField("Height", "m", -10.0, 10.0, 0.01, 3),
             lambda metres: self.change("Set height of the ground", height=metres),
@@ -88,7 +88,7 @@ class GroundEditor(Editor[Ground]):
         self._forms = {kind: _KindSection(self, kind) for kind in (*MEASURES, HeightMap)}
         for form in self._forms.values():
             self.column.addWidget(form)
-        hint = labelled("Feet in contact stand on it, on every body.", "hint")
+        hint = labelled("Planted feet follow the ground, on every character.", "hint")
         hint.setContentsMargins(12, 8, 12, 0)
         self.column.addWidget(hint)
         self.finish()

@@ -21,11 +21,11 @@ class GrowthRow(KeyRow):
         self, editor: Editor[Character | Performer], section: Section, character_id: Callable[[], str]
     ) -> None:
         self._character_id = character_id
-        self._over_time = QCheckBox("keyed over time")
-        self._over_time.setAccessibleName("Body is keyed over time")
-        self._over_time.setToolTip("The body grows from key to key: a slider sets a key at the playhead.")
+        self._over_time = QCheckBox("Animated")
+        self._over_time.setAccessibleName("Proportions are animated")
+        self._over_time.setToolTip("Animate proportions: a slider sets a key at the playhead.")
         self._over_time.clicked.connect(self._toggle)
-        section.add_row("Measures", self._over_time)
+        section.add_row("Proportions", self._over_time)
         super().__init__(editor, section, "proportions")
 
     @property
@@ -62,7 +62,8 @@ class GrowthRow(KeyRow):
         now = self._seconds()
         held = self._character.proportions_at(now)
         self._change(
-            KeyedProportions((now,), (held,)) if keyed else held, "Key the body of" if keyed else "Fix body of"
+            KeyedProportions((now,), (held,)) if keyed else held,
+            "Animate the proportions of" if keyed else "Remove keys of the proportions of",
         )
 
     def _change(self, value: Proportions | KeyedProportions, text: str) -> None:

@@ -22,7 +22,7 @@ class History(QWidget):
         self.head.setContentsMargins(FIELD_ICON_PX, 0, FIELD_ICON_PX, 0)
         column.addWidget(self.head)
         self.view = QUndoView(undo_stack)
-        self.view.setEmptyLabel("As opened")
+        self.view.setEmptyLabel("Opened")
         self.view.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.view.setAccessibleName("History of edits")
         column.addWidget(self.view)

@@ -23,7 +23,7 @@ class JointFigure(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.setAccessibleName("Joints, seen from behind: click the joint of the chosen part")
+        self.setAccessibleName("Joints (back view): click the joint for the selected part")
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self._names: tuple[str, ...] = ()
         self._parents: tuple[int, ...] = ()

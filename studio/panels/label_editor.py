@@ -17,7 +17,7 @@ class LabelEditor(Editor[Label]):
         section.add_row("Name", self._name)
         self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), self._set_first)
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), self._set_last)
-        section.add_row("Frames", self._first, self._last)
+        section.add_row("Frame range", self._first, self._last)
         self.column.addWidget(section)
         self.finish()
 

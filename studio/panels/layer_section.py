@@ -17,7 +17,7 @@ class LayerSection(Section):
     def __init__(self, editor: Editor[Clip]) -> None:
         super().__init__("Layer")
         self._editor = editor
-        self._region = Choice("Body region", [(region, region.capitalize()) for region in Region])
+        self._region = Choice("Body region", [(region, region.label) for region in Region])
         self._region.value_chosen.connect(lambda region: self._put("Layer on another region", region=region))
         self.add_row("Body region", self._region)
         self._weight = editor.bind(
@@ -28,24 +28,24 @@ class LayerSection(Section):
         self._fades = [
             editor.bind(
                 NumberField(f"Fades {way}", "s", 0.0, 60.0, 0.05),
-                lambda seconds, name=name: self._put("Fade layer", **{name: seconds}),  # type: ignore[misc]
+                lambda seconds, name=name: self._put("Set fade of layer", **{name: seconds}),  # type: ignore[misc]
             )
             for way, name in (("in", "fade_in"), ("out", "fade_out"))
         ]
         for field in self._fades:
             field.setSpecialValueText("automatic")
-        self.add_row("In · out", *self._fades)
+        self.add_row("Fade in / out (s)", *self._fades)
         self._additive = QCheckBox("Additive")
         self._additive.toggled.connect(lambda on: self._put("Set layer additive", additive=on))
         self.add_row("Blend mode", self._additive)
         self._reference = editor.bind(
             NumberField("Reference frame", "", -1, 1e6, 1, 0),
-            lambda frame: self._put("Reference of layer", reference=round(frame)),
+            lambda frame: self._put("Set reference frame of layer", reference=round(frame)),
         )
         self._reference.setSpecialValueText("first frame")
-        self._reference.setToolTip("The difference of the clip from this frame of its motion is added.")
+        self._reference.setToolTip("Additive: the difference to this frame of the clip is added.")
         self._reference_row = self.add_row("Reference frame", self._reference)
-        self.add_wide(labelled("Foot contacts are those of the clips that move the legs.", "hint"))
+        self.add_wide(labelled("Foot contacts come from the clips that drive the legs.", "hint"))
 
     def refresh(self) -> None:
         """Update everything; nothing is shown for a clip of a row."""

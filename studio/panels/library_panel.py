@@ -26,7 +26,7 @@ from studio.panels.library_delegate import EYE_WIDTH, LIBRARY_ROW_ROLE, LibraryD
 from studio.panels.library_rows import LibraryRow, rows_of
 from studio.panels.thumbnails import Thumbnails
 
-EYE_HINT = "Click the eye to show or hide it, with all that are selected. Alt and click shows it alone."
+EYE_HINT = "Click the eye to show/hide the selected items; Alt+click to solo."
 Index = QModelIndex | QPersistentModelIndex
 
 
@@ -271,7 +271,7 @@ class LibraryPanel(QWidget):
         """Show and hide performers in one undo step."""
         performers = self.document.project.performers
         names = [performers[key].name for key in visible]
-        what = names[0] if len(names) == 1 else f"{len(names)} bodies"
+        what = names[0] if len(names) == 1 else f"{len(names)} characters"
         with self.document.group(f"{verb} {what}"):
             for key, shown in visible.items():
                 self.document.replace("performers", key, replace(performers[key], visible=shown), verb)

@@ -42,7 +42,7 @@ def rows_of(project: Project, motion_id: str | None, search: str = "") -> list[L
     """
     sections = (
         ("Captures", _captures(project, motion_id), "Drop a capture here"),
-        ("Characters", _bodies(project), "The bundled characters come with the first capture"),
+        ("Characters", _bodies(project), "Bundled characters are added with the first capture"),
         ("Constraints", _constraints(project, motion_id), "Pick a joint and press C to add one"),
         ("Stage", _stage(project), ""),
     )
@@ -51,7 +51,7 @@ def rows_of(project: Project, motion_id: str | None, search: str = "") -> list[L
         return [row for title, rows, hint in sections for row in (LibraryRow(title), *(rows or [_hint(hint)]))]
     found = [(title, [row for row in rows if _holds(row.words, words)]) for title, rows, _ in sections]
     hits = [row for title, rows in found if rows for row in (LibraryRow(title), *rows)]
-    return hits or [_hint(f"No name or tag holds '{search.strip()}'. Press Esc in the field to list everything.")]
+    return hits or [_hint(f"No name or tag contains '{search.strip()}'. Press Esc in the field to list everything.")]
 
 
 def _hint(text: str) -> LibraryRow:
@@ -74,7 +74,7 @@ def _captures(project: Project, motion_id: str | None) -> list[LibraryRow]:
     return [
         LibraryRow(
             capture.name,
-            _tagged(f"{capture.duration:.1f} s · {capture.frame_rate:.4g} Hz", tags.get(key, ())),
+            _tagged(f"{capture.duration:.1f} s · {capture.frame_rate:.4g} fps", tags.get(key, ())),
             ("captures", key),
             strong=motion is not None and key == motion.capture_id,
             tags=tags.get(key, ()),

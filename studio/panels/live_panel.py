@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
 from studio.document import colours
 from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled, press_button
 
-OWN_CLIPS, NO_INPUT, NO_PROP = "Its own clips", "Nothing", "No prop yet"
+OWN_CLIPS, NO_INPUT, NO_PROP = "Own clips", "Nothing", "No prop yet"
 NO_INPUTS = "Not listening. Choose a port and press Listen, or replay a recording."
 LIST_HEIGHT = 98
 CENTRED = Qt.AlignmentFlag.AlignVCenter
@@ -77,16 +77,19 @@ class LivePanel(QScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.port = NumberField("Port", "", 1, 65_535, 1, 0)
         self.port.show_value(port)
-        self.address = Choice("From", ((loopback, "This computer only"), ("0.0.0.0", "The network, as you allow")))
-        self.address.setToolTip("The network: its senders are listed, and each is accepted once you switch it on")
+        self.address = Choice("From", ((loopback, "This computer only"), ("0.0.0.0", "Network (allowed senders)")))
+        self.address.setToolTip("Network: senders are listed; enable each to accept it")
         self.inputs = self._make_list()
         self.record = press_button("Record…", self.record_requested.emit)
-        self.performer, self.body = Choice("Body", ()), Choice("Driven by", ((None, OWN_CLIPS),))
-        self.head, self.prop = Choice("Head from", ((None, NO_INPUT),)), Choice("Drives", ((None, NO_PROP),))
+        self.performer, self.body = Choice("Character", ()), Choice("Driven by", ((None, OWN_CLIPS),))
+        self.head, self.prop = (
+            Choice("Head tracking input", ((None, NO_INPUT),)),
+            Choice("Driven prop", ((None, NO_PROP),)),
+        )
         self.names = QLineEdit("Head")
-        self.names.setToolTip("One bone, or trackers separated by commas: their middle is used")
-        self.stream = QCheckBox("Stream shown bodies as VMC")
-        self.out_address, self.out_port = QLineEdit(loopback), NumberField("To port", "", 1, 65_535, 1, 0)
+        self.names.setToolTip("One bone, or trackers separated by commas (their mean is used)")
+        self.stream = QCheckBox("Stream visible characters as VMC")
+        self.out_address, self.out_port = QLineEdit(loopback), NumberField("Port", "", 1, 65_535, 1, 0)
         self.out_port.show_value(out_port)
         self.told, self.out_told = labelled(NO_INPUTS, "hint"), labelled("", "hint")
         self._lay_out()
@@ -147,7 +150,7 @@ class LivePanel(QScrollArea):
     def _make_list(self) -> QTreeWidget:
         made = QTreeWidget()
         made.setObjectName("live_inputs")
-        made.setAccessibleName("Ports and recordings, and who sends to them")
+        made.setAccessibleName("Inputs (ports, recordings) and their senders")
         made.setHeaderLabels(["Input", "Packets/s", "Last packet"])
         made.setFixedHeight(LIST_HEIGHT)
         made.setRootIsDecorated(False)
@@ -184,14 +187,14 @@ class LivePanel(QScrollArea):
             hint.setContentsMargins(FIELD_ICON_PX, 0, FIELD_ICON_PX, 0)
         column.addWidget(self.told)
         drives = Section("Mapping")
-        drives.add_row("Body", self.performer)
-        drives.add_row("plays", self.body)
+        drives.add_row("Character", self.performer)
+        drives.add_row("Driven by", self.body)
         drives.add_row("Prop", self.prop)
-        drives.add_row("follows", self.head, self.names)
+        drives.add_row("Follows", self.head, self.names)
         column.addWidget(drives)
         out = Section("Output")
         out.add_wide(self.stream)
-        out.add_row("To", self.out_address, self.out_port)
+        out.add_row("Address", self.out_address, self.out_port)
         column.addWidget(out)
         column.addWidget(self.out_told)
         column.addStretch(1)

@@ -38,32 +38,32 @@ class PerformerEditor(Editor[Performer]):
         section.add_row("Plays", self._plays)
         self._x, self._y = (
             self.bind(
-                NumberField(f"Place {axis}", "m", -PLACEMENT_LIMIT, PLACEMENT_LIMIT, 0.01, suffix=False), self._mover(k)
+                NumberField(f"Position {axis}", "m", -PLACEMENT_LIMIT, PLACEMENT_LIMIT, 0.01, suffix=False),
+                self._mover(k),
             )
             for k, axis in enumerate("XY")
         )
-        section.add_row(with_unit("Place", "m"), self._x, self._y)
+        section.add_row(with_unit("Position", "m"), self._x, self._y)
         self._heading = self.bind(NumberField("Heading", "°", -360.0, 360.0, 1.0, 1), self._turn)
         section.add_row("Heading", self._heading)
         self._limited = QCheckBox("Limit to human range")
         self._limited.setToolTip(
-            "Constraints bring shoulders, elbows, wrists, hips, knees and ankles no further than a person's joints go"
-            " (or than the motion itself does)."
+            "Joint limits for constraints: shoulders, elbows, wrists, hips, knees and ankles stay in human"
+            " range (or in that of the source motion)."
         )
         self._limited.toggled.connect(self._limit_or_free)
         section.add_row("Joints", self._limited)
         self._eased = QCheckBox("Smooth pops")
         self._eased.setToolTip(
-            "Where a joint would jump from one frame to the next, the frames around it are eased: constraints may be"
-            " missed for a moment, those of lowest priority first. Otherwise every frame meets as much as it"
-            " can, even if joints jolt."
+            "Frames around a pop are smoothed; constraints may be missed briefly there, lowest priority first."
+            " Off: every frame is solved exactly, even if joints pop."
         )
         self._eased.toggled.connect(self._ease_or_not)
         section.add_row("Smoothing", self._eased)
         self._clears = QCheckBox("Arm self-collision")
         self._clears.setToolTip(
-            "Hands, forearms and elbows stay out of trunk, head and thighs, as thick as they are, and touch them where"
-            " the actor's do. A constraint on a hand comes first; its elbow gives way."
+            "Keeps hands, forearms and elbows out of torso, head and thighs; source self-contacts are kept."
+            " Hand constraints have priority; the elbow moves."
         )
         self._clears.toggled.connect(self._clear_or_not)
         section.add_row("Arms", self._clears)
@@ -97,7 +97,7 @@ class PerformerEditor(Editor[Performer]):
             self._cast.add(key, each.name)
         self._cast.show_value(performer.character_id)
         motions = self.document.project.motions
-        self._plays.setText(", ".join(motions[clip.motion_id].name for clip in performer.clips) or "nothing yet")
+        self._plays.setText(", ".join(motions[clip.motion_id].name for clip in performer.clips) or "none")
         self._x.show_value(performer.position[0])
         self._y.show_value(performer.position[1])
         self._heading.show_value(math.degrees(performer.heading))
@@ -114,7 +114,7 @@ class PerformerEditor(Editor[Performer]):
         self.change(f"Smoothing {'on' if eased else 'off'} for {self.entity.name}", eased=eased)
 
     def _clear_or_not(self, clears: bool) -> None:
-        kept = "Keep the arms out of the body" if clears else "Let the arms through the body"
+        kept = "Enable self-collision" if clears else "Disable self-collision"
         self.change(f"{kept} of {self.entity.name}", clears=clears)
 
     def _recast(self, character_id: str) -> None:
@@ -122,15 +122,15 @@ class PerformerEditor(Editor[Performer]):
         characters = self.document.project.characters
         new, old = characters[character_id], characters[self.entity.character_id]
         name = new.name if self.entity.name == old.name else self.entity.name
-        self.change(f"Let {new.name} play {self.entity.name}", character_id=character_id, name=name)
+        self.change(f"Set character of {self.entity.name} to {new.name}", character_id=character_id, name=name)
 
     def _mover(self, axis: int) -> Callable[[float], None]:
         def move(metres: float) -> None:
             place = list(self.entity.position)
             place[axis] = metres
-            self.change(f"Place {self.entity.name}", position=tuple(place))
+            self.change(f"Move {self.entity.name}", position=tuple(place))
 
         return move
 
     def _turn(self, degrees: float) -> None:
-        self.change(f"Turn {self.entity.name}", heading=math.radians(degrees))
+        self.change(f"Rotate {self.entity.name}", heading=math.radians(degrees))

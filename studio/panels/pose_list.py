@@ -11,7 +11,7 @@ from studio.panels.fields import PER_CENT, Choice, labelled, press_button
 from studio.panels.sliders import ValueSlider
 from studio.panels.thumbnails import THUMBNAIL_PIXELS
 
-NO_POSES = "No pose is saved yet. Save pose keeps the pose of the selected character at the playhead."
+NO_POSES = "No pose is saved yet. Save pose stores the selected character's pose at the playhead."
 
 
 class PoseList(QListWidget):
@@ -60,13 +60,14 @@ class PosePanel(QWidget):
         self.save.setToolTip("Save the pose of the selected character at the playhead")
         self.delete = press_button("Delete pose", lambda: self.delete_requested.emit(self.poses.currentRow()))
         self.delete.setToolTip("Delete the file of this pose")
-        self.region = Choice("Part", [(region, region) for region in regions])
+        self.region = Choice("Body region", [(region, region) for region in regions])
         self.blend = ValueSlider("Blend", 0.0, 1.0)
         self.blend.edited.connect(self.set_blend)
         self.blend.restored.connect(lambda: self.set_blend(1.0))
         self.apply = press_button("Apply pose", lambda: self.apply_requested.emit(self.poses.currentRow()), "primary")
         self.apply.setToolTip(
-            "Set a correction key at the playhead that brings this part to the pose; or drag a pose onto a body."
+            "Set a correction key at the playhead that matches this pose in the region; or drag a pose onto a"
+            " character."
         )
         column = QVBoxLayout(self)
         column.setContentsMargins(12, 8, 12, 8)
@@ -97,7 +98,7 @@ class PosePanel(QWidget):
             for name, picture in poses:
                 item = QListWidgetItem(picture, name)
                 item.setFlags(item.flags() | Qt.ItemFlag.ItemIsEditable)
-                item.setToolTip(f"{name}. Double-click to apply, F2 to rename, or drag it onto a body")
+                item.setToolTip(f"{name}. Double-click to apply, F2 to rename, or drag it onto a character")
                 self.poses.addItem(item)
             self.poses.setCurrentRow(current)
         self._hint.setText("\n".join(problems) if poses or problems else NO_POSES)

@@ -23,7 +23,7 @@ LETTER_PX, LETTER_AWAY_PX = 9, 6.0
 """Height of the letters at the ends of limbs, and how far beyond the ends they stand, in pixels."""
 LISTED_CLIPS = 4
 """Clips that a tooltip names."""
-SIDES_HINT = "L and R mark its left and right."
+SIDES_HINT = "L and R mark left and right."
 
 
 @dataclass(frozen=True, eq=False)

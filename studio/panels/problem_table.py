@@ -9,7 +9,7 @@ from studio.engine.problem_search import ProblemSearch
 from studio.engine.quality_summary import ASPECT_HINTS, ASPECTS, Finding, SummaryRow
 from studio.panels.fields import labelled
 
-PROBLEM_COLUMNS = ("Body", "Constraint", *(aspect.capitalize() for aspect in ASPECTS))
+PROBLEM_COLUMNS = ("Character", "Constraint", *(aspect.capitalize() for aspect in ASPECTS))
 NO_ROWS = "Nothing is adapted yet. Drop a capture and add constraints; how well they hold is listed here."
 ROW, ASPECT, BADNESS_ROLE = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1, Qt.ItemDataRole.UserRole + 2
 
@@ -35,7 +35,7 @@ class ProblemTable(QWidget):
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self._search = search
         self.table = QTableWidget(0, len(PROBLEM_COLUMNS))
-        self.table.setAccessibleName("Constraints by body")
+        self.table.setAccessibleName("Constraints by character")
         self.table.setHorizontalHeaderLabels(PROBLEM_COLUMNS)
         for place, aspect in enumerate(ASPECTS):
             header = self.table.horizontalHeaderItem(place + 2)

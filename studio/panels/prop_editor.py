@@ -27,10 +27,10 @@ from studio.panels.rotation_row import RotationRow
 LEAST_PROP_SIZE = 0.001
 STAYING, KEYED_PLACE = "stays", "keyed"
 PLACE_CHOICES = (
-    (STAYING, "Stays where it is"),
-    (KEYED_PLACE, "Keyed over time"),
+    (STAYING, "Fixed"),
+    (KEYED_PLACE, "Animated"),
     *RULES,
-    (InHand.kind, "In a hand, or on a body"),
+    (InHand.kind, "Attached to a body point"),
     (Carried.kind, "Carried in both hands"),
 )
 RIGHT_HAND = BodyPoint(BodyPart.RIGHT_HAND)
@@ -52,23 +52,23 @@ class PropEditor(Editor[Prop]):
         self._where = Choice("Placement", PLACE_CHOICES)
         self._where.value_chosen.connect(self._place)
         section.add_row("Placement", self._where)
-        self._holder = Choice("Held by", ())
+        self._holder = Choice("Carried by", ())
         self._holder.value_chosen.connect(self._give)
-        self._holder_row = section.add_row("Held by", self._holder)
+        self._holder_row = section.add_row("Carried by", self._holder)
         self._point = Choice("Point", [(point, name.capitalize()) for point, name in POINT_NAMES.items()])
         self._point.value_chosen.connect(self._fix)
         self._point_row = section.add_row("Point", self._point)
-        self._held, self._always = labelled("", "value"), press_button("always", self._hold_always)
-        self._held_row = section.add_row("Held", self._held, self._always)
-        self._position = VectorRow(self, section, "Centre", self._move)
+        self._held, self._always = labelled("", "value"), press_button("Always", self._hold_always)
+        self._held_row = section.add_row("Carried", self._held, self._always)
+        self._position = VectorRow(self, section, "Position", self._move)
         self._rotation = RotationRow(self, section, "the stage", self._turn)
         self._rule = ProceduralRows(self, section, "position")
         self._keys = [press_button("Set key", self._set_key), press_button("Delete key", self._delete_key)]
         self._keys_row = section.add_row("Keys", *self._keys)
-        self._collides = QCheckBox("bodies keep out of it")
-        self._collides.setAccessibleName("Arms, legs and trunk of all bodies keep out of the prop")
+        self._collides = QCheckBox("Collide with characters")
+        self._collides.setAccessibleName("Characters collide with the prop")
         self._collides.clicked.connect(self._set_collides)
-        section.add_row("Collides", self._collides)
+        section.add_row("Collision", self._collides)
         document.playhead.changed.connect(self._playhead_moved)
         self.column.addWidget(section)
         self.finish()
@@ -157,15 +157,16 @@ class PropEditor(Editor[Prop]):
 
     def _turn(self, rotation: tuple[float, float, float, float]) -> None:
         pose = self.pose
-        self._put_made("Turn", lambda: turned_prop(pose, to_matrix(np.array(rotation)) @ pose.axes.T))
+        self._put_made("Rotate", lambda: turned_prop(pose, to_matrix(np.array(rotation)) @ pose.axes.T))
 
     def _place(self, where: str) -> None:
         if where in (STAYING, KEYED_PLACE):
-            self._put_made("Let go of", lambda: unheld(self.pose, keyed=where == KEYED_PLACE))
+            self._put_made("Release", lambda: unheld(self.pose, keyed=where == KEYED_PLACE))
         elif where in dict(RULES):
             x, y, z = self.pose.place.tolist()
             self._put_made(
-                "Move by a rule:", lambda: replace(unheld(self.pose, keyed=False), position=ruled(where, (x, y, z)))
+                "Set procedural motion of",
+                lambda: replace(unheld(self.pose, keyed=False), position=ruled(where, (x, y, z))),
             )
         else:
             self._hold(where, self.document.active_performer_id or "")
@@ -179,12 +180,12 @@ class PropEditor(Editor[Prop]):
         project = self.document.project
         holder = posed_performers(project, self.live.result, self.document.playhead.time).get(performer_id)
         if holder is None:
-            self.document.problem_reported.emit("No body can hold it yet. Show a body that plays a motion first.")
+            self.document.problem_reported.emit("No character can carry it yet. Show one that has a clip first.")
             self.refresh()
         elif where == Carried.kind:
-            self._put_made("Hold", lambda: self._meanwhile(between_hands(self.entity, performer_id, holder)))
+            self._put_made("Carry", lambda: self._meanwhile(between_hands(self.entity, performer_id, holder)))
         else:
-            self._put_made("Hold", lambda: self._meanwhile(in_hand(self.pose, performer_id, point, holder)))
+            self._put_made("Carry", lambda: self._meanwhile(in_hand(self.pose, performer_id, point, holder)))
 
     def _meanwhile(self, hold: InHand | Carried) -> Prop:
         """Prop whose current hold is replaced by ``hold``, with the same begin and end."""
@@ -195,7 +196,7 @@ class PropEditor(Editor[Prop]):
     def _hold_always(self) -> None:
         hold = self._hold_now
         if hold is not None:
-            self._put_made("Always hold", lambda: self.entity.with_holds([replace(hold, begin=None, end=None)]))
+            self._put_made("Always carry", lambda: self.entity.with_holds([replace(hold, begin=None, end=None)]))
 
     def _fix(self, choice: tuple[BodyPart, bool]) -> None:
         hold = self._hold_now

@@ -29,7 +29,7 @@ class ReferenceFigure(QWidget):
         super().__init__()
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.setAccessibleName("Reference pose")
-        self.setToolTip("Reference pose as interpreted: if sides, front or up are wrong, correct the body map")
+        self.setToolTip("Interpreted reference pose; if sides, front or up are wrong, correct the body map")
         self._points = _standing(capture, body_map)
         self._chains = _chains(capture, body_map)
 
@@ -44,7 +44,7 @@ class ReferenceFigure(QWidget):
             half = self.width() / 2.0
             views = (
                 ("Front", self._points[:, 1], "Right", "Left"),
-                ("From its left", -self._points[:, 0], "Front", "Back"),
+                ("Left view", -self._points[:, 0], "Front", "Back"),
             )
             for number, (caption, across, *sides) in enumerate(views):
                 box = QRectF(number * half, 0.0, half, self.height())

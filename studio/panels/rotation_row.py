@@ -30,13 +30,13 @@ class RotationRow:
     ) -> None:
         self._put = put
         self._fields = [
-            editor.bind(NumberField(f"Turn {axis}", "", -360.0, 360.0, 1.0, 2), partial(self._set, place))
+            editor.bind(NumberField(f"Rotation {axis}", "", -360.0, 360.0, 1.0, 2), partial(self._set, place))
             for place, axis in enumerate("XYZ")
         ]
-        words = f"Degrees about X, then Y, then Z of {space} (rotation order XYZ)."
+        words = f"Euler angles in degrees about the axes of {space}; rotation order XYZ, X first."
         for field in self._fields:
             field.setToolTip(words)
-        section.add_row("Turn XYZ  °", *self._fields).setToolTip(words)
+        section.add_row("Rotation (°)", *self._fields).setToolTip(words)
 
     def show_rotation(self, rotation: ArrayLike) -> None:
         """Show a rotation (x, y, z, w)."""

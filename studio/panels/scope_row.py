@@ -10,7 +10,7 @@ from studio.core.stage.project import Project
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, Section
 
-UNPLAYED_CLIP = "A clip that nobody plays"
+UNPLAYED_CLIP = "Unused clip"
 
 
 class ScopeRow:
@@ -21,7 +21,7 @@ class ScopeRow:
     ) -> None:
         self._editor = editor
         self._choice = Choice("Applies to", ())
-        self._choice.setToolTip("All who play this motion, one of them wherever it plays it, or one clip alone.")
+        self._choice.setToolTip("All characters with this motion, one of them, or one clip only.")
         self._choice.value_chosen.connect(put)
         section.add_row("Applies to", self._choice)
 
@@ -40,10 +40,10 @@ def scopes_of(project: Project, motion_id: str) -> dict[Scope, str]:
     scopes = {EVERYONE: "All characters"}
     for key, performer in project.performers.items():
         if any(clip.motion_id == motion_id for clip in performer.clips):
-            scopes[Scope(performer_id=key)] = f"{performer.name} alone"
+            scopes[Scope(performer_id=key)] = f"{performer.name} only"
     for key, clip in project.clips.items():
         if clip.motion_id == motion_id:
             names = [each.name for each in players_of(project, key).values()]
-            whose = names[0] if len(names) == 1 else f"{len(names)} bodies"
+            whose = names[0] if len(names) == 1 else f"{len(names)} characters"
             scopes[Scope(clip_id=key)] = f"Clip at {clip.start:.2f} s of {whose}"
     return scopes

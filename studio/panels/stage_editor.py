@@ -8,8 +8,8 @@ from studio.panels.fields import Section, labelled
 FIRST_HINTS = (
     "Select a character to change its body.",
     "Click a joint in the 3D view and press C to give it a target.",
-    "Select a bar on the timeline to say when it acts.",
-    "Drop a capture anywhere to see it on these bodies.",
+    "Select a bar on the timeline to set when it is active.",
+    "Drop a capture anywhere to adapt it to these characters.",
 )
 
 

@@ -119,13 +119,13 @@ class StatusLine(QStatusBar):
     def _show_facts(self) -> None:
         self._show_time()
         project = self.document.project
-        self._rate.setText(f"{self.document.playhead.frame_rate:.4g} Hz")
+        self._rate.setText(f"{self.document.playhead.frame_rate:.4g} fps")
         motion = project.motions.get(self.document.active_motion_id or "")
         self._guesses.setVisible(motion is not None)
         if motion is None:
             return
         guesses = project.captures[motion.capture_id].guesses
-        count = f"{len(guesses)} guess" + ("" if len(guesses) == 1 else "es")
+        count = f"{len(guesses)} assumption{'' if len(guesses) == 1 else 's'}"
         self._guesses.setText(literal(f"{motion.name} · {count}" if guesses else motion.name))
         self._guesses.setToolTip("\n".join(guess.title for guess in guesses))
 

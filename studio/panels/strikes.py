@@ -10,14 +10,14 @@ from studio.document.dragging import STRIKE, carried_row
 from studio.panels.fields import FIELD_ICON_PX, Choice, Section, Segments, labelled, press_button
 from studio.panels.two_lines import TwoLines
 
-ALL = "None: list all strikes"
+ALL = "None (list all strikes)"
 NO_STRIKES_HINT = "No clips yet. Add a folder of captures: strikes are found in them automatically."
-READY = "Point at a strike to see it. Drag it onto a body or a row of the timeline, or use it at the playhead."
-NO_MATCH_HINT = "No clip of the library is of that limb and kind."
-OF_A_POSE = "Clips that pass through the pose chosen on the map, those with most of it first."
-UNSOLVED = "All strikes of the library. They are ranked as soon as this body and its target are solved."
-OWN_FACE = "All strikes of the library. Nobody strikes at its own face: choose another target."
-NO_TARGET = "All strikes of the library. To rank them, choose a target: a box, or somebody's face."
+READY = "Hover to preview a strike. Drag it onto a character or a track, or insert it at the playhead."
+NO_MATCH_HINT = "No clip in the library matches that limb and type."
+OF_A_POSE = "Clips that contain the selected pose, best match first."
+UNSOLVED = "All strikes of the library. Ranking starts when this character and its target are solved."
+OWN_FACE = "All strikes of the library. A character cannot target its own face: choose another target."
+NO_TARGET = "All strikes of the library. Choose a target, a box or a face, to rank them."
 
 
 class Strikes(QWidget):
@@ -38,17 +38,17 @@ class Strikes(QWidget):
         self.setObjectName("panel")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self._looked, self._usable = -1, False
-        section = Section("A strike that hits here")
+        section = Section("Target of the strike")
         self.target = Choice("Target", ((None, ALL),))
         self.aim = Segments("Aim", ((True, "Follows"), (False, "Frozen")))
-        self.aim.setToolTip("A strike aims at where its target is at the hit, or at where it was when you asked")
+        self.aim.setToolTip("Aim at the target at the hit frame (follows), or at its position when searched (frozen)")
         self.aim.value_chosen.connect(self._choose_aim)
         self.follows = True
         """True if a strike follows its target until the hit, False if it aims at the target's present position."""
         self.aim.show_value(True)
         self.limb, self.kind = (
             Choice("Limb", ((None, "Any limb"), *limbs)),
-            Choice("Kind", ((None, "Any kind"), *kinds)),
+            Choice("Type", ((None, "Any type"), *kinds)),
         )
         for choice in (self.target, self.limb, self.kind):
             choice.value_chosen.connect(lambda _: self.search_requested.emit())
@@ -65,12 +65,12 @@ class Strikes(QWidget):
         self.results = self._make_results()
         column.addWidget(self.results, 1)
         self.use = press_button(
-            "Use on the selected performer", lambda: self.strike_chosen.emit(self.results.currentRow())
+            "Insert on selected character", lambda: self.strike_chosen.emit(self.results.currentRow())
         )
-        self.use.setToolTip("Play it on this body from the playhead on, blended in and driven to the target")
+        self.use.setToolTip("Insert the strike at the playhead, blended in and constrained to the target")
         self.use.setEnabled(False)
         self.correct = press_button("Label…", lambda: self.opened.emit(self.results.currentRow()))
-        self.correct.setToolTip("Confirm or correct its cut, its hit, its limb and its kind")
+        self.correct.setToolTip("Confirm or correct trim range, hit frame, limb and type")
         self.correct.setEnabled(False)
         below = QHBoxLayout()
         below.setContentsMargins(FIELD_ICON_PX, 4, FIELD_ICON_PX, 0)
@@ -90,7 +90,7 @@ class Strikes(QWidget):
         self.results.clear()
         for name, reasons in results:
             item = QListWidgetItem(f"{name}\n{reasons}")
-            tip = "play it from the playhead on, driven to the target" if usable else "confirm or correct its label"
+            tip = "insert it at the playhead, constrained to the target" if usable else "confirm or correct its label"
             item.setToolTip(f"Double-click to {tip}")
             self.results.addItem(item)
         self.hint.setText(hint)
@@ -130,7 +130,7 @@ class Strikes(QWidget):
 
     def _make_results(self) -> "ResultList":
         results = ResultList()
-        results.setAccessibleName("Strikes found, the best first")
+        results.setAccessibleName("Strikes found, best first")
         results.setItemDelegate(TwoLines(results))
         results.setResizeMode(QListWidget.ResizeMode.Adjust)
         results.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)

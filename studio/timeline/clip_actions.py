@@ -68,7 +68,7 @@ def offer_clip(menu: QMenu, shown: RowContext, hit: Hit) -> None:
     offer("Duplicate", lambda: select(clip_edits.duplicate_clip(document, hit.id)))
     players = players_of(project, hit.id)
     if len(players) > 1:
-        text = f"Make it {project.performers[hit.performer_id].name}'s own"
+        text = f"Make unique for {project.performers[hit.performer_id].name}"
         offer(text, lambda: select(clip_edits.make_own(document, hit.performer_id, hit.id)))
     text = f"Delete clip {clip_edits.name_of(project, project.clips[hit.id])}"
     offer("Delete", lambda: clip_edits.remove_clips(document, (hit.id,), text))

@@ -28,7 +28,7 @@ def offer_curves(menu: QMenu, canvas: "TrackCanvas") -> None:
     edits: dict[str, Callable[[Keyed, int], Keyed]] = {
         "Break tangents": partial(_with_broken_tangents, True),
         "Unify tangents": partial(_with_broken_tangents, False),
-        "Even weights": with_even_weights,
+        "Reset tangent weights": with_even_weights,
     }
     for group in (modes, edits):
         for text, edit in group.items():
@@ -37,7 +37,7 @@ def offer_curves(menu: QMenu, canvas: "TrackCanvas") -> None:
     channels = canvas.picture.curves.channels(shown)
     keyed = {channel.field: value for channel, value in channels if isinstance(value, Keys)}
     for side in ("before", "after"):
-        inner = menu.addMenu(f"{side.capitalize()} keys")
+        inner = menu.addMenu(f"{'Pre' if side == 'before' else 'Post'}-infinity")
         for beyond in Beyond:
             action = inner.addAction(beyond.value.capitalize())
             action.setCheckable(True)

@@ -37,7 +37,7 @@ class Quantity(StrEnum):
     KNEE_SPEED = "Knee speed"
     SLIDE = "Contact sliding"
     SKATE = "Foot skating"
-    OFF_SUPPORT = "Centre of mass off support"
+    OFF_SUPPORT = "CoM off support"
     ERROR = "Error"
 
     def unit(self, shown: RowContext) -> str:

@@ -34,15 +34,15 @@ def hover_text(sheet: TimelineLayout, plot: PlotPicture, position: QPointF) -> s
             contact = sheet.shown.project.contacts[hit.id]
             rate = sheet.shown.subject.frame_rate
             seconds = (contact.last - contact.first) / rate
-            alone = f", of {sheet.shown.subject_name} alone" if contact.scope.is_narrow else ""
+            alone = f", of {sheet.shown.subject_name} only" if contact.scope.is_narrow else ""
             ends = (sheet.shown.frame_words(frame) for frame in (contact.first, contact.last))
             return f"{name_of(contact)}: {' to '.join(ends)}, {seconds:.3f} s{alone}"
         case "sounds":
             sound = sheet.shown.project.sounds[hit.id]
-            return f"{sound.name}: {len(sound.beats)} beats, to which keys and contacts snap; drag to move it"
+            return f"{sound.name}: {len(sound.beats)} beats (keys and contacts snap to them); drag to move it"
         case "footage":
             footage = sheet.shown.project.footage[hit.id]
-            return f"{footage.name}: {footage.frames} frames at {footage.frame_rate:g} Hz; drag to move it"
+            return f"{footage.name}: {footage.frames} frames at {footage.frame_rate:g} fps; drag to move it"
         case "corrections":
             return _correction_text(sheet, hit)
         case "labels":
@@ -52,9 +52,9 @@ def hover_text(sheet: TimelineLayout, plot: PlotPicture, position: QPointF) -> s
         case "clip":
             return "Right-click to add a clip, or drop a capture of the library here"
         case "growth":
-            return "Measures that change from key to key: a slider sets one at the playhead"
+            return "Animated proportions: a slider sets a key at the playhead"
         case "summary" | "sheet":
-            return "Drag a box to select keys; Shift and a drag of one scales them about the playhead"
+            return "Drag a box to select keys; Shift+drag a key to scale the selection about the playhead"
         case "props":
             return _hold_text(sheet, hit, position)
         case "lane":
@@ -81,20 +81,20 @@ def strip_text(sheet: TimelineLayout, constraint_id: str, performer_id: str, fra
     if strip.state_at(frame) == StripState.INACTIVE:
         return ""
     if strip.state_at(frame) == StripState.YIELDING:
-        return f"{name}: gives way to a contact at {sheet.shown.frame_words(frame)}"
+        return f"{name}: overridden by a contact at {sheet.shown.frame_words(frame)}"
     return f"{name}: {strip.measure.words(strip.error_at(frame))} at {sheet.shown.frame_words(frame)}"
 
 
 def _label_text(sheet: TimelineLayout, hit: Hit) -> str:
     if hit.part == ItemPart.FOLD:
         if hit.kind == "clip":
-            return "Click to see everybody's clips, or one row for all"
-        return "Click to fold or unfold the row"
+            return "Click to expand/collapse the clip tracks of all characters"
+        return "Click to expand/collapse the track"
     if hit.kind == "plot":
         return "Click to choose what is plotted"
     if hit.kind == "constraints":
         entity, (text, _) = sheet.shown.project.constraints[hit.id], constraint.verdict(sheet.shown, hit.id)
-        name = f"{entity.name}, of {sheet.shown.subject_name} alone" if entity.scope.is_narrow else entity.name
+        name = f"{entity.name}, of {sheet.shown.subject_name} only" if entity.scope.is_narrow else entity.name
         return f"{name}: {text}" if text else name
     return ""
 
@@ -106,10 +106,10 @@ def _clip_text(sheet: TimelineLayout, hit: Hit) -> str:
         return f"{shown.project.performers[hit.performer_id].name} is not adapted: {failure}"
     length = entity.length(shown.project.frame_rate_of(entity))
     players = len(players_of(shown.project, hit.id))
-    shared = f", shared by {players} bodies" if players > 1 else ""
+    shared = f", shared by {players} characters" if players > 1 else ""
     text = f"{clip.clip_text(shown, entity)}: frames {entity.first} to {entity.last}, {length:.3f} s{shared}"
     if hit.part in EDGES:
-        text += "\nDrag to trim, with Shift to change the speed; later clips move along"
+        text += "\nDrag to trim; Shift+drag changes the speed. Later clips move along"
     comes = take_over(shown, hit.performer_id, entity)
     return f"{text}\n{comes.words(entity)}" if comes else text
 
@@ -117,7 +117,7 @@ def _clip_text(sheet: TimelineLayout, hit: Hit) -> str:
 def _label_words(sheet: TimelineLayout, hit: Hit) -> str:
     label = sheet.shown.project.labels.get(hit.id)
     if label is None:
-        return "Labels of the motion: double-click to add one"
+        return "Labels: double-click to add one"
     rate = sheet.shown.subject.frame_rate
     if label.last == label.first:
         return f"{label.name}: {moment(label.first, label.first / rate)}"
@@ -149,10 +149,10 @@ def _hold_text(sheet: TimelineLayout, hit: Hit, position: QPointF) -> str:
     prop = sheet.shown.project.props[hit.id]
     hold, performers = hold_under(sheet.shown, prop, position.x()), sheet.shown.project.performers
     if hold is None:
-        return f"{prop.name} lies"
+        return f"{prop.name}: not carried"
     begin = "from the start" if hold.begin is None else f"from {hold.begin:.3f} s"
     end = "to the end" if hold.end is None else f"to {hold.end:.3f} s"
-    return f"{prop.name}: held by {performers[hold.performer_id].name} {begin} {end}"
+    return f"{prop.name}: carried by {performers[hold.performer_id].name} {begin} {end}"
 
 
 def _constraint_text(sheet: TimelineLayout, hit: Hit, position: QPointF) -> str:
@@ -164,7 +164,7 @@ def _constraint_text(sheet: TimelineLayout, hit: Hit, position: QPointF) -> str:
     frame = round(sheet.shown.frame_at(position.x()))
     if hit.part == ItemPart.BODY:
         activation = float(entity.activation.at(frame / rate))
-        return f"{entity.name}: {activation:.0%} active at {sheet.shown.frame_words(frame)}"
+        return f"{entity.name}: activation {activation:.0%} at {sheet.shown.frame_words(frame)}"
     row = sheet.find("constraints", hit.id)
     body = constraint.strip_body(sheet.shown, sheet.rect(row), hit.id, position.y()) if row else None
     return strip_text(sheet, hit.id, body, frame) if body else ""

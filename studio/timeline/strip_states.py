@@ -17,7 +17,7 @@ class StripState(StrEnum):
     """State of a strip in a frame; during fades relative to the faded target."""
 
     INACTIVE = "not active"
-    YIELDING = "gives way"
+    YIELDING = "overridden by contact"
     HELD = "held"
     PARTLY = "partly held"
     NOT_REACHED = "not reached"

@@ -13,4 +13,4 @@ def number(frame: float) -> str:
 
 def rate(frame_rate: float) -> str:
     """``30 Hz``, ``59.94 Hz``."""
-    return f"{frame_rate:.2f}".rstrip("0").rstrip(".") + " Hz"
+    return f"{frame_rate:.2f}".rstrip("0").rstrip(".") + " fps"

@@ -24,7 +24,7 @@ def timecode(frame: int, frame_rate: float) -> str:
 def frame_of_timecode(text: str, frame_rate: float) -> int:
     """Frame at a timecode; parts left out on the left are 0. Raises ValueError for other text."""
     if not TIMECODE.fullmatch(text):
-        raise ValueError(f"'{text}' is no timecode. Write hours:minutes:seconds:frames.")
+        raise ValueError(f"'{text}' is not a timecode. Write hours:minutes:seconds:frames.")
     nominal, dropped = _counting(frame_rate)
     frames, seconds, minutes, hours = [*map(int, reversed(re.split("[:;.]", text))), 0, 0, 0][:4]
     minutes += 60 * hours + seconds // 60

@@ -164,5 +164,5 @@ class Timeline(QWidget):
 
     def _sheet(self) -> TimelineLayout:
         if self.tracks.sheet is None:
-            raise LookupError("The timeline shows no motion.")
+            raise LookupError("The timeline is empty.")
         return self.tracks.sheet

@@ -58,7 +58,7 @@ class TrackView(QWidget):
         self._remarked: tuple[Capture, tuple[Remark, ...]] | None = None
         self._playhead_area = QRect()
         self.scroll_bar = QScrollBar(Qt.Orientation.Vertical, self)
-        self.scroll_bar.setAccessibleName("Scroll the timeline's rows")
+        self.scroll_bar.setAccessibleName("Scroll the timeline's tracks")
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setAccessibleName("Timeline")
         self._connect()

@@ -55,11 +55,11 @@ class Transport(QWidget):
 
     def _make_buttons(self) -> None:
         playhead = self.playhead
-        self.to_start = _button("mdi6.skip-previous", "To start", lambda: playhead.set_frame(playhead.first))
+        self.to_start = _button("mdi6.skip-previous", "Go to start", lambda: playhead.set_frame(playhead.first))
         self.previous = _button("mdi6.step-backward", "Previous frame", lambda: playhead.step(-1))
         self.play = _button("mdi6.play", "Play", playhead.toggle)
         self.next = _button("mdi6.step-forward", "Next frame", lambda: playhead.step(1))
-        self.to_end = _button("mdi6.skip-next", "To end", lambda: playhead.set_frame(playhead.last))
+        self.to_end = _button("mdi6.skip-next", "Go to end", lambda: playhead.set_frame(playhead.last))
         self.loop = _button("mdi6.repeat", "Loop", self._set_loop)
         self.loop.setCheckable(True)
         self.loop.setChecked(playhead.loop)

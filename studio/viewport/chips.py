@@ -77,15 +77,17 @@ class Chips:
         self.shading = Chip("Skin", "Skin or bones", clicked["shading"], parent)
         self.space = Chip("World axes", "Axes of the gizmo: world, local, parent or screen", clicked["space"], parent)
         self.correct = ToggleChip(
-            "Correct pose", "Pose joints by the gizmo, as corrections", False, clicked["correct"], parent
+            "Pose correction", "Pose joints with the gizmo on a correction layer", False, clicked["correct"], parent
         )
         self.ghost = ToggleChip("Source ghost", "Ghost of the source", False, clicked["ghost"], parent)
-        self.onion = ToggleChip("Onion skins", "Onion skins of the selected body", False, clicked["onion"], parent)
-        self.trails = ToggleChip("Trails", "Trails of the constrained point", True, clicked["trails"], parent)
+        self.onion = ToggleChip("Onion skins", "Onion skins of the selected character", False, clicked["onion"], parent)
+        self.trails = ToggleChip(
+            "Motion trails", "Motion trail of the constrained point", True, clicked["trails"], parent
+        )
         self.follow = ToggleChip("Follow", "Camera follows the selected character", False, clicked["follow"], parent)
         self.markers = ToggleChip("Markers", "Markers as they were recorded", False, clicked["markers"], parent)
         self.work = QLabel(parent)
-        self.work.setAccessibleName("Bodies, pictures per second, and their latency to the mouse")
+        self.work.setAccessibleName("Characters, frames per second, and their latency to the mouse")
         self.work.setStyleSheet(f"background: rgba(22, 25, 29, 205); color: {colours.STAGE_TEXT_SECOND}; {_SHAPE}")
         self.problem = Chip("", "Most important problem", clicked["problem"], parent, _WARNING)
         self.constrain = Chip("", "Constrain the picked joint", clicked["constrain"], parent, _CALL_TO_ACTION_STYLE)
@@ -160,7 +162,7 @@ class Chips:
 
     def tell_work(self, bodies: int, pace: str, eased: bool) -> None:
         """Show the number of visible bodies and, during motion, the frame rate, and if they are smoothed."""
-        text = f"{bodies} {'body' if bodies == 1 else 'bodies'}"
+        text = f"{bodies} character{'' if bodies == 1 else 's'}"
         if pace:
             text += f" · {pace}" + ("" if eased else " · smoothing when idle")
         if text != self.work.text():

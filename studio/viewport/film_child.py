@@ -32,7 +32,7 @@ def main() -> None:
                     write_numbered(shots.stem, number, picture)
                 else:
                     frames_out.write(picture.data)
-                tell(share=number / len(shots.times), text=f"Picture {number} of {len(shots.times)}")
+                tell(share=number / len(shots.times), text=f"Frame {number} of {len(shots.times)}")
     except StudioError as error:
         tell(error=str(error))
     except OSError as error:

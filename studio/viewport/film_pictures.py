@@ -27,7 +27,7 @@ def render_shots(shots: Shots) -> Generator[Pixels, None, None]:
     project, view = shots.project, shots.view
     made = performances(project).performances
     if not made:
-        raise StudioError("No visible character has a motion: there is nothing to film.")
+        raise StudioError("No visible character has a clip: there is nothing to render.")
     results = {key: each.adapted for key, each in made.items()}
     source = None
     if view.ghost_of is not None and view.ghost_of in made:

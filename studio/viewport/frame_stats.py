@@ -70,4 +70,4 @@ class FrameStats:
             return ""
         count = (len(self._pictures) - 1) / (self._pictures[-1] - self._pictures[0])
         behind = "" if self._behind is None else f" · latency {1000 * self._behind:.0f} ms"
-        return f"{count:.0f} pictures/s{behind}"
+        return f"{count:.0f} fps{behind}"

@@ -189,7 +189,7 @@ class PlacedProp(Movable):
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
         """Rotate it about its centre."""
-        self._put(turned_prop(self._pose, rotation), "Turn", gesture)
+        self._put(turned_prop(self._pose, rotation), "Rotate", gesture)
 
     def scale(self, factors: FloatArray, gesture: int) -> None:
         """Resize it about its centre, and the constraints that make it an obstacle."""
@@ -241,7 +241,7 @@ class PlacedPerformer(Movable):
         pivot, angle = self.place[:2], math.atan2(rotation[1, 0], rotation[0, 0])
         x, y = (pivot + rotation[:2, :2] @ (np.array(self._begin.position) - pivot)).tolist()
         turned = replace(self._begin, position=(x, y), heading=wrapped(self._begin.heading + angle))
-        self._put(turned, "Turn", gesture)
+        self._put(turned, "Rotate", gesture)
 
     def put_back(self, gesture: int) -> None:
         """Restore its placement."""
@@ -291,7 +291,7 @@ class SelectedTogether(Movable):
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
         """Rotate each about its own pivot."""
-        with self._document.group(f"Turn {self._words}", gesture):
+        with self._document.group(f"Rotate {self._words}", gesture):
             for each in self._all:
                 each.rotate(rotation, gesture)
 

@@ -226,7 +226,7 @@ def new_orientation(here: NewConstraintContext) -> Constraint:
     now = int(np.argmin(np.abs(here.around[2] - here.pose.seconds)))
     moving = Rotation.from_matrix(turns[now].T @ turns).as_rotvec()
     return OrientationConstraint(
-        **here.common(f"Turn of {part.label.lower()}", BodyPoint(part), chain, moving), target=target
+        **here.common(f"{part.label.capitalize()} orientation", BodyPoint(part), chain, moving), target=target
     )
 
 
@@ -263,7 +263,7 @@ def new_distance(here: NewConstraintContext) -> Constraint:
     """Distance constraint with the present distance of both wrists; for another joint, to its present position."""
     joint = here.picked
     begin, other = here.place(joint.point), opposite_hand(joint.point)
-    name = "Hands apart" if other else f"{joint.name.capitalize()} near"
+    name = "Hand distance" if other else f"{joint.name.capitalize()} distance"
     moving = here.points(joint.point)
     if other is not None:
         moving = np.linalg.norm(here.points(other) - moving, axis=1, keepdims=True)
@@ -303,7 +303,7 @@ def new_rail(here: NewConstraintContext) -> Constraint:
 
 def new_clear(here: NewConstraintContext) -> Constraint:
     """Constraint that keeps the arms out of the body."""
-    return ClearConstraint(**here.common("Clear of body", BodyPoint(BodyPart.THORAX), Chain()))
+    return ClearConstraint(**here.common("Arm self-collision", BodyPoint(BodyPart.THORAX), Chain()))
 
 
 def turned_part(point: BodyPoint) -> BodyPart:

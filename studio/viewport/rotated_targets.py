@@ -97,7 +97,7 @@ class RotatedSegment(RotatedTarget):
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
         """Rotate the target."""
         x, y, z, w = from_matrix(self._here(rotation) @ self._target).tolist()
-        verb = "Key" if isinstance(getattr(self._begin, "target", None), KeyedTurn) else "Turn"
+        verb = "Key" if isinstance(getattr(self._begin, "target", None), KeyedTurn) else "Rotate"
         text = f"{verb} target of {self._begin.name}"
         self._put(self._moment.with_target_rotation(self._begin, (x, y, z, w)), text, gesture)
 
@@ -120,7 +120,7 @@ class RotatedDirection(RotatedTarget):
         """Rotate the direction."""
         assert isinstance(self._begin, UprightConstraint)
         x, y, z = (self._here(rotation) @ np.array(self._begin.direction)).tolist()
-        self._put(replace(self._begin, direction=(x, y, z)), f"Turn direction of {self._begin.name}", gesture)
+        self._put(replace(self._begin, direction=(x, y, z)), f"Rotate direction of {self._begin.name}", gesture)
 
 
 class RotatedAboutCentre(RotatedTarget):
@@ -150,7 +150,7 @@ class RotatedRail(RotatedAboutCentre):
         turn = self._here(rotation)
         now = np.array(fixed.direction)
         x, y, z = (tilt_of(self._moment, self._begin, "direction").T @ turn @ now).tolist()
-        self._put(replace(self._begin, direction=(x, y, z)), f"Turn direction of {self._begin.name}", gesture)
+        self._put(replace(self._begin, direction=(x, y, z)), f"Rotate direction of {self._begin.name}", gesture)
 
 
 class LookedAt(RotatedTarget):
@@ -192,7 +192,7 @@ class RotatedArea(RotatedAboutCentre):
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
         """Rotate it about Z through its centre, or tilt the plane of a half-space."""
         area = self._area
-        text = f"Turn {area.name}"
+        text = f"Rotate {area.name}"
         if area.shape is AreaShape.HALF_SPACE:
             tilt = tilt_of(self._moment, area, "size")
             x, y, z = (tilt.T @ self._here(rotation) @ tilt @ np.array(area.size)).tolist()

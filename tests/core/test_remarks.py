@@ -50,7 +50,7 @@ def test_a_jump_of_a_hand_s_breadth_is_told_of_slow_hips_too(walk: Capture) -> N
 @pytest.mark.parametrize(
     ("joint", "words"),
     [
-        (BodyPart.LEFT_FOOT, "left shank changes its length by 21 mm"),
+        (BodyPart.LEFT_FOOT, "left lower leg changes its length by 21 mm"),
         (BodyPart.RIGHT_TOE, "right foot changes its length by"),
         (BodyPart.LEFT_THIGH, "way to the left thigh changes its length by"),
         (BodyPart.RIGHT_UPPER_ARM, "right clavicle changes its length by"),

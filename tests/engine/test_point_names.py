@@ -17,7 +17,7 @@ def test_no_two_points_share_a_name():
 
 
 def test_a_point_without_a_name_of_its_own_goes_by_its_part():
-    assert point_words(BodyPoint(BodyPart.LEFT_SHANK)) == "left shank"
+    assert point_words(BodyPoint(BodyPart.LEFT_SHANK)) == "left lower leg"
 
 
 def test_a_leg_asks_the_root_and_a_hand_the_trunk_too():

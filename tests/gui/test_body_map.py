@@ -163,4 +163,4 @@ def test_a_character_that_was_changed_meanwhile_is_kept_and_the_user_told(sectio
     document.replace("characters", key, changed, "Rename")
     wait_for_tasks(found)
     assert document.project.characters[key] is changed
-    assert "was changed while it was mapped" in found.window().strip.text
+    assert "changed while you mapped it" in found.window().strip.text

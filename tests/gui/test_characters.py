@@ -85,7 +85,7 @@ def test_the_motion_that_came_along_is_offered(qtbot, window, tmp_path):
     path = tmp_path / "dancer.glb"
     path.write_bytes(Gltf().moving().glb())
     drop(qtbot, window, path)
-    assert window.strip.text == "dancer.glb holds a motion too."
+    assert window.strip.text == "dancer.glb also contains animation."
     [offer] = [button for button in window.strip.findChildren(QPushButton) if button.text() == "Import its motion"]
     offer.click()
     qtbot.waitUntil(lambda: not window.bench.runner.running, timeout=PATIENCE)
@@ -129,7 +129,7 @@ def test_another_character_can_play_a_performer(qtbot, window, hero):
     performer = document.project.performers[first]
     assert document.project.characters[performer.character_id] is character
     assert performer.name == "my hero"
-    assert document.history[-1].startswith("Let my hero play ")
+    assert document.history[-1].endswith(" to my hero")
 
 
 def test_nothing_of_a_character_is_lost_in_the_project_file(qtbot, window, hero, tmp_path):

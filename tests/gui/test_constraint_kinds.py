@@ -155,8 +155,8 @@ def test_an_orientation_at_the_wrist_keeps_the_hand_as_it_is_and_is_turned_in_de
     _, document, inspector = studio
     constraint = add(studio, "orientation")
     assert constraint.point.part is BodyPart.RIGHT_HAND
-    before = [field(inspector, f"Turn {axis}").value() for axis in "XYZ"]
-    enter(inspector, "Turn Z", f"{before[2] + 30:.2f}")
+    before = [field(inspector, f"Rotation {axis}").value() for axis in "XYZ"]
+    enter(inspector, "Rotation Z", f"{before[2] + 30:.2f}")
     first, second = np.array(constraint.target), np.array(current(document).target)
     assert np.degrees(2 * np.arccos(abs(first @ second))) == pytest.approx(30.0, abs=0.05)
     assert document.undo_stack.count() == 2
@@ -166,8 +166,8 @@ def test_angles_stay_as_they_were_typed_past_the_pole(studio):
     _, _, inspector = studio
     add(studio, "orientation")
     for axis, degrees in zip("XYZ", ("10", "120", "20"), strict=True):
-        enter(inspector, f"Turn {axis}", degrees)
-    assert [field(inspector, f"Turn {axis}").value() for axis in "XYZ"] == [10.0, 120.0, 20.0]
+        enter(inspector, f"Rotation {axis}", degrees)
+    assert [field(inspector, f"Rotation {axis}").value() for axis in "XYZ"] == [10.0, 120.0, 20.0]
 
 
 def test_a_look_at_begins_two_metres_ahead_of_the_eyes_and_its_target_is_typed(studio):
@@ -187,9 +187,9 @@ def test_a_distance_at_a_wrist_is_to_the_other_one_and_at_an_ankle_to_a_place(st
     assert hands.distance > 0.2
     enter(inspector, "Distance", "0.25")
     assert current(document).distance == 0.25
-    choose(inspector, "Distance from", "A place outside")
+    choose(inspector, "Distance from", "Fixed position")
     assert isinstance(current(document).other, tuple)
-    enter(inspector, "Place X", "0.5")
+    enter(inspector, "Position X", "0.5")
     assert current(document).other[0] == 0.5
     ankle = add(studio, "distance", "left ankle")
     assert (ankle.distance, isinstance(ankle.other, tuple)) == (0.0, True)
@@ -215,7 +215,7 @@ def test_balance_is_fixed_where_the_centre_of_mass_is_now_and_moved_on_the_groun
     settle(viewport)
     gizmo = viewport.gizmo()
     assert [gizmo.usable(part) for part in ("z", "yz", "zx", "xy")] == [False, False, False, True]
-    enter(inspector, "Place Y", "0.07")
+    enter(inspector, "Position Y", "0.07")
     assert current(document).place[1] == 0.07
 
 
@@ -243,7 +243,7 @@ def test_a_table_reaches_up_to_the_wrist_and_its_shape_changes_with_its_numbers(
     assert np.degrees(current(document).heading) == pytest.approx(30.0)
     choose(inspector, "Shape", "Sphere")
     assert not any(each.accessibleName() == "Heading" for each in visible_numbers(inspector))
-    press(inspector, "Point stays: Inside")
+    press(inspector, "Region: Inside")
     enter(inspector, "Size X", "0.4")
     assert (current(document).shape, current(document).inside, current(document).size[0]) == ("sphere", True, 0.4)
     choose(inspector, "Shape", "Half-space")
@@ -360,7 +360,7 @@ def test_a_target_is_made_keyed_and_keys_are_typed_set_gone_to_and_deleted(studi
     _, document, inspector = studio
     add(studio, "position")
     place = numbers_of(inspector, "Target")
-    choose(inspector, "Target is", "Keyed over time")
+    choose(inspector, "Target type", "Animated")
     assert current(document).target.times == pytest.approx([0.2])
     assert numbers_of(inspector, "Target") == pytest.approx(place, abs=1e-3)
     document.playhead.set_time(0.4)
@@ -371,11 +371,11 @@ def test_a_target_is_made_keyed_and_keys_are_typed_set_gone_to_and_deleted(studi
     assert min(place[2], 1.5) < between < max(place[2], 1.5)
     press(inspector, "Set key")
     assert current(document).target.times == pytest.approx([0.2, 0.3, 0.4])
-    press(inspector, "Key before")
+    press(inspector, "Previous key")
     assert document.playhead.time == pytest.approx(0.2)
     press(inspector, "Delete key")
     assert current(document).target.times == pytest.approx([0.3, 0.4])
-    choose(inspector, "Target is", "Shared")
+    choose(inspector, "Target type", "Shared")
     assert isinstance(current(document).target, tuple)
 
 
@@ -383,8 +383,8 @@ def test_a_target_moves_by_a_rule_its_way_is_drawn_and_a_drag_moves_it(studio):
     viewport, document, inspector = studio
     add(studio, "position")
     place = numbers_of(inspector, "Target")
-    for words, number in (("Circle", "Radius"), ("Noise", "Reach X")):
-        choose(inspector, "Target is", words)
+    for words, number in (("Circle", "Radius"), ("Noise", "Amplitude X")):
+        choose(inspector, "Target type", words)
         enter(inspector, number, "0.25")
         settle(viewport)
         [handle] = [one for one in viewport.handles() if one.main]
@@ -393,21 +393,21 @@ def test_a_target_moves_by_a_rule_its_way_is_drawn_and_a_drag_moves_it(studio):
     assert current(document).target.reach == (0.25, 0.1, 0.1)
     enter(inspector, "Target Z", "1.5")
     assert field(inspector, "Target Z").value() == pytest.approx(1.5)
-    choose(inspector, "Target is", "Shared")
+    choose(inspector, "Target type", "Shared")
     assert len(current(document).target) == len(place)
 
 
 @pytest.mark.parametrize("begin", ["Per character", "Follow own body"])
-@pytest.mark.parametrize("words", ["Keyed over time", "Circle", "Noise"])
+@pytest.mark.parametrize("words", ["Animated", "Circle", "Noise"])
 def test_what_is_each_body_s_own_stays_so_as_keys_and_rules_and_is_shared_when_asked(studio, begin, words):
     viewport, document, inspector = studio
     add(studio, "position")
-    choose(inspector, "Target is", begin)
+    choose(inspector, "Target type", begin)
     if begin == "Follow own body":
-        choose(inspector, "Point followed", "Head")
+        choose(inspector, "Followed point", "Head")
     before = targets_of_all(studio)
-    choose(inspector, "Target is", words)
-    if words == "Keyed over time":
+    choose(inspector, "Target type", words)
+    if words == "Animated":
         assert targets_of_all(studio) == pytest.approx(before, abs=1e-3)
     document.playhead.set_time(0.4)
     settle(viewport)
@@ -419,11 +419,11 @@ def test_what_is_each_body_s_own_stays_so_as_keys_and_rules_and_is_shared_when_a
     moved = targets_of_all(studio)[:, 2] - before[:, 2]
     assert moved[1] == pytest.approx(moved[0] * legs[1] / legs[0], abs=0.002)
     before = targets_of_all(studio)
-    press(inspector, "Counts per character")
+    press(inspector, "Relative to each character")
     settle(viewport)
     assert targets_of_all(studio)[0] == pytest.approx(before[0], abs=1e-6)
     assert np.ptp(targets_of_all(studio), axis=0) == pytest.approx(np.zeros(3), abs=1e-9)
-    press(inspector, "Counts per character")
+    press(inspector, "Relative to each character")
     settle(viewport)
     assert targets_of_all(studio)[0] == pytest.approx(before[0], abs=1e-6)
     assert np.linalg.norm(np.diff(targets_of_all(studio), axis=0)) > 0.01
@@ -443,20 +443,20 @@ def test_a_target_is_made_to_follow_each_kind_of_thing_from_the_form(studio):
     document.problem_reported.connect(told.append)
     target = add(studio, "position").target
     place = numbers_of(inspector, "Target")
-    choose(inspector, "Target is", "Follow prop")
+    choose(inspector, "Target type", "Follow prop")
     assert "no prop" in told[-1]
     assert current(document).target == target
     prop_id = document.add("props", Prop("Box", position=(1.0, 0.0, 0.5)), "Add box")
-    choose(inspector, "Target is", "Follow prop")
+    choose(inspector, "Target type", "Follow prop")
     assert current(document).target.prop_id == prop_id
     assert numbers_of(inspector, "Target") == pytest.approx(place, abs=1e-3)
-    choose(inspector, "Target is", "Follow character")
+    choose(inspector, "Target type", "Follow character")
     assert current(document).target.performer_id == "performer 1"
-    choose(inspector, "Point followed", "Head")
+    choose(inspector, "Followed point", "Head")
     assert current(document).target.point.part is BodyPart.NECK
-    choose(inspector, "Target is", "Follow own body")
+    choose(inspector, "Target type", "Follow own body")
     assert current(document).target.point == BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
-    choose(inspector, "Target is", "Follow source")
+    choose(inspector, "Target type", "Follow source")
     assert current(document).target.joint == "RightForeArm"
     choose(inspector, "Follows", "LeftHand")
     assert current(document).target.joint == "LeftHand"
@@ -470,18 +470,18 @@ def test_the_form_says_whether_each_body_has_its_own_place_and_who_has_an_offset
     _, document, inspector = studio
     add(studio, "position")
     place = numbers_of(inspector, "Target")
-    assert chosen(inspector, "Target is") == "Per character"
-    press(inspector, "Body 0 has an offset of its own")
+    assert chosen(inspector, "Target type") == "Per character"
+    press(inspector, "Offset unique for Body 0")
     assert current(document).target.own == (("performer 0", (0.0, 0.0, 0.0)),)
     enter(inspector, "Target Z", f"{place[2] + 0.1:.2f}")
     assert numbers_of(inspector, "Target")[2] == pytest.approx(place[2] + 0.1, abs=0.006)
     assert current(document).target.offset == pytest.approx((0.0, 0.0, 0.0), abs=1e-12)
-    press(inspector, "Body 0 has an offset of its own")
+    press(inspector, "Offset unique for Body 0")
     assert current(document).target.own == ()
-    choose(inspector, "Target is", "Shared")
+    choose(inspector, "Target type", "Shared")
     assert current(document).target == pytest.approx(place, abs=0.006)
     document.playhead.set_time(0.45)  # beyond the time of the constraint: it is told by where the body is within
-    choose(inspector, "Target is", "Per character")
+    choose(inspector, "Target type", "Per character")
     assert current(document).target.time == pytest.approx(current(document).activation.full_end)
     assert numbers_of(inspector, "Target") == pytest.approx(place, abs=0.006)
 
@@ -489,23 +489,23 @@ def test_the_form_says_whether_each_body_has_its_own_place_and_who_has_an_offset
 def test_turns_distances_headings_and_balance_are_keyed_or_follow_from_their_forms(studio):
     _, document, inspector = studio
     add(studio, "orientation")
-    choose(inspector, "Target is", "Keyed over time")
+    choose(inspector, "Target type", "Animated")
     document.playhead.set_time(0.4)
-    enter(inspector, "Turn Z", "30")
+    enter(inspector, "Rotation Z", "30")
     assert current(document).target.times == pytest.approx([0.2, 0.4])
-    choose(inspector, "Target is", "Follow own body")
-    enter(inspector, "Turn Z", "30")
+    choose(inspector, "Target type", "Follow own body")
+    enter(inspector, "Rotation Z", "30")
     assert current(document).target.turn != (0.0, 0.0, 0.0, 1.0)
     document.playhead.set_time(0.2)
     add(studio, "distance")
-    press(inspector, "Distance is keyed over time")
+    press(inspector, "Distance is animated")
     document.playhead.set_time(0.4)
     enter(inspector, "Distance", "0.25")
     assert current(document).distance.values[1] == 0.25
     document.playhead.set_time(0.2)
     add(studio, "area")
-    press(inspector, "Heading is keyed over time")
-    choose(inspector, "Target is", "Keyed over time")
+    press(inspector, "Heading is animated")
+    choose(inspector, "Target type", "Animated")
     document.playhead.set_time(0.4)
     enter(inspector, "Heading", "45")
     enter(inspector, "Centre X", "1.25")
@@ -516,8 +516,8 @@ def test_turns_distances_headings_and_balance_are_keyed_or_follow_from_their_for
     enter(inspector, "Margin", "3")
     assert current(document).place == Support(0.03)
     press(inspector, "Centre of mass: Target")
-    choose(inspector, "Target is", "Keyed over time")
-    enter(inspector, "Place Y", "0.4")
+    choose(inspector, "Target type", "Animated")
+    enter(inspector, "Position Y", "0.4")
     assert current(document).place.values[0][1] == 0.4
     press(inspector, "Constrain the height of the centre of mass too")
     assert current(document).vertical
@@ -535,7 +535,7 @@ def test_what_is_kept_upright_has_a_cone_a_direction_and_an_axis_taken_from_the_
     enter(inspector, "Direction Y", "1")
     assert current(document).direction == pytest.approx((0.0, np.sqrt(0.5), np.sqrt(0.5)))
     settle(viewport)
-    [take] = [each for each in inspector.findChildren(QAbstractButton) if each.text() == "Take axis from pose"]
+    [take] = [each for each in inspector.findChildren(QAbstractButton) if each.text() == "Set axis from pose"]
     take.click()
     assert np.allclose(hand @ current(document).axis, current(document).direction, atol=0.2)
     document.undo_stack.undo()

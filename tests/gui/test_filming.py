@@ -146,7 +146,7 @@ def test_the_range_of_the_timeline_becomes_a_film(qtbot, window, tmp_path):
 
 HALF = """
 import os, sys, time
-print('{"share": 0.5, "text": "Picture 3 of 7"}', file=sys.stderr, flush=True)
+print('{"share": 0.5, "text": "Frame 3 of 7"}', file=sys.stderr, flush=True)
 os.write(1, bytes(160 * 90 * 4))
 """
 
@@ -170,7 +170,7 @@ def test_a_crash_of_what_draws_is_a_sentence_and_leaves_nothing(qtbot, window, t
     monkeypatch.setattr(filming, "RENDERER", (sys.executable, "-c", f"{HALF}\nos.abort()"))
     filming.film(window.bench, tmp_path / "out" / name, SMALL, 30.0)
     idle(qtbot, window)
-    assert "crashed at 'Picture 3 of 7'" in window.strip.text
+    assert "crashed at 'Frame 3 of 7'" in window.strip.text
     assert list((tmp_path / "out").iterdir()) == []
 
 
@@ -185,12 +185,12 @@ def test_a_film_that_is_cut_short_is_told(qtbot, window, tmp_path, monkeypatch):
 @pytest.mark.timeout(20)
 def test_a_film_of_a_day_is_refused_at_once(window, tmp_path):
     window.bench.document.playhead.set_range(0, 9_999_999)
-    with pytest.raises(StudioError, match="too long"):
+    with pytest.raises(StudioError, match="too many"):
         filming.film(window.bench, tmp_path / "out" / "walk.mp4", SMALL, 240.0)
 
 
 def test_a_film_that_nobody_plays_in_is_refused(window):
     project = window.bench.document.project
     nobody = project.with_entity("performers", "performer 0", None)
-    with pytest.raises(StudioError, match="nothing to film"):
+    with pytest.raises(StudioError, match="nothing to render"):
         next(render_shots(Shots(nobody, VIEW, (0.0,), SMALL)))

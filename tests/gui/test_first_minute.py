@@ -82,7 +82,7 @@ def test_arrow_keys_key_a_target_without_one_place_for_all_on_the_way(window):
     pause(window)
     constraint_id = ask_for_the_kick(window)
     edits = len(window.bench.document.history)
-    [choice] = [each for each in window.inspector.findChildren(QComboBox) if each.accessibleName() == "Target is"]
+    [choice] = [each for each in window.inspector.findChildren(QComboBox) if each.accessibleName() == "Target type"]
     choose_by_keys(choice, [kind for kind, _ in PLACE_KINDS].index(KEYED_KIND))
     assert isinstance(window.bench.document.project.constraints[constraint_id].target, KeyedOwnPlace)
     assert len(window.bench.document.history) == edits + 1
@@ -122,7 +122,7 @@ def choose_one_place_for_all(window, constraint_id):
     [choice] = [
         box
         for box in window.inspector.findChildren(QComboBox)
-        if box.accessibleName() == "Target is" and box.isVisible()
+        if box.accessibleName() == "Target type" and box.isVisible()
     ]
     choose_by_keys(choice)
     solved(window)
@@ -190,7 +190,7 @@ def test_the_first_minute_can_be_walked_by_keys_alone(window):
     solved(window)
     _, constraint_id = document.selection.current
     assert all(miss < HELD for miss in misses(window, constraint_id).values())
-    tab_to("Target is")
+    tab_to("Target type")
     choose_by_keys(QApplication.focusWidget())
     tab_to("Target Z")
     press(Qt.Key.Key_A, Qt.KeyboardModifier.ControlModifier)

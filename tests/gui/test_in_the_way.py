@@ -82,7 +82,7 @@ def test_selected_bars_change_their_priority_together_by_keys_and_say_so_where_t
     assert window.strip.text == ""
     QTest.keyClick(window, Qt.Key.Key_Down, ALT)
     assert list(document.project.constraints_of("motion")) == order
-    assert window.strip.text == "What is selected is last in the order of priorities already."
+    assert window.strip.text == "The selection already has the lowest priority."
     assert document.undo_stack.count() == steps + 2
 
 

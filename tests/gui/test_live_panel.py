@@ -94,7 +94,7 @@ def test_the_panel_tells_senders_and_counts_and_switches_them_off(control, windo
     send(control, cap(1.0), b"no packet at all")
     qtbot.waitUntil(lambda: control.sources["1"].inbox.counts.bad == 1, timeout=PATIENCE)
     control.tell()
-    assert "1 packets taken, 1 bad" in panel.told.text()
+    assert "1 packets received, 1 invalid" in panel.told.text()
     [sender] = [panel.inputs.topLevelItem(0).child(0)]
     assert sender.text(0) == "127.0.0.1"
     sender.setCheckState(0, sender.checkState(0).Unchecked)

@@ -157,7 +157,7 @@ def test_closing_with_unsaved_work_asks_beside_it_and_cancel_keeps_the_window(qt
     QTest.keyClick(window, Qt.Key.Key_Delete)
     window.close()
     assert window.isVisible()
-    assert "not saved" in window.question.text
+    assert "unsaved changes" in window.question.text
     window.question.press("Cancel")
     assert window.isVisible()
     window.close()
@@ -385,7 +385,7 @@ def test_work_that_the_user_gave_up_is_listed_and_can_be_had_again(qtbot, window
 def test_without_earlier_work_that_is_said(qtbot, window, tmp_path):
     recovery_offer.offer(window.bench, tmp_path)
     window.actions_by_id.by_id["recover"].trigger()
-    assert "no earlier work" in window.strip.text
+    assert "no unsaved work" in window.strip.text
 
 
 def test_an_exception_that_nobody_caught_is_a_sentence_in_the_strip(qtbot, window):

@@ -57,11 +57,11 @@ def test_the_chip_shows_skins_in_their_colours_and_takes_them_away(studio):
     viewport.frame_selection()
     settle(viewport)
     plain = viewport.grab_image()
-    QTest.mouseClick(chip(viewport, "onion_skins_of_the_selected_body"), LEFT)
+    QTest.mouseClick(chip(viewport, "onion_skins_of_the_selected_character"), LEFT)
     settle(viewport)
     assert viewport.onion_shown
     assert viewport.grab_image() != plain
-    QTest.mouseClick(chip(viewport, "onion_skins_of_the_selected_body"), LEFT)
+    QTest.mouseClick(chip(viewport, "onion_skins_of_the_selected_character"), LEFT)
     settle(viewport)
     assert viewport.grab_image() == plain
 
@@ -88,9 +88,9 @@ def test_the_number_of_skins_is_a_preference_that_acts_at_once(window):
     dialog = PreferencesDialog(window.bench)
     fields = {field.accessibleName(): field for field in dialog.findChildren(NumberField)}
     dialog.show()
-    fields["Every"].setFocus()
-    fields["Every"].selectAll()
-    QTest.keyClicks(fields["Every"], "9")
-    QTest.keyClick(fields["Every"], Qt.Key.Key_Return)
+    fields["Step"].setFocus()
+    fields["Step"].selectAll()
+    QTest.keyClicks(fields["Step"], "9")
+    QTest.keyClick(fields["Step"], Qt.Key.Key_Return)
     assert window.bench.preferences.onion_skins == OnionSkins(3, 3, 9)
     dialog.close()

@@ -107,7 +107,7 @@ def test_a_box_beyond_reach_is_moved_ahead_of_who_picks_it_up_and_a_message_says
     root = posed_performers(document.project, played.bench.live.result, PICKED)[FIRST].points[0]
     near = np.linalg.norm(np.array(document.project.props[prop_id].position)[:2] - root[:2])
     assert near < 0.7
-    assert any("beyond reach" in each for each in said)
+    assert any("out of reach" in each for each in said)
     assert document.undo_stack.count() == steps + 1
     document.undo_stack.undo()
     assert document.project.props[prop_id].position == (4.0, 0.0, 0.2)
@@ -182,7 +182,7 @@ def test_who_has_just_taken_a_box_does_not_lose_it_as_the_giver_would_put_it_dow
     taken = document.project.props[prop_id]
     played.actions_by_id.by_id["put_down_prop"].trigger()
     assert document.project.props[prop_id] == taken
-    assert "go to a later moment" in played.strip.text
+    assert "move the playhead later" in played.strip.text
     document.playhead.set_time(0.25)
     played.actions_by_id.by_id["put_down_prop"].trigger()
     one, two = document.project.props[prop_id].holds

@@ -53,7 +53,7 @@ def test_a_key_goes_to_the_last_who_gives_it_and_two_of_one_layer_are_a_conflict
 def test_what_a_person_types_is_keys_or_a_sentence():
     assert keys_in("ctrl+shift+k  F5") == ("Ctrl+Shift+K", "F5")
     assert keys_in("") == ()
-    with pytest.raises(ValueError, match="'Hello' is no key"):
+    with pytest.raises(ValueError, match="'Hello' is not a shortcut"):
         keys_in("Hello")
 
 
@@ -80,7 +80,7 @@ def test_a_map_that_is_chosen_and_a_key_that_is_typed_act_at_once(window):
     assert action["play"].shortcut().toString() == "P"
     assert load_preferences(window.bench.settings).own_keys == {"play": ("P",)}
     dialog.table.item(line, 1).setText("Nonsense")
-    assert "is no key" in dialog.words.text()
+    assert "is not a shortcut" in dialog.words.text()
     assert action["play"].shortcut().toString() == "P"
     dialog.close()
 

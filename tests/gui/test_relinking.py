@@ -92,4 +92,4 @@ def test_a_source_that_was_edited_where_it_lies_is_read_and_told(qtbot, window, 
     window.inspector.reimport_requested.emit(imported, {"unit": "inch"})
     wait_until_idle(qtbot, window)
     assert window.bench.document.project.captures[imported].frame_count == 9
-    assert "has changed since it was read before" in window.strip.text
+    assert "has changed since it was imported" in window.strip.text

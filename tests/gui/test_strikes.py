@@ -156,7 +156,7 @@ def test_a_folder_that_is_cancelled_leaves_what_was_read_by_then_in_the_list(str
     wait_until_idle(qtbot, window)
     assert "front_kick" in [clip.take.motion.name for clip in striking.library.clips]
     assert "straight_punch" not in [clip.take.motion.name for clip in striking.library.clips]
-    assert said == ["Adding captures was cancelled. What had been read by then is in the library."]
+    assert said == ["Adding captures was cancelled. Clips indexed by then are in the library."]
 
 
 def test_a_constraint_of_the_strike_belongs_to_its_clip_alone(striking, window, qtbot):

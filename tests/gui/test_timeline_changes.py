@@ -79,13 +79,13 @@ def marks(timeline, seconds, colour):
 
 def test_an_overlap_is_marked_in_the_frame_in_which_the_later_clip_takes_over(document, timeline, live):
     assert OVER.start <= live.takes_over <= 1.0
-    assert f"Takes over at {live.takes_over:.3f} s, where both are most alike" in said(timeline, 1.3)
+    assert f"Transition at {live.takes_over:.3f} s, at the best matching frame" in said(timeline, 1.3)
     assert marks(timeline, live.takes_over, colours.TEXT) >= 8
 
 
 def test_a_clip_that_begins_out_of_reach_says_that_the_body_jumps(document, timeline, live):
     play(document, BEFORE, replace(OVER, joined=False, offset=(5.0, 0.0)))
-    assert f"The body jumps at {live.takes_over:.3f} s" in said(timeline, 1.3)
+    assert f"Pop at {live.takes_over:.3f} s" in said(timeline, 1.3)
     assert marks(timeline, live.takes_over, colours.PARTLY) >= 8
     document.undo_stack.undo()
     assert "jumps" not in said(timeline, 1.3)

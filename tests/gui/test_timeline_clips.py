@@ -96,7 +96,7 @@ def test_dragging_a_bar_moves_it_in_time_as_one_step(document, timeline, hand):
     hand.drag(place(timeline, SECOND, 120), pixels(timeline, 7))
     assert clip(document, "kick", SECOND).start * RATE == pytest.approx(87)
     assert document.undo_stack.count() == 1
-    assert document.undo_stack.text(0) == "Move Other in time"
+    assert document.undo_stack.text(0) == "Shift Other"
     document.undo_stack.undo()
     assert document.project.performers == before.performers
 
@@ -190,7 +190,7 @@ def test_del_deletes_a_clip_with_what_was_asked_of_it_alone(document, timeline, 
 
 
 def test_a_clip_made_its_own_is_edited_alone(document, timeline, hand):
-    choose(timeline, place(timeline, SECOND, 30), f"Make it {document.project.performers[SECOND].name}'s own")
+    choose(timeline, place(timeline, SECOND, 30), f"Make unique for {document.project.performers[SECOND].name}")
     hand.drag(place(timeline, SECOND, 30), pixels(timeline, 4))
     assert clip(document, "walk").start == 0.0
     assert document.project.performers[SECOND].clips[0].start == pytest.approx(4 / RATE)

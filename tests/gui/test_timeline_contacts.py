@@ -123,7 +123,7 @@ def test_a_hand_that_touches_gets_a_row_and_is_trimmed_as_a_foot(document, timel
     menu = menu_at(timeline.tracks, QPointF(in_lane(timeline, 40)))
     others = {action.text(): action for action in menu.actions()[1].menu().actions()}
     assert list(others)[4:9] == ["Left hand", "Right hand", "Left knee", "Right knee", "Seat"]
-    assert list(others)[9:11] == ["Hands together", "Hands on a thing"]
+    assert list(others)[9:11] == ["Hands together", "Hands on object"]
     others["Right hand"].trigger()
     added = document.selection.current[1]
     assert document.project.contacts[added].point is ContactPoint.RIGHT_HAND

@@ -40,7 +40,7 @@ def test_the_bar_of_a_hold_is_moved_and_its_ends_dragged(document, timeline, han
     assert document.undo_stack.count() == 3
     document.undo_stack.undo()
     words = hover_text(timeline.tracks.sheet, timeline.tracks.picture.plot, QPointF(place(timeline, box, 50)))
-    assert words.startswith("Box: held by")
+    assert words.startswith("Box: carried by")
     assert ("props", box) in document.selection
 
 

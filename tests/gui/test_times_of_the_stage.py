@@ -40,7 +40,7 @@ def text_at(timeline, place):
 def test_hover_speaks_in_frames_of_the_stage(timeline):
     row = timeline.row_rect("constraints", "kick")
     text = text_at(timeline, QPointF(timeline.x_of_frame(325), row.top() + 12))
-    assert text == "kick: 100% active at frame 325 (45 of the clip)"
+    assert text == "kick: activation 100% at frame 325 (45 of the clip)"
     assert text_at(timeline, in_lane(timeline, 330)).startswith(
         "Left heel contact: frame 320 (40 of the clip) to frame 340 (60 of the clip)"
     )
@@ -58,7 +58,7 @@ def test_where_clip_and_stage_agree_there_are_no_brackets(document, timeline):
     document.selection.set(("performers", "performer 0"), ("clips", "first"))
     row = timeline.row_rect("constraints", "kick")
     text = text_at(timeline, QPointF(timeline.x_of_frame(45), row.top() + 12))
-    assert text == "kick: 100% active at frame 45"
+    assert text == "kick: activation 100% at frame 45"
 
 
 def kinds(timeline, *frames):

@@ -158,7 +158,7 @@ def test_a_selected_body_is_turned_by_the_ring_about_where_it_stands(studio):
     after = document.project.performers["performer 1"]
     assert after.heading - before.heading == pytest.approx(np.radians(15.0), abs=np.radians(2.0))
     assert viewport.posed["performer 1"].points[0] == pytest.approx(root, abs=1e-9)
-    assert document.undo_stack.text(0).startswith("Turn")
+    assert document.undo_stack.text(0).startswith("Rotate")
     drag(viewport, begin, end, modifiers=Qt.KeyboardModifier.ControlModifier)
     assert document.project.performers["performer 1"].heading - after.heading == pytest.approx(np.radians(15.0))
 

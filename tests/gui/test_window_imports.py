@@ -141,7 +141,7 @@ def test_what_is_corrected_in_a_report_holds_for_the_next_file_of_its_kind(qtbot
     wait_until_idle(qtbot, window)
     second_id = list(document.project.captures)[-1]
     assert (document.project.captures[second_id].unit, document.project.captures[second_id].floor) == ("inch", 0.25)
-    assert window.strip.text.endswith("corrected its kind of file before: unit inch, floor 0.25.")
+    assert window.strip.text.endswith("corrections for this kind of file: unit inch, floor 0.25.")
     window.strip.press("Detect again")
     wait_until_idle(qtbot, window)
     assert (document.project.captures[second_id].unit, document.project.captures[second_id].floor) == ("cm", floor)

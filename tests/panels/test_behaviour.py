@@ -342,7 +342,7 @@ def test_a_state_plays_what_its_form_says(document, inspector):
     assert (clip.motion_id, clip.first, clip.last, clip.speed) == ("motion", 0, 12, 2.0)
     number(form, "Last frame").setValue(500)
     assert fighter(document).state("Strike").clip.last == 29
-    choose(form, "Add reaction", "Keeps its distance")
+    choose(form, "Add reaction", "Keep distance")
     QApplication.processEvents()
     number(form, "Distance").setValue(1.5)
     assert fighter(document).state("Strike").manners == (KeepDistance(distance=1.5),)

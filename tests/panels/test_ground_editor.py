@@ -43,7 +43,7 @@ def named(editor, kind, name):
 
 
 def choose(editor, kind):
-    choice = named(editor, Choice, "Kind of ground")
+    choice = named(editor, Choice, "Ground type")
     place = [each for each, _ in GROUND_CHOICES if each in MADE_HERE].index(kind)
     choice.setCurrentIndex(place)
     choice.activated.emit(place)
@@ -91,7 +91,7 @@ def test_numbers_of_steps_stay_whole(editor, document):
 
 def test_the_foot_of_a_slope_is_moved_by_its_numbers(editor, document):
     choose(editor, Slope)
-    named(editor, NumberField, "Begins at Y").setValue(1.5)
+    named(editor, NumberField, "Start position Y").setValue(1.5)
     assert document.project.ground.foot == (0.0, 1.5)
 
 
@@ -103,4 +103,4 @@ def test_a_double_click_gives_the_usual_measure_back(editor, document):
 
 def test_a_ground_out_of_a_file_is_shown_by_its_kind(editor, document):
     document.replace("grounds", GROUND_ID, HeightMap(0.1), "Load")
-    assert named(editor, Choice, "Kind of ground").currentText() == "Height map"
+    assert named(editor, Choice, "Ground type").currentText() == "Height map"

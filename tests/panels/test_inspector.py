@@ -128,20 +128,20 @@ def test_a_drag_of_a_slider_is_one_undo_step_and_live_on_the_way(inspector, docu
 def test_the_hands_of_a_body_are_closed_by_a_slider_as_one_undo_step(inspector, document):
     document.add("performers", Performer("Child", document.add("characters", bundled_characters()["child"], "")), "")
     document.selection.set(("performers", list(document.project.performers)[-1]))
-    slider = named(inspector, QSlider, "Grip")
+    slider = named(inspector, QSlider, "Finger curl")
     start = handle_of(slider)
     drag(slider, start, start + QPoint(10, 0), start + QPoint(30, 0), QPoint(slider.width(), start.y()))
     character = list(document.project.characters.values())[-1]
     assert character.grip == 1.0
     assert character.shown_skin is not character.skin
-    assert document.history[2:] == ("Close the hands of Child",)
+    assert document.history[2:] == ("Set finger curl of Child",)
     document.undo_stack.undo()
     assert list(document.project.characters.values())[-1].grip == 0.0
 
 
 def test_hands_of_one_shape_have_no_slider_to_close_them(inspector, document):
     document.selection.set(("performers", "performer 0"))
-    assert not named(inspector, QSlider, "Grip").isEnabled()
+    assert not named(inspector, QSlider, "Finger curl").isEnabled()
 
 
 def test_dragging_a_number_sideways_scrubs_it_as_one_undo_step(inspector, document):
@@ -251,7 +251,7 @@ def test_a_tied_constraint_shares_the_place_of_the_one_above_and_has_a_weight_am
     constraint = document.project.constraints["constraint 1"]
     document.replace("constraints", "constraint 1", replace(constraint, point=BodyPoint(BodyPart.LEFT_HAND)), "Other")
     document.selection.set(("constraints", "constraint 1"))
-    weight, tie = named(inspector, NumberField, "Weight among equals"), inspector.findChild(QCheckBox, "tie")
+    weight, tie = named(inspector, NumberField, "Weight (same priority)"), inspector.findChild(QCheckBox, "tie")
     assert not weight.isVisible()
     QTest.mouseClick(tie, LEFT, pos=QPoint(8, 8))
     constraints = document.project.constraints_of("motion")
@@ -279,7 +279,7 @@ def test_a_tie_that_would_double_a_constraint_is_refused_in_a_sentence(inspector
 
 def test_the_segments_of_the_points_own_limb_get_weights_of_their_own(inspector, document):
     document.selection.set(("constraints", "constraint 0"))  # a right wrist
-    add = named(inspector, QComboBox, "Segment to weigh")
+    add = named(inspector, QComboBox, "Segment")
     offered = {add.itemText(place) for place in range(add.count())}
     assert {"Right upper arm", "Right forearm", "Head"} <= offered
     assert not {"Left forearm", "Right thigh", "Right hand"} & offered
@@ -295,18 +295,18 @@ def test_the_segments_of_the_points_own_limb_get_weights_of_their_own(inspector,
 def test_a_segment_gets_a_weight_of_its_own_and_loses_it_again(inspector, document):
     document.selection.set(("constraints", "constraint 0"))
     segments = lambda: document.project.constraints["constraint 0"].chain.segments  # noqa: E731
-    add = named(inspector, QComboBox, "Segment to weigh")
+    add = named(inspector, QComboBox, "Segment")
     place = add.findText("Right clavicle")
     add.setCurrentIndex(place)
     add.activated.emit(place)
     assert segments() == ((BodyPart.RIGHT_CLAVICLE, 1.0),)
     assert add.findText("Right clavicle") == -1
-    named(inspector, NumberField, "Own weight of Right clavicle").setValue(0.25)
+    named(inspector, NumberField, "Weight override of Right clavicle").setValue(0.25)
     assert segments() == ((BodyPart.RIGHT_CLAVICLE, 0.25),)
     QTest.mouseClick(inspector.findChild(BodyFigure), LEFT, pos=segment_place(BodyPart.RIGHT_CLAVICLE))
     assert segments() == ((BodyPart.RIGHT_CLAVICLE, 0.0),)
     assert document.project.constraints["constraint 0"].chain.clavicle == 1.0
-    QTest.mouseClick(named(inspector, QAbstractButton, "Remove own weight of Right clavicle"), LEFT)
+    QTest.mouseClick(named(inspector, QAbstractButton, "Remove weight override of Right clavicle"), LEFT)
     assert segments() == ()
     document.undo_stack.undo()
     assert segments() == ((BodyPart.RIGHT_CLAVICLE, 0.0),)
@@ -428,7 +428,7 @@ def test_the_joints_of_a_character_are_freed_and_limited_by_a_tick_that_can_be_u
 def test_a_body_keyed_over_time_takes_what_a_slider_says_at_the_playhead(inspector, document):
     document.selection.set(("performers", "performer 0"))
     document.playhead.set_frame(0)
-    QTest.mouseClick(named(inspector, QCheckBox, "Body is keyed over time"), LEFT, pos=QPoint(8, 8))
+    QTest.mouseClick(named(inspector, QCheckBox, "Proportions are animated"), LEFT, pos=QPoint(8, 8))
     slider = named(inspector, QSlider, "Stature")
     document.playhead.set_frame(30)
     start = handle_of(slider)
@@ -436,11 +436,11 @@ def test_a_body_keyed_over_time_takes_what_a_slider_says_at_the_playhead(inspect
     keyed = document.project.characters["character 0"].proportions
     assert keyed.times == (0.0, 30 / document.playhead.frame_rate)
     assert keyed.values[0].stature == 1.0 < keyed.values[1].stature
-    assert document.history == ("Key the body of Body 0", "Set stature of Body 0")
+    assert document.history == ("Animate the proportions of Body 0", "Set stature of Body 0")
     grown = slider.value()
     document.playhead.set_frame(0)
     assert slider.value() < grown
-    QTest.mouseClick(named(inspector, QCheckBox, "Body is keyed over time"), LEFT, pos=QPoint(8, 8))
+    QTest.mouseClick(named(inspector, QCheckBox, "Proportions are animated"), LEFT, pos=QPoint(8, 8))
     assert document.project.characters["character 0"].proportions.stature == 1.0
 
 

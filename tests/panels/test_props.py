@@ -85,7 +85,7 @@ def test_a_prop_swings_from_where_it_is_and_a_drag_moves_its_whole_way(document,
 
 
 def test_a_prop_is_keyed_where_it_is_and_gets_keys_at_the_playhead(document, form, live):
-    choose(form, "Placement", "Keyed over time")
+    choose(form, "Placement", "Animated")
     document.playhead.set_time(0.3)
     form._position.fields[0].setValue(1.5)
     prop = document.project.props["box"]
@@ -100,15 +100,15 @@ def test_a_prop_is_keyed_where_it_is_and_gets_keys_at_the_playhead(document, for
 
 
 def test_a_prop_in_a_hand_moves_with_it_and_is_let_go_where_it_is(document, form, live):
-    choose(form, "Placement", "In a hand, or on a body")
-    choose(form, "Held by", document.project.performers[SECOND].name)
+    choose(form, "Placement", "Attached to a body point")
+    choose(form, "Carried by", document.project.performers[SECOND].name)
     held = document.project.props["box"].held
     assert isinstance(held, InHand)
     assert held.performer_id == SECOND
     begin, end = (at(document, live, time).place for time in (0.0, 0.3))
     assert end[0] - begin[0] > 0.1  # the body slides forward
     document.playhead.set_time(0.3)
-    choose(form, "Placement", "Stays where it is")
+    choose(form, "Placement", "Fixed")
     prop = document.project.props["box"]
     assert prop.held is None
     assert prop.position == pytest.approx(end)
@@ -116,8 +116,8 @@ def test_a_prop_in_a_hand_moves_with_it_and_is_let_go_where_it_is(document, form
 
 
 def test_a_prop_is_where_the_picture_has_it_while_its_holder_plays_a_motion_that_is_gone(document, form, live):
-    choose(form, "Placement", "In a hand, or on a body")
-    choose(form, "Held by", document.project.performers[SECOND].name)
+    choose(form, "Placement", "Attached to a body point")
+    choose(form, "Carried by", document.project.performers[SECOND].name)
     posed = posed_performers(document.project, live.result, 0.0)
     here = at(document, live, 0.0).place
     without = replace(document.project, motions={})
@@ -185,7 +185,7 @@ def test_a_prop_that_is_let_go_of_stays_as_it_was_in_the_hand(document, live, fo
     held = InHand(SECOND, BodyPoint(BodyPart.RIGHT_HAND), (0.1, 0.2, 0.3, 0.9))
     document.replace("props", "box", replace(document.project.props["box"], held=held), "")
     before = at(document, live, document.playhead.time)
-    choose(form, "Placement", "Stays where it is")
+    choose(form, "Placement", "Fixed")
     after = at(document, live, document.playhead.time)
     assert document.project.props["box"].held is None
     assert after.place == pytest.approx(before.place)
@@ -197,7 +197,7 @@ def test_a_target_is_given_a_place_on_the_prop_that_goes_with_its_size(document,
     document.selection.set(("performers", "performer 0"), ("constraints", constraint))
     inspector = Inspector(document, live)
     qtbot.addWidget(inspector)
-    choose(inspector.current_form(), "Place on the prop", "Left side")
+    choose(inspector.current_form(), "Position on the prop", "Left side")
     assert document.project.constraints[constraint].target == FollowProp("box", share=(0.0, 1.0, 0.0))
 
 
@@ -237,7 +237,7 @@ def test_how_a_prop_is_held_is_changed_while_when_stays(document, form, live):
     prop = document.project.props["box"]
     document.replace("props", "box", replace(prop, held=Carried(SECOND, begin=0.1, end=0.3)), "Hold")
     assert form._held.text() == "0.10 s to 0.30 s"
-    choose(form, "Placement", "In a hand, or on a body")
+    choose(form, "Placement", "Attached to a body point")
     held = document.project.props["box"].held
     assert (held.kind, held.begin, held.end) == ("in_hand", 0.1, 0.3)
     form._always.click()
@@ -259,7 +259,7 @@ def test_what_hands_that_hang_carry_is_before_the_body_and_not_in_it(document, l
 
 
 def test_a_prop_that_collides_keeps_whole_bodies_out_at_any_size_and_lets_them_through_again(document, form, qtbot):
-    [collides] = [each for each in form.findChildren(QCheckBox) if each.text() == "bodies keep out of it"]
+    [collides] = [each for each in form.findChildren(QCheckBox) if each.text() == "Collide with characters"]
     collides.click()
     [(key, area)] = obstacles_of(document.project, "box").items()
     assert (area.shape, area.centre, area.size, area.whole) == ("box", FollowProp("box"), (0.4, 0.4, 0.4), True)

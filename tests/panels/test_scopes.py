@@ -49,7 +49,7 @@ def contacts_of(document, performer_id):
 def test_a_constraint_is_asked_of_one_body_alone_and_again_of_all(document, inspector):
     document.selection.set(("constraints", "wrist"))
     name = document.project.performers[SECOND].name
-    choose(inspector, f"{name} alone")
+    choose(inspector, f"{name} only")
     assert document.project.constraints["wrist"].scope == Scope(performer_id=SECOND)
     assert not document.project.constraints_for(FIRST, document.project.performers[FIRST].clips[0])
     choose(inspector, "All characters")
@@ -69,7 +69,7 @@ def test_a_constraint_is_asked_of_one_clip(document, inspector):
 def test_a_body_gets_contacts_of_its_own_that_begin_as_those_of_all(document, inspector):
     document.selection.set(("contacts", "late"))
     before = contacts_of(document, FIRST)
-    choose(inspector, f"{document.project.performers[SECOND].name} alone")
+    choose(inspector, f"{document.project.performers[SECOND].name} only")
     collection, contact_id = document.selection.current
     assert (collection, contact_id != "late") == ("contacts", True)
     own = contacts_of(document, SECOND)

@@ -20,7 +20,7 @@ from studio.timeline.tracks.clip import shortened
 from studio.timeline.tracks.contacts import LEAST_BAR, seen_bars
 
 RATE = 60.0
-WORDS = "front_leg_low · 67 frames at 60 Hz · mirrored"
+WORDS = "front_leg_low · 67 frames at 60 fps · mirrored"
 
 
 def make_shown(frames: int, width: float = 1000.0) -> RowContext:
@@ -98,7 +98,7 @@ def test_of_a_long_curve_every_peak_in_sight_is_drawn(frames: int, seed: int, zo
 
 
 @pytest.mark.parametrize(
-    ("room", "seen"), [(400, WORDS), (230, "front_leg_low · 67 frames at 60 Hz"), (110, "front_leg_low")]
+    ("room", "seen"), [(400, WORDS), (230, "front_leg_low · 67 frames at 60 fps"), (110, "front_leg_low")]
 )
 def test_a_bar_says_as_many_of_its_words_as_it_has_room_for_whole(qapp: QApplication, room: int, seen: str) -> None:
     assert shortened(WORDS, QFontMetrics(font()), room) == seen

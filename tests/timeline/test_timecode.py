@@ -63,5 +63,5 @@ def test_parts_may_be_left_out_on_the_left(text, frame):
 
 @pytest.mark.parametrize("text", ["", ":", "1:", "a", "-1", "1:2:3:4:5", "1 2"])
 def test_other_text_is_no_timecode(text):
-    with pytest.raises(ValueError, match="no timecode"):
+    with pytest.raises(ValueError, match="not a timecode"):
         frame_of_timecode(text, 25)

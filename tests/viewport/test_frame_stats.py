@@ -17,7 +17,7 @@ def test_pictures_of_the_last_second_are_counted_and_the_pose_is_as_old_as_its_q
     for step in range(40):
         clock.now = 100.0 + step / 20
         pace.picture(asked_at=clock.now - 0.085)
-    assert pace.words == "20 pictures/s · latency 85 ms"
+    assert pace.words == "20 fps · latency 85 ms"
 
 
 def test_an_answer_seen_again_is_no_older_for_that_playback_has_no_age_and_at_rest_there_is_nothing_to_tell() -> None:
@@ -26,11 +26,11 @@ def test_an_answer_seen_again_is_no_older_for_that_playback_has_no_age_and_at_re
     for _ in range(11):
         clock.now += 0.1
         pace.picture(asked_at=100.05)
-    assert pace.words == "10 pictures/s · latency 50 ms"
+    assert pace.words == "10 fps · latency 50 ms"
     for _ in range(11):
         clock.now += 0.1
         pace.picture(None)
-    assert pace.words == "10 pictures/s"
+    assert pace.words == "10 fps"
     pace.rest()
     assert pace.words == ""
 
@@ -42,8 +42,8 @@ def test_a_body_that_nobody_has_moved_since_the_drag_began_is_not_behind() -> No
     for _ in range(11):
         clock.now += 0.1
         pace.picture(asked_at=clock.now - 96.073)
-    assert pace.words == "10 pictures/s"
+    assert pace.words == "10 fps"
     for _ in range(11):
         clock.now += 0.1
         pace.picture(asked_at=clock.now - 0.085)
-    assert pace.words == "10 pictures/s · latency 85 ms"
+    assert pace.words == "10 fps · latency 85 ms"

@@ -31,13 +31,13 @@ def show(bench: Workbench) -> None:
 
 def keep_distance(bench: Workbench) -> None:
     """Add keeping at striking distance of the partner."""
-    _make(bench, "Keep at striking distance", ready_made.keeping_distance)
+    _make(bench, "Keep striking distance", ready_made.keeping_distance)
 
 
 def ward_off(bench: Workbench) -> None:
     """Add a parry of attacks, with a motion of the project."""
     _with_motion(
-        bench, "Block with", WARD_WORDS,
+        bench, "Block with clip", WARD_WORDS,
         lambda clip: _make(
             bench, "Block when attacked", lambda old: ready_made.warding_off(old, clip, _when_hit(bench, clip))
         ),
@@ -52,23 +52,23 @@ def lean_away(bench: Workbench) -> None:
 def strike(bench: Workbench) -> None:
     """Add a strike on a key, with a motion of the project."""
     _with_motion(
-        bench, "Strike with", STRIKES,
-        lambda clip: _make(bench, "Strike on a key", lambda old: ready_made.striking(old, clip, STRIKE_KEY)),
+        bench, "Strike with clip", STRIKES,
+        lambda clip: _make(bench, "Strike on key press", lambda old: ready_made.striking(old, clip, STRIKE_KEY)),
     )  # fmt: skip
 
 
 READY_MADE: dict[str, tuple[str, str, Callable[[Workbench], None]]] = {
     "keep_distance": (
-        "Keep at striking distance", "The body steps towards its partner and back, and faces it", keep_distance,
+        "Keep striking distance", "Steps towards and away from its partner, and faces it", keep_distance,
     ),
     "ward_off": (
         "Block when attacked", "The forearm meets the fist of a partner that strikes", ward_off,
     ),
     "lean_away": (
-        "Lean away from the fist", "The trunk leans back while the partner's fist is near the head", lean_away,
+        "Lean away from the fist", "The torso leans back while the partner's fist is near the head", lean_away,
     ),
     "strike_on_key": (
-        "Strike on a key", f"While the stage runs, {STRIKE_KEY} strikes, and tells the partner", strike,
+        "Strike on key press", f"During live play, {STRIKE_KEY} strikes and sends an event to the partner", strike,
     ),
 }  # fmt: skip
 """By their id: text, tooltip, and what makes it."""
@@ -78,7 +78,7 @@ def _pair(bench: Workbench) -> tuple[str, str]:
     """Active body and its partner: the present one, else the nearest visible body."""
     project, performer_id = bench.document.project, bench.document.active_performer_id
     if performer_id is None:
-        raise StudioError("Select a body first: a behaviour belongs to one.")
+        raise StudioError("Select a character first: a behaviour belongs to a character.")
     behaviour = project.behaviours.get(project.behaviour_of(performer_id) or "")
     role = behaviour.role_of(performer_id) if behaviour else None
     if role is not None and role.partner_id:
@@ -103,7 +103,7 @@ def _make(bench: Workbench, text: str, ready: Ready) -> None:
             if not clips:
                 name = document.project.performers[performer_id].name
                 raise StudioError(
-                    f"{name} plays nothing yet. Give it a clip first: it is the guard that the body returns to."
+                    f"{name} has no clip yet. Give it one first: it is the guard that the character returns to."
                 )
             begun = ready_made.on_guard(replace(clips[0], start=0.0))
             behaviour_id = add_behaviour(document, performer_id, begun, partner_id)

@@ -14,7 +14,7 @@ def recall(slot: int) -> Callable[[Workbench], None]:
     def run(bench: Workbench) -> None:
         camera_id = camera_in_slot(bench.document.project, slot)
         if camera_id is None:
-            raise StudioError(f"No camera is stored as {slot} yet. Store the view by View > Store camera {slot}.")
+            raise StudioError(f"Camera slot {slot} is empty. Store the view by View > Store camera {slot}.")
         bench.viewport.look_through(bench.document.project.cameras[camera_id].placement)
 
     return run
@@ -51,7 +51,7 @@ def choose(bench: Workbench) -> None:
 
     bench.window.choose(
         "Look through camera",
-        [((each.name, f"key {each.slot}" if each.slot else ""), looker(key)) for key, each in cameras.items()],
+        [((each.name, f"slot {each.slot}" if each.slot else ""), looker(key)) for key, each in cameras.items()],
     )
 
 

@@ -35,7 +35,7 @@ def choose_joint(bench: Workbench) -> None:
     performer_id = document.active_performer_id or ""
     pose = viewport.posed.get(performer_id)
     if pose is None:
-        raise StudioError("Show a character that plays something first: its joints are listed then.")
+        raise StudioError("Show a character that has a clip first: its joints are listed then.")
     choices = [
         ((joint.name.capitalize(), pose.performer.name), partial(viewport.pick, PickedJoint(performer_id, joint)))
         for joint in body_joints(pose.motion.morphology.layout)
@@ -79,11 +79,12 @@ def shift(step: int) -> Callable[[Workbench], None]:
         constraints = bench.document.project.constraints
         chosen = [key for key in bench.document.selection.of("constraints") if key in constraints]
         if not chosen:
-            raise StudioError("Select a constraint first: its priority changes then.")
+            raise StudioError("Select a constraint first to change its priority.")
         if not shift_priorities(bench.document, chosen, step):
-            subject = constraints[chosen[0]].name if len(chosen) == 1 else "What is selected"
-            place = "first" if step < 0 else "last"
-            bench.say(f"{subject} is {place} in the order of priorities already.", until=Lifetime.SELECTED)
+            subject = constraints[chosen[0]].name if len(chosen) == 1 else "The selection"
+            bench.say(
+                f"{subject} already has the {'highest' if step < 0 else 'lowest'} priority.", until=Lifetime.SELECTED
+            )
 
     return run
 

@@ -48,7 +48,8 @@ def add_footage(bench: Workbench, path: Path) -> None:
         bench.document.selection.set(("footage", footage_id))
         bench.window.show_dock("Footage")
         bench.say(
-            f"{path.name}: {footage.frames} frames at {footage.frame_rate:g} Hz. Set begin and rate in its form.",
+            f"{path.name}: {footage.frames} frames at {footage.frame_rate:g} fps. Set start and frame rate in"
+            " the inspector.",
             until=Lifetime.EDITED,
         )
 

@@ -96,7 +96,7 @@ def _add(bench: Workbench, prop: Prop) -> None:
     document.selection.set(("props", document.add("props", replace(prop, name=name), f"Add {name}")))
     if grasp is not None:
         frame = round(grasp.seconds * document.playhead.frame_rate)
-        hint = f"The motion holds a thing at frame {frame}: {name} is there. Pick it up at that frame."
+        hint = f"The actor holds an object at frame {frame}: {name} was placed there. Pick it up at that frame."
         bench.say(hint, until=Lifetime.EDITED)
 
 
@@ -201,7 +201,7 @@ def put_down(bench: Workbench) -> None:
     prop, now = document.project.props[prop_id or ""], document.playhead.time
     held = [each for each in prop.holds if each.holds_at(now) and each.begin != now and each.end != now]
     if prop_id is None or not held:
-        raise StudioError("Nobody holds the prop here. Select one that is held, and go to a later moment.")
+        raise StudioError("No character carries the prop here. Select a carried prop, and move the playhead later.")
     text = f"Put down {prop.name}"
     with document.group(text):
         document.replace("props", prop_id, prop.with_hold(held[-1], replace(held[-1], end=now)), text)
@@ -240,7 +240,7 @@ def _holding(bench: Workbench) -> tuple[Document, str, str]:
     document, prop_id = bench.document, selected_prop(bench)
     performer_id = document.active_performer_id
     if prop_id is None or performer_id is None or document.active_clip is None:
-        raise StudioError("Select a prop, while a body that is shown plays something.")
+        raise StudioError("Select a prop, and a visible character that has a clip.")
     return document, prop_id, performer_id
 
 
@@ -312,7 +312,7 @@ def _in_reach(
         nearer = replace(prop, position=prop.position.with_key(begin, nearer.position))
     elif not lies:
         return prop, f"{prop.name} is {far} away: the hands do not reach it. Move it closer."
-    words = f"{prop.name} was {far} away, beyond reach: it was moved ahead of {holder.performer.name}."
+    words = f"{prop.name} was {far} away, out of reach: it was moved in front of {holder.performer.name}."
     return nearer, words
 
 

@@ -185,7 +185,7 @@ def plug_ins(bench: Workbench) -> None:
                 rows.append((f"{offer.name}  {offer.words}", offer.package))
             except StudioError as error:
                 rows.append((str(error), "failed"))
-    none = [("No installed package adds anything. docs/scripts.md tells how one does.", "")]
+    none = [("No plug-ins are installed. See docs/scripts.md.", "")]
     bench.window.choose("Plug-ins", [(row, lambda: None) for row in rows or none])
 
 

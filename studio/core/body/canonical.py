@@ -44,8 +44,9 @@ class BodyPart(StrEnum):
 
     @property
     def label(self) -> str:
-        """Name for the user: ``Left upper arm``."""
-        return self.value.replace("_", " ").capitalize()
+        """Name for the user: ``Left upper arm``, ``Left lower leg`` of a shank, ``Chest`` of the thorax."""
+        words = self.value.replace("_", " ").replace("shank", "lower leg").replace("thorax", "chest")
+        return words.capitalize()
 
 
 _AFTER_SPINE = tuple(part for part in BodyPart if part not in ("pelvis", "abdomen", "thorax"))

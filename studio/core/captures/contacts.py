@@ -109,7 +109,7 @@ class Touch(_SidedName):
     @cached_property
     def words(self) -> str:
         """Name for the user: ``left hand on hips``."""
-        return self.value.replace("_", " ").replace("on thing", "on a thing")
+        return self.value.replace("_", " ").replace("on thing", "on object").replace("trunk", "torso")
 
 
 FOOT_POINTS = tuple(point for point in ContactPoint if point.is_foot)

@@ -31,7 +31,7 @@ class ClearConstraint(Constraint):
 
     kind: ClassVar[str] = "clear"
     shown: ClassVar[KindInfo] = KindInfo(
-        "Arm self-collision", "Keep both arms of the active body out of its trunk, head and thighs", "#D9A0A0",
+        "Arm self-collision", "Keep both arms of the active character out of its torso, head and thighs", "#D9A0A0",
         about="arms",
     )  # fmt: skip
     arms: Arms = Arms.BOTH

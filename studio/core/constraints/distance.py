@@ -22,7 +22,7 @@ class DistanceConstraint(Constraint):
 
     kind: ClassVar[str] = "distance"
     shown: ClassVar[KindInfo] = KindInfo(
-        "Add distance constraint", "From a picked wrist or hand to the other one; from another joint to a place",
+        "Add distance constraint", "From a picked wrist or hand to the other one; from another joint to a position",
         "#C78BD0", held_by="other", handle="other end", picks=True,
     )  # fmt: skip
     other: BodyPoint | Place = (0.0, 0.0, 0.0)

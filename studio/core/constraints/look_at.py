@@ -17,7 +17,10 @@ class LookAtConstraint(Constraint):
     kind: ClassVar[str] = "look_at"
     unit: ClassVar[str] = "rad"
     shown: ClassVar[KindInfo] = KindInfo(
-        "Add look-at constraint", "Let the active body look at a place in front of it", "#8FA3E0", held_by="target"
+        "Add look-at constraint",
+        "Make the active character look at a position in front of it",
+        "#8FA3E0",
+        held_by="target",
     )
     target: Place = (1.0, 0.0, 1.5)
 

@@ -18,7 +18,7 @@ class OrientationConstraint(Constraint):
     kind: ClassVar[str] = "orientation"
     unit: ClassVar[str] = "rad"
     shown: ClassVar[KindInfo] = KindInfo(
-        "Add orientation constraint", "Keep the segment at the picked joint turned as it is now", "#C9B458",
+        "Add orientation constraint", "Keep the current rotation of the segment at the picked joint", "#C9B458",
         picks=True,
     )  # fmt: skip
     target: Turn = (0.0, 0.0, 0.0, 1.0)

@@ -20,6 +20,11 @@ class Region(StrEnum):
     LEGS = "legs"
 
     @property
+    def label(self) -> str:
+        """Name for the user: ``Upper body``, ``Torso`` of the trunk."""
+        return "Torso" if self is Region.TRUNK else self.capitalize()
+
+    @property
     def parts(self) -> frozenset["Region"]:
         """Smallest regions of which this one consists."""
         match self:

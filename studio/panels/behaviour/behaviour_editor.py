@@ -21,15 +21,13 @@ class BehaviourEditor(Editor[Behaviour]):
         self._name = EntityNameField(self)
         section.add_row("Name", self._name)
         self._start = Choice("Start state", ())
-        self._start.value_chosen.connect(lambda name: self.change(f"Begin in {name}", start=name))
+        self._start.value_chosen.connect(lambda name: self.change(f"Set {name} as start state", start=name))
         section.add_row("Start state", self._start)
         self._players = labelled("", "value")
         self._players.setWordWrap(True)
         section.add_row("Used by", self._players)
         self._own = press_button("", self._make_own)
-        self._own.setToolTip(
-            "An edit changes the behaviour of every body that uses it. A copy of its own is edited separately."
-        )
+        self._own.setToolTip("Shared: edits affect every character that uses it. Make it unique to edit it separately.")
         section.add_wide(self._own)
         section.add_wide(press_button("Delete behaviour", self._delete))
         self.column.addWidget(section)
@@ -60,10 +58,10 @@ class BehaviourEditor(Editor[Behaviour]):
             called[role.performer_id] + (f" against {called[role.partner_id]}" if role.partner_id else "")
             for role in behaviour.cast
         ]
-        self._players.setText("\n".join(roles) or "nobody yet")
+        self._players.setText("\n".join(roles) or "no character yet")
         active = self.document.active_performer_id or ""
         self._own.setVisible(len(behaviour.cast) > 1 and behaviour.role_of(active) is not None)
-        self._own.setText(literal(f"Make it {called[active]}'s own") if active else "")
+        self._own.setText(literal(f"Make unique for {called[active]}") if active else "")
         if names != [self._states.item(row).text() for row in range(self._states.count())]:
             self._states.clear()
             self._states.addItems(names)

@@ -25,10 +25,10 @@ from studio.panels.fields import Choice, NumberField, Section, press_button
 CONDITION_KINDS: dict[str, tuple[str, Condition]] = {
     "closer": ("Closer than", DistanceCondition()),
     "farther": ("Farther than", DistanceCondition(closer=False)),
-    "time": ("A time has passed", TimeCondition()),
-    "clip_end": ("The clip has ended", ClipEndCondition()),
-    "event": ("An event", EventCondition("attack")),
-    "key": ("A key", KeyCondition("K")),
+    "time": ("Time elapsed", TimeCondition()),
+    "clip_end": ("Clip ended", ClipEndCondition()),
+    "event": ("Event", EventCondition("attack")),
+    "key": ("Key press", KeyCondition("K")),
 }
 PutCondition = Callable[[Callable[[], Condition] | None, str], None]
 """Takes what makes a condition as the user wants it, None to remove it, and the text of the undo step."""
@@ -93,15 +93,15 @@ class ConditionSection(Section):
         self.add_row("Distance", self._distance)
         self._legs = Choice("Units", DISTANCE_UNITS)
         self._legs.setToolTip(
-            "Leg lengths are the mean of both bodies', so that one behaviour fits bodies of any size."
+            "Leg lengths are the mean of both characters, so that one behaviour fits characters of any size."
         )
         self._legs.value_chosen.connect(lambda legs: self._set_gap(legs=legs))
         self.add_row("Units", self._legs)
-        self._flat = Choice("Measured", [(True, "Over the ground"), (False, "From point to point")])
+        self._flat = Choice("Distance type", [(True, "Horizontal"), (False, "Point to point")])
         self._flat.value_chosen.connect(
             lambda flat: self._set_gap(flat=flat, point=PELVIS_POINT if flat else DEFAULT_POINT)
         )
-        self.add_row("Measured", self._flat)
+        self.add_row("Distance type", self._flat)
         self._point = PointChoice("Body point", lambda point: self._set_gap(point=point))
         self._point_caption = self.add_row("Body point", self._point)
         self._whom = WhomRows(self, "To", self._set_whom)
@@ -111,10 +111,10 @@ class ConditionSection(Section):
         self._name = QLineEdit()
         self._name.setToolTip(
             "A letter, a digit, or a name such as Space." if is_key
-            else "An event that a partner's state sends when it begins, or that comes from outside."
+            else "Event sent by a state of the partner, or from outside."
         )  # fmt: skip
         self._name.editingFinished.connect(lambda: self._rename("key" if is_key else "event"))
-        self.add_row("Key" if is_key else "Event", self._name)
+        self.add_row("Key press" if is_key else "Event", self._name)
 
     def _rename(self, field: str) -> None:
         if self._name.text().strip() != getattr(self._condition, field):
@@ -124,7 +124,7 @@ class ConditionSection(Section):
         new = CONDITION_KINDS[kind][1]
         if isinstance(new, DistanceCondition) and isinstance(self._condition, DistanceCondition):
             new = replace(self._condition, closer=new.closer)
-        self._put(lambda: new, "Choose condition")
+        self._put(lambda: new, "Set condition")
 
     def _set(self, text: str, **values: object) -> None:
         self._put(lambda: with_fields(self._condition, **values), text)

@@ -280,7 +280,7 @@ class Diagram(QGraphicsView):
         state, arrow = self.state_at(place), self.arrow_at(place)
         if state is not None:
             name = state.box.name
-            begin = lambda: self.edit(lambda old: replace(old, start=name), f"Begin in {name}")  # noqa: E731
+            begin = lambda: self.edit(lambda old: replace(old, start=name), f"Set {name} as start state")  # noqa: E731
             gone = lambda: self.edit(lambda old: edits.without_states(old, {name}), f"Delete {name}")  # noqa: E731
             return [("Set as start state", begin), ("Rename", lambda: self.rename(name)), ("Delete", gone)]
         if arrow is not None:

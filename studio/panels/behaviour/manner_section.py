@@ -17,7 +17,7 @@ from studio.panels.behaviour.condition_section import DISTANCE_UNITS
 from studio.panels.behaviour.part_editor import PartEditor, PointChoice, WhomRows
 from studio.panels.fields import Choice, NumberField, Section, press_button
 
-TITLES: dict[type, str] = {KeepDistance: "Keeps its distance", LeanAway: "Leans away", Meet: "Reaches for partner"}
+TITLES: dict[type, str] = {KeepDistance: "Keep distance", LeanAway: "Lean away", Meet: "Reach for partner"}
 PutManner = Callable[[Callable[[], Manner] | None, str], None]
 """Takes what makes a manner as the user wants it, None to remove it, and the text of the undo step."""
 MANNER_LIMIT = 100.0
@@ -32,8 +32,8 @@ class MannerSection(Section):
     def __init__(self, editor: PartEditor[State], manner: Manner, put: PutManner) -> None:
         super().__init__(TITLES[type(manner)])
         self._manner, self._put = manner, put
-        remove = press_button("Remove", lambda: put(None, f"Remove {TITLES[type(manner)].lower()}"), "link")
-        remove.setAccessibleName(f"Remove manner: {TITLES[type(manner)]}")
+        remove = press_button("Remove", lambda: put(None, f"Remove reaction: {TITLES[type(manner)].lower()}"), "link")
+        remove.setAccessibleName(f"Remove reaction: {TITLES[type(manner)]}")
         self.head.addWidget(remove)
         self._editor = editor
         self._numbers: dict[str, NumberField] = {}
@@ -80,11 +80,11 @@ class MannerSection(Section):
         self.add_row(label, field)
 
     def _add_times(self) -> None:
-        self._always = QCheckBox("as long as the clip plays")
+        self._always = QCheckBox("Whole clip")
         self._always.setAccessibleName("Meets as long as the clip plays")
         self._always.toggled.connect(lambda on: self._set(activation=WHOLE_CLIP if on else FIRST_MEETING))
-        self.add_row("When", self._always)
-        for label, names in (("Fade in  s", TIMES[:2]), ("Fade out  s", TIMES[2:])):
+        self.add_row("Active", self._always)
+        for label, names in (("Fade in (s)", TIMES[:2]), ("Fade out (s)", TIMES[2:])):
             fields = [
                 NumberField(f"{label} {name.replace('_', ' ')}", "", -MANNER_LIMIT, MANNER_LIMIT, 0.05)
                 for name in names
@@ -112,4 +112,4 @@ class MannerSection(Section):
 
     @property
     def _words(self) -> str:
-        return f"Change how it {TITLES[type(self._manner)].lower()}"
+        return f"Set reaction: {TITLES[type(self._manner)].lower()}"

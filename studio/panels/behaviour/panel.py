@@ -11,10 +11,10 @@ from studio.document.document import Document
 from studio.panels.behaviour.diagram import Diagram
 from studio.panels.fields import Choice, labelled, press_button
 
-NOBODY = "Select a body. Then say here how it behaves while the stage plays live."
+NOBODY = "Select a character to edit its behaviour for live play."
 NO_BEHAVIOUR_HINT = (
-    "{name} plays its row of clips. Start with one of these, or choose a behaviour above: the body then plays"
-    " states, and events take it from one to the next."
+    "{name} plays its clip track. Start with one of these, or choose a behaviour above: a state machine whose"
+    " transitions react to events."
 )
 
 
@@ -59,7 +59,7 @@ class BehaviourPanel(QWidget):
         performer = project.performers.get(performer_id or "")
         behaviour = project.behaviours.get(behaviour_id)
         role = behaviour.role_of(performer_id or "") if behaviour else None
-        self._name.setText(performer.name if performer else "Nobody")
+        self._name.setText(performer.name if performer else "None")
         self._name.setVisible(performer is not None)
         choices = [("", "No behaviour"), *((key, each.name) for key, each in project.behaviours.items())]
         self._choice.offer(choices)
@@ -84,8 +84,8 @@ class BehaviourPanel(QWidget):
         row.setSpacing(8)
         self._name: QLabel = labelled("", "title")
         self._choice, self._partner = Choice("Behaviour", ()), Choice("Partner", ())
-        self._choice.setToolTip("What it does while the stage plays live. Many bodies can share one behaviour.")
-        self._partner.setToolTip("Character it reacts to: it keeps its distance, wards off and strikes.")
+        self._choice.setToolTip("What it does during live play. Several characters can share one behaviour.")
+        self._partner.setToolTip("Character it reacts to: it keeps its distance, blocks and strikes.")
         self._against = labelled("against", "second")
         for choice in (self._choice, self._partner):
             choice.setMinimumContentsLength(14)
@@ -96,7 +96,7 @@ class BehaviourPanel(QWidget):
             press_button("Show all", self.diagram.fit),
         ]
         self._tools[0].setToolTip("Or double-click the diagram. Drag from the edge of a state to make a transition.")
-        self._tools[1].setToolTip("Wheel to zoom, middle mouse button, or Alt and drag, to pan.")
+        self._tools[1].setToolTip("Wheel zooms; middle mouse button or Alt+drag pans.")
         for widget in (self._name, self._choice, self._against, self._partner):
             row.addWidget(widget)
         row.addStretch(1)

@@ -43,7 +43,7 @@ class StateEditor(PartEditor[State]):
         self._add = Choice("Add reaction", [(None, ADD), *((title, title) for title in NEW_MANNERS)])
         self._add.value_chosen.connect(self._add_manner)
         row.addWidget(self._add)
-        row.addWidget(labelled("The constraints of the clip act too, as long as the state lasts.", "hint"))
+        row.addWidget(labelled("Constraints of the clip stay active while the state lasts.", "hint"))
         self.column.addWidget(below)
         self.finish()
 
@@ -52,34 +52,34 @@ class StateEditor(PartEditor[State]):
         self._name = QLineEdit()
         self._name.editingFinished.connect(self._rename)
         section.add_row("Name", self._name)
-        self._starts = QCheckBox("in this state")
+        self._starts = QCheckBox("Start state")
         self._starts.toggled.connect(self._begin_here)
         section.add_row("Start", self._starts)
         self._event = QLineEdit()
-        self._event.setPlaceholderText("nothing")
-        self._event.setToolTip("An event that the partner gets when this state begins; its transitions may wait for it")
+        self._event.setPlaceholderText("none")
+        self._event.setToolTip("Event sent to the partner when this state begins; its transitions may wait for it")
         self._event.editingFinished.connect(self._set_event)
         section.add_row("Send event", self._event)
         return section
 
     def _playing(self) -> Section:
-        section = Section("Plays")
+        section = Section("Clip")
         self._clip = Choice("Clip", ())
         self._clip.value_chosen.connect(self._choose_clip)
         section.add_row("Clip", self._clip)
         self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), lambda frame: self._trim(first=frame))
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), lambda frame: self._trim(last=frame))
-        section.add_row("Frames", self._first, self._last)
+        section.add_row("Frame range", self._first, self._last)
         self._speed = self.bind(
             NumberField("Speed", "×", SLOWEST_CLIP, FASTEST_CLIP, 0.05),
-            lambda speed: self._set_clip("Change speed", speed=speed),
+            lambda speed: self._set_clip("Set speed", speed=speed),
         )
         section.add_row("Speed", self._speed)
-        self._loop, self._mirrored = QCheckBox("until the state is left"), QCheckBox("left and right swapped")
+        self._loop, self._mirrored = QCheckBox("Loop clip"), QCheckBox("Mirror left/right")
         self._loop.toggled.connect(lambda on: self._set("Loop" if on else "Play once", loop=on))
         self._mirrored.toggled.connect(lambda on: self._set_clip("Mirror", mirrored=on))
         section.add_row("Loop", self._loop)
-        section.add_row("Mirrored", self._mirrored)
+        section.add_row("Mirror", self._mirrored)
         self._clip_fields = (self._first, self._last, self._speed, self._loop, self._mirrored)
         return section
 
@@ -127,7 +127,7 @@ class StateEditor(PartEditor[State]):
     def _clips(self) -> dict[object, str]:
         """Names of everything that a state can play: nothing, each whole motion, and each clip of the project."""
         project = self.document.project
-        found: dict[object, str] = {None: "Nothing: holds its pose"}
+        found: dict[object, str] = {None: "None (holds its pose)"}
         for key, motion in project.motions.items():
             if project.captures[motion.capture_id].body_map is not None:
                 found["motions", key] = motion.name
@@ -148,7 +148,7 @@ class StateEditor(PartEditor[State]):
         elif choice is not None:
             capture = project.captures[project.motions[choice[1]].capture_id]
             clip = Clip(choice[1], capture.first_frame, capture.frame_count - 1, id=new_id())
-        self._set("Choose clip", clip=clip)
+        self._set("Set clip", clip=clip)
 
     def _trim(self, **frame: float) -> None:
         [(name, number)] = frame.items()
@@ -169,7 +169,7 @@ class StateEditor(PartEditor[State]):
     def _begin_here(self, on: bool) -> None:
         name = self.entity.name
         if on:
-            self.edit(lambda old: replace(old, start=name), f"Begin in {name}")
+            self.edit(lambda old: replace(old, start=name), f"Set {name} as start state")
 
     def _rename(self) -> None:
         old, new, behaviour_id = self.entity, self._name.text().strip(), self.behaviour_id

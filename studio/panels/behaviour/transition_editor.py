@@ -24,8 +24,8 @@ class TransitionEditor(PartEditor[Transition]):
         super().__init__(document, live, collection, entity_id)
         section = Section("Transition")
         self._source, self._target = Choice("From", ()), Choice("To", ())
-        self._source.value_chosen.connect(lambda name: self._set("Change start of transition", source=name))
-        self._target.value_chosen.connect(lambda name: self._set("Change end of transition", target=name))
+        self._source.value_chosen.connect(lambda name: self._set("Set source state", source=name))
+        self._target.value_chosen.connect(lambda name: self._set("Set target state", target=name))
         section.add_row("From", self._source)
         section.add_row("To", self._target)
         self._blend = self.bind(
@@ -35,9 +35,7 @@ class TransitionEditor(PartEditor[Transition]):
         section.add_row("Blend", self._blend)
         self._order = labelled("", "value")
         self._earlier = press_button("Move up", self._try_earlier)
-        self._earlier.setToolTip(
-            "Where several transitions leave a state, the first whose conditions all hold is taken."
-        )
+        self._earlier.setToolTip("If several transitions apply, the first in this order is taken.")
         section.add_row("Order", self._order, self._earlier)
         self.column.addWidget(section)
         self._kinds: tuple[type, ...] = ()
@@ -48,7 +46,7 @@ class TransitionEditor(PartEditor[Transition]):
         row = QVBoxLayout(below)
         row.setContentsMargins(FIELD_ICON_PX, 12, FIELD_ICON_PX, 0)
         row.addWidget(press_button("Add condition", self._add))
-        row.addWidget(labelled("All conditions have to hold in the same frame.", "hint"))
+        row.addWidget(labelled("All conditions must be true in the same frame.", "hint"))
         self.column.addWidget(below)
         self.finish()
 
@@ -83,7 +81,7 @@ class TransitionEditor(PartEditor[Transition]):
             old.hide()
             old.deleteLater()
         self._conditions = [
-            ConditionSection(self, "And when" if place else "When", each, self._putter(place))
+            ConditionSection(self, "And" if place else "Condition", each, self._putter(place))
             for place, each in enumerate(conditions)
         ]
         for section in self._conditions:
@@ -107,7 +105,7 @@ class TransitionEditor(PartEditor[Transition]):
         new, place = edits.tried_earlier(self.behaviour, self.place)
         performers = [item for item in self.document.selection.items if item[0] == "performers"]
         behaviour_id = self.behaviour_id
-        if self.edit(lambda _: new, "Try transition earlier"):
+        if self.edit(lambda _: new, "Move transition up"):
             self.document.selection.set(*performers, ("transitions", transition_key(behaviour_id, place)))
 
     def _set_by(self, text: str, make: Callable[[], tuple[Condition, ...]]) -> None:

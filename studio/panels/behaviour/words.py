@@ -77,7 +77,7 @@ def condition_words(condition: Condition, project: Project) -> str:
         case EventCondition():
             return f"on {condition.event}"
         case KeyCondition():
-            return f"key {condition.key}"
+            return f"key press {condition.key}"
     return "clip ends"
 
 

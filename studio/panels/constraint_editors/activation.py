@@ -23,11 +23,11 @@ class ActivationSection(Section):
         self._end = editor.bind(self._seconds("End"), self._set_end)
         self._ease_in = editor.bind(self._seconds("Ease in"), self._set_ease_in)
         self._ease_out = editor.bind(self._seconds("Ease out"), self._set_ease_out)
-        self._shape = Segments("Shape", [(shape, shape.value) for shape in EaseShape])
+        self._shape = Segments("Interpolation", [(shape, shape.value) for shape in EaseShape])
         self._shape.value_chosen.connect(self._set_shape)
-        self.add_row("From · to  s", self._start, self._end)
-        self.add_row("Ease  s", self._ease_in, self._ease_out)
-        self.add_row("Shape", self._shape)
+        self.add_row("From / to (s)", self._start, self._end)
+        self.add_row("Ease in / out (s)", self._ease_in, self._ease_out)
+        self.add_row("Interpolation", self._shape)
 
     def _seconds(self, name: str) -> NumberField:
         step = 1.0 / self._editor.document.playhead.frame_rate
@@ -97,5 +97,5 @@ class ActivationSection(Section):
         editor = self._editor
         editor.put(
             lambda: replace(editor.entity, activation=replace(editor.entity.activation, shape=shape)),
-            f"Shape ease of {editor.entity.name}",
+            f"Set interpolation of {editor.entity.name}",
         )

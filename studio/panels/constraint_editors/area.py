@@ -39,13 +39,13 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         self._shape = Choice("Shape", SHAPE_CHOICES)
         self._shape.value_chosen.connect(self._set_shape)
         section.add_row("Shape", self._shape)
-        self._side = Segments("Point stays", [("outside", "Outside"), ("inside", "Inside"), ("on", "On it")])
+        self._side = Segments("Region", [("outside", "Outside"), ("inside", "Inside"), ("on", "Surface")])
         self._side.value_chosen.connect(self._set_side)
-        section.add_row("Stays", self._side)
-        self._whole = QCheckBox("whole limbs and trunk")
-        self._whole.setAccessibleName("Keeps arms, legs and trunk out, not the point alone")
+        section.add_row("Region", self._side)
+        self._whole = QCheckBox("Include limbs and torso")
+        self._whole.setAccessibleName("Keep the whole limbs and torso out, not only the point")
         self._whole.clicked.connect(self._set_whole)
-        section.add_row("Collides", self._whole)
+        section.add_row("Collision", self._whole)
         self._source = TargetRows(self, section, "centre")
         self._centre = VectorRow(self, section, "Centre", self._set_centre)
         self._size = VectorRow(self, section, "Size", self._set_size)
@@ -95,11 +95,11 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         self.change(f"{verb} {self.entity.name}", **values)
 
     def _set_whole(self, whole: bool) -> None:
-        self._set("Choose points of", whole=whole)
+        self._set("Set points of", whole=whole)
 
     def _set_side(self, side: str) -> None:
         outside: dict[str, object] = {} if side == "outside" else {"whole": False, "margin": 0.0}
-        self._set("Choose side of", inside=side == "inside", on_surface=side == "on", **outside)
+        self._set("Set side of", inside=side == "inside", on_surface=side == "on", **outside)
 
     def _set_margin(self, metres: float) -> None:
         self._set("Set margin of", margin=metres)
@@ -113,7 +113,7 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         size = self.entity.size
         if shape is not old and AreaShape.HALF_SPACE in (shape, old):
             size = AREA_UP if shape is AreaShape.HALF_SPACE else METRE_SIZE
-        self._set("Choose shape of", shape=shape, size=size)
+        self._set("Set shape of", shape=shape, size=size)
 
     def _set_heading(self, degrees: float) -> None:
-        self._direction.put(math.radians(degrees), f"Turn {self.entity.name}")
+        self._direction.put(math.radians(degrees), f"Rotate {self.entity.name}")

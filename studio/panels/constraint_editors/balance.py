@@ -22,18 +22,19 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
     def add_kind_rows(self, section: Section) -> None:
         """Add the rows of the target, its position, the margin of a support, and the height."""
         self._mode = Segments(
-            "Centre of mass", [(OWN_BALANCE, "Source path"), (PLACE_BALANCE, "Target"), (SUPPORT_BALANCE, "Support")]
+            "Centre of mass",
+            [(OWN_BALANCE, "Source"), (PLACE_BALANCE, "Target"), (SUPPORT_BALANCE, "Support")],
         )
         self._mode.value_chosen.connect(self._set_mode)
-        section.add_row("Centre of mass over", self._mode)
+        section.add_row("Balance over", self._mode)
         self._source = TargetRows(self, section, "place")
-        self._place = VectorRow(self, section, "Place", self._set_place)
+        self._place = VectorRow(self, section, "Position", self._set_place)
         self._margin = self.bind(NumberField("Margin", "cm", 0.0, WIDEST_MARGIN, 0.5, 1), self._set_margin)
         self._margin_caption = section.add_row("Margin", self._margin)
-        self._vertical = QCheckBox("its height too")
+        self._vertical = QCheckBox("Constrain height")
         self._vertical.setAccessibleName("Constrain the height of the centre of mass too")
         self._vertical.clicked.connect(self._set_vertical)
-        section.add_row("Holds", self._vertical)
+        section.add_row("Height", self._vertical)
 
     def refresh_moment(self) -> None:
         """Update the rows that depend on the playhead."""
@@ -56,14 +57,14 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
         """Set the target; a position begins at the active body's present centre of mass."""
         now = (mass_now(self) or (0.0, 0.0, 0.0))[:2]
         place = {OWN_BALANCE: None, PLACE_BALANCE: now, SUPPORT_BALANCE: Support()}[mode]
-        self.change(f"Choose place of {self.entity.name}", place=place)
+        self.change(f"Set position of {self.entity.name}", place=place)
 
     def _set_place(self, place: tuple[float, ...]) -> None:
         flat = isinstance(self.entity.place, tuple) and len(self.entity.place) == 2
-        self._source.put(place[:2] if flat else place, f"Move place of {self.entity.name}")
+        self._source.put(place[:2] if flat else place, f"Move position of {self.entity.name}")
 
     def _set_margin(self, centimetres: float) -> None:
         self.change(f"Set margin of {self.entity.name}", place=Support(centimetres * BALANCE_STEP))
 
     def _set_vertical(self, vertical: bool) -> None:
-        self.change(f"{'Hold' if vertical else 'Free'} height of {self.entity.name}", vertical=vertical)
+        self.change(f"{'Constrain' if vertical else 'Free'} height of {self.entity.name}", vertical=vertical)

@@ -44,7 +44,7 @@ class BodyFigure(QWidget):
 
     clicked = Signal(object)
 
-    def __init__(self, name: str = "Chain, drawn on a body: click segments to lock or free them") -> None:
+    def __init__(self, name: str = "IK chain: click body segments to lock or free them") -> None:
         super().__init__()
         self.setAccessibleName(name)
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
@@ -67,7 +67,7 @@ class BodyFigure(QWidget):
         """Tool tip of a segment, or of the whole figure."""
         if part is None:
             return "Click segments to lock or free them."
-        return f"{part.label} {'moves' if self._weights[part] > 0.0 else 'is locked'}. Click to change."
+        return f"{part.label} {'is free' if self._weights[part] > 0.0 else 'is locked'}. Click to change."
 
     def part_at(self, place: QPointF) -> BodyPart | None:
         """Segment under a point of the widget, if it can be clicked."""

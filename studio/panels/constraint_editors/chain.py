@@ -24,8 +24,8 @@ def link_words(point: BodyPart) -> dict[str, str]:
     elif bone in ("thigh", "shank", "foot", "toe"):
         names = (f"{side.capitalize()} leg", f"{side.capitalize()} foot", "Clavicle")
     else:
-        names = ("Neck, head", "End segment", "Clavicle")
-    return dict(zip(CHAIN_LINKS, (*names, "Trunk", "Pelvis, root", "Free arms", "Free leg"), strict=True))
+        names = ("Neck, head", "End effector", "Clavicle")
+    return dict(zip(CHAIN_LINKS, (*names, "Torso", "Pelvis, root", "Free arms", "Free legs"), strict=True))
 
 
 def link_parts(constraint: Constraint) -> dict[str, tuple[BodyPart, ...]]:
@@ -56,7 +56,7 @@ class ChainSection(Section):
     """Figure whose segments are locked or freed by a click, with their weights beside it."""
 
     def __init__(self, editor: Editor[Constraint]) -> None:
-        super().__init__("Chain")
+        super().__init__("IK chain")
         self._editor = editor
         self._figure = BodyFigure()
         self._figure.clicked.connect(self._toggle)

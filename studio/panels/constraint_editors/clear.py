@@ -13,20 +13,20 @@ class ClearEditor(ConstraintEditor[ClearConstraint]):
     """Form without point and chain, since whole arms are constrained and nothing else moves."""
 
     has_point = has_chain = False
-    kind_words = "keep clear"
+    kind_words = "arm self-collision"
 
     def add_kind_rows(self, section: Section) -> None:
         """Add the rows of arms, margin and the parts that may move."""
         self._arms = Segments("Arms", ARM_CHOICES)
-        self._arms.value_chosen.connect(lambda arms: self.change(f"Choose arms of {self.entity.name}", arms=arms))
+        self._arms.value_chosen.connect(lambda arms: self.change(f"Set arms of {self.entity.name}", arms=arms))
         section.add_row("Arms", self._arms)
         self._margin = self.bind(NumberField("Margin", "cm", 0.0, 50.0, 0.5, 1), self._set_margin)
-        self._margin.setToolTip("Distance kept even where the actor touches its body, as for thick clothes")
+        self._margin.setToolTip("Minimum distance, also where the actor touches its body, as for thick clothes")
         section.add_row("Margin", self._margin)
         self._gives = Segments("May move", [(True, "Wrist, elbow"), (False, "Elbow")])
         self._gives.value_chosen.connect(self._set_gives)
         section.add_row("May move", self._gives)
-        section.add_wide(labelled("Where the actor touches its own body, this body touches itself too.", "hint"))
+        section.add_wide(labelled("Self-contacts of the actor are kept.", "hint"))
 
     def refresh(self) -> None:
         """Update all fields from the document."""
@@ -38,8 +38,8 @@ class ClearEditor(ConstraintEditor[ClearConstraint]):
         self._gives.show_value(self.entity.chain.limb > 0.0)
 
     def _set_margin(self, centimetres: float) -> None:
-        self.change(f"Change margin of {self.entity.name}", margin=centimetres * CENTIMETRE)
+        self.change(f"Set margin of {self.entity.name}", margin=centimetres * CENTIMETRE)
 
     def _set_gives(self, wrist: bool) -> None:
         chain = replace(self.entity.chain, limb=float(wrist))
-        self.change(f"Choose movable parts for {self.entity.name}", chain=chain)
+        self.change(f"Set movable parts for {self.entity.name}", chain=chain)

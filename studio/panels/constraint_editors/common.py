@@ -65,7 +65,7 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
 
     def _add_names(self) -> None:
         self._enabled = QCheckBox("on")
-        self._enabled.setAccessibleName("Constraint is on")
+        self._enabled.setAccessibleName("Constraint enabled")
         self._enabled.toggled.connect(self._set_enabled)
         self._section.head.addWidget(self._enabled)
         self._name = EntityNameField(self)
@@ -73,7 +73,7 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
 
     def _add_point(self) -> None:
         self._point = Choice("Point", point_choices())
-        self._point.setToolTip("The point of the body. You can also click a joint in the 3D view and press C.")
+        self._point.setToolTip("Constrained point. You can also click a joint in the 3D view and press C.")
         self._point.value_chosen.connect(self._set_point)
         caption = self._section.add_row("Point", self._point)
         self._offset = [
@@ -129,14 +129,14 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
         self._point.show_value((point.part, point.at_end))
 
     def _ask(self, scope: Scope) -> None:
-        self.change(f"Change scope of {self.entity.name}", scope=scope)
+        self.change(f"Set scope of {self.entity.name}", scope=scope)
 
     def _set_enabled(self, enabled: bool) -> None:
         self.change(f"Turn {'on' if enabled else 'off'} {self.entity.name}", enabled=enabled)
 
     def _set_point(self, choice: tuple[BodyPart, bool]) -> None:
         point = BodyPoint(choice[0], at_end=choice[1])
-        self.change(f"Choose point of {self.entity.name}", point=point)
+        self.change(f"Set point of {self.entity.name}", point=point)
 
     def _set_offset(self, axis: int, centimetres: float) -> None:
         point = self.entity.point

@@ -25,4 +25,4 @@ class ConeRow:
         self._field.show_value(math.degrees(self._editor.entity.cone))
 
     def _set(self, degrees: float) -> None:
-        self._editor.change(f"Change max. angle of {self._editor.entity.name}", cone=math.radians(degrees))
+        self._editor.change(f"Set max. angle of {self._editor.entity.name}", cone=math.radians(degrees))

@@ -21,11 +21,11 @@ class DistanceEditor(ConstraintEditor[DistanceConstraint]):
         self._distance = self.bind(NumberField("Distance", "m", 0.0, VECTOR_LIMIT, 0.005, 3), self._set_distance)
         self._length = NumberRows(self, section, "distance")
         section.add_row("Distance", self._distance, self._length.keyed)
-        self._other = Choice("Distance from", [(OUTSIDE, "A place outside"), *point_choices()])
+        self._other = Choice("Distance from", [(OUTSIDE, "Fixed position"), *point_choices()])
         self._other.value_chosen.connect(self._set_other)
         section.add_row("From", self._other)
         self._source = TargetRows(self, section, "other")
-        self._place = VectorRow(self, section, "Place", self._set_place)
+        self._place = VectorRow(self, section, "Position", self._set_place)
 
     def refresh_moment(self) -> None:
         """Update the rows that depend on the playhead."""
@@ -46,10 +46,10 @@ class DistanceEditor(ConstraintEditor[DistanceConstraint]):
                 self._place.show_values(now)
 
     def _set_distance(self, metres: float) -> None:
-        self._length.put(metres, f"Change distance of {self.entity.name}")
+        self._length.put(metres, f"Set distance of {self.entity.name}")
 
     def _set_place(self, place: tuple[float, ...]) -> None:
-        self._source.put(place, f"Move place of {self.entity.name}")
+        self._source.put(place, f"Move position of {self.entity.name}")
 
     def _set_other(self, choice: tuple[BodyPart, bool] | None) -> None:
         """Set the other end; a fixed position begins at the former one."""
@@ -59,4 +59,4 @@ class DistanceEditor(ConstraintEditor[DistanceConstraint]):
         elif isinstance(self.entity.other, BodyPoint):
             other = place_now(self, self.entity.other) or (0.0, 0.0, 1.0)
         if other is not None:
-            self.change(f"Choose other end of {self.entity.name}", other=other)
+            self.change(f"Set second point of {self.entity.name}", other=other)

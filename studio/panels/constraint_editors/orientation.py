@@ -14,7 +14,10 @@ class OrientationEditor(ConstraintEditor[OrientationConstraint]):
         """Add the rows of the target and of its three current angles."""
         self._source = TargetRows(self, section, "target", turns=True)
         self._angles = RotationRow(
-            self, section, "the motion", lambda target: self._source.put(target, f"Turn target of {self.entity.name}")
+            self,
+            section,
+            "motion space",
+            lambda target: self._source.put(target, f"Rotate target of {self.entity.name}"),
         )
 
     def refresh_moment(self) -> None:

@@ -20,14 +20,14 @@ class ParallelEditor(ConstraintEditor[ParallelConstraint]):
         self._other = Choice("Parallel to", [(part, part.label.capitalize()) for part in BodyPart])
         self._other.value_chosen.connect(self._set_other)
         section.add_row("Parallel to", self._other)
-        self._cone = ConeRow(self, section, "Largest angle between both axes: 0 holds them parallel")
+        self._cone = ConeRow(self, section, "Maximum angle between the axes; 0 keeps them parallel")
         self._axis = VectorRow(self, section, "Axis", self._set_axis, unit="")
         self._other_axis = VectorRow(self, section, "Other axis", self._set_other_axis, unit="")
-        self._take = QPushButton("Take axis from pose")
-        self._take.setToolTip("The other axis becomes what points along the axis at the playhead")
+        self._take = QPushButton("Set axis from pose")
+        self._take.setToolTip("Set the other axis so that it is parallel at the playhead")
         self._take.clicked.connect(self._take_axis)
         section.add_wide(self._take)
-        section.add_wide(labelled("Each axis is in the axes of its own segment.", "hint"))
+        section.add_wide(labelled("Axes are local to their segments.", "hint"))
 
     def refresh(self) -> None:
         """Update all fields from the document."""
@@ -39,18 +39,18 @@ class ParallelEditor(ConstraintEditor[ParallelConstraint]):
             self._other_axis.show_values(self.entity.other_axis)
 
     def _set_other(self, part: BodyPart) -> None:
-        self.change(f"Choose other segment of {self.entity.name}", other=BodyPoint(part))
+        self.change(f"Set other segment of {self.entity.name}", other=BodyPoint(part))
 
     def _set_axis(self, axis: tuple[float, ...]) -> None:
         if any(axis):
-            self.change(f"Change axis of {self.entity.name}", axis=axis)
+            self.change(f"Set axis of {self.entity.name}", axis=axis)
 
     def _set_other_axis(self, axis: tuple[float, ...]) -> None:
         if any(axis):
-            self.change(f"Change other axis of {self.entity.name}", other_axis=axis)
+            self.change(f"Set other axis of {self.entity.name}", other_axis=axis)
 
     def _take_axis(self) -> None:
         turn, other = (turn_now(self, point.part) for point in (self.entity.point, self.entity.other))
         if turn is not None and other is not None:
             axis = tuple((other.T @ turn @ self.entity.axis).tolist())
-            self.change(f"Take other axis of {self.entity.name} from its pose", other_axis=axis)
+            self.change(f"Set other axis of {self.entity.name} from pose", other_axis=axis)

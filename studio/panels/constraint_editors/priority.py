@@ -41,7 +41,7 @@ class PrioritySection(Section):
         self._list = OrderList()
         self._list.setObjectName("priority")
         self._list.setAccessibleName("Priority: highest first")
-        self._list.setToolTip("Drag to reorder, or Alt+Up and Alt+Down. A higher one is kept before a lower one.")
+        self._list.setToolTip("Drag, or press Alt+Up or Alt+Down, to reorder. Higher priorities are solved first.")
         self._list.setDragDropMode(QAbstractItemView.DragDropMode.InternalMove)
         self._list.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self._list.setUniformItemSizes(True)
@@ -49,10 +49,10 @@ class PrioritySection(Section):
         self.add_wide(self._list)
         self._tied = QCheckBox("Same priority as above")
         self._tied.setObjectName("tie")
-        self._tied.setToolTip("Equal priorities: if both cannot be met, they share by weight.")
+        self._tied.setToolTip("Same priority: if both cannot be met, the error is shared by weight.")
         self._tied.toggled.connect(self._tie)
         self.add_wide(self._tied)
-        self._weight = editor.bind(NumberField("Weight among equals", "", 0.1, 10.0, 0.1, 2), self._set_weight)
+        self._weight = editor.bind(NumberField("Weight (same priority)", "", 0.1, 10.0, 0.1, 2), self._set_weight)
         self._weight_name = self.add_row("Weight", self._weight)
 
     def refresh(self) -> None:

@@ -47,10 +47,10 @@ _NUMBERS = (
     _Number("radius", "Radius", "m", 0.0, 100.0, 0.01, 3),
     _Number("tilt", "Tilt", "°", -360.0, 360.0, 1.0, 1, _DEGREE),
     _Number("length", "Length", "m", 0.0, 100.0, 0.01, 3),
-    _Number("angle", "Swing", "°", 0.0, 180.0, 1.0, 1, _DEGREE),
+    _Number("angle", "Swing angle", "°", 0.0, 180.0, 1.0, 1, _DEGREE),
     _Number("heading", "Direction", "°", -360.0, 360.0, 1.0, 1, _DEGREE),
     _Number("seconds", "Period", "s", 0.05, 600.0, 0.05),
-    _Number("since", "Begins at", "s", -600.0, 600.0, 0.05),
+    _Number("since", "Start time", "s", -600.0, 600.0, 0.05),
     _Number("seed", "Seed", "", 0, 2**32 - 1, 1, 0),
 )
 
@@ -64,7 +64,7 @@ class ProceduralRows:
         for number in _NUMBERS:
             box = editor.bind(number.field(), partial(self._put_number, number))
             self._rows.append((number, box, section.add_row(number.label, box)))
-        self._reach = VectorRow(editor, section, "Reach", lambda reach: self._put("Reach", reach=reach))
+        self._reach = VectorRow(editor, section, "Amplitude", lambda reach: self._put("Amplitude", reach=reach))
         self._reach.set_least(0.0)
 
     @property
@@ -94,4 +94,4 @@ class ProceduralRows:
         place = self._place
         assert isinstance(place, ProceduralPlace)
         place = with_fields(place, **values)
-        self._editor.change(f"{label} of the way of {self._editor.entity.name}", **{self._field: place})
+        self._editor.change(f"Set {label.lower()} of the path of {self._editor.entity.name}", **{self._field: place})

@@ -12,9 +12,9 @@ class RailEditor(ConstraintEditor[RailConstraint]):
 
     def add_kind_rows(self, section: Section) -> None:
         """Add the rows of shape, centre, direction and length."""
-        self._shape = Segments("Point slides on", [(RailShape.LINE, "Line"), (RailShape.PLANE, "Plane")])
-        self._shape.value_chosen.connect(lambda shape: self._set("Choose shape of", shape=shape))
-        section.add_row("Slides on", self._shape)
+        self._shape = Segments("Slide along", [(RailShape.LINE, "Line"), (RailShape.PLANE, "Plane")])
+        self._shape.value_chosen.connect(lambda shape: self._set("Set shape of", shape=shape))
+        section.add_row("Slide along", self._shape)
         self._source = TargetRows(self, section, "centre")
         self._centre = VectorRow(
             self, section, "Centre", lambda place: self._source.put(place, f"Move {self.entity.name}")
@@ -48,7 +48,7 @@ class RailEditor(ConstraintEditor[RailConstraint]):
 
     def _set_direction(self, direction: tuple[float, ...]) -> None:
         if any(direction):
-            self._set("Change direction of", direction=direction)
+            self._set("Set direction of", direction=direction)
 
     def _set_length(self, length: float) -> None:
-        self._set("Change length of", length=length)
+        self._set("Set length of", length=length)

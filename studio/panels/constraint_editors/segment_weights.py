@@ -46,17 +46,17 @@ class SegmentWeights(QWidget):
         grid.setVerticalSpacing(2)
         grid.setColumnStretch(0, 1)
         for place, part in enumerate(SINGLE):
-            field = self._editor.bind(weight_field(f"Own weight of {part.label}"), partial(self.put, part))
+            field = self._editor.bind(weight_field(f"Weight override of {part.label}"), partial(self.put, part))
             remove = press_button("−", partial(self._remove, part))
-            remove.setAccessibleName(f"Remove own weight of {part.label}")
-            remove.setToolTip("Use the weight of its group again.")
+            remove.setAccessibleName(f"Remove weight override of {part.label}")
+            remove.setToolTip("Reset to group weight")
             remove.setFixedWidth(30)
             self._rows[part] = labelled(part.label, "second"), field, remove
             for column, widget in enumerate(self._rows[part]):
                 grid.addWidget(widget, place, column)
-        self._add = Choice("Segment to weigh", ())
+        self._add = Choice("Segment", ())
         self._add.setPlaceholderText("Add segment weight…")
-        self._add.setToolTip("Give one segment a weight of its own. The abdomen is all of the spine below the thorax.")
+        self._add.setToolTip("Override the weight of one segment. The abdomen is the spine below the chest.")
         self._add.value_chosen.connect(self._give)
         grid.addWidget(self._add, len(SINGLE), 0, 1, 3)
 
@@ -83,13 +83,13 @@ class SegmentWeights(QWidget):
         balances = self._editor.entity.kind == "balance" and part in BONES
         self._change(
             lambda chain: (*chain.segments, (part, chain.recruited(part) if balances else chain.weight(part))),
-            f"Give {part.label.lower()} its own weight",
+            f"Override weight of {part.label.lower()}",
         )
 
     def _remove(self, part: BodyPart) -> None:
         self._change(
             lambda chain: (pair for pair in chain.segments if pair[0] != part),
-            f"Remove own weight of {part.label.lower()}",
+            f"Remove weight override of {part.label.lower()}",
         )
 
     def _change(self, segments: Callable[[Chain], Iterable[tuple[BodyPart, float]]], text: str) -> None:

@@ -30,7 +30,7 @@ OWN_KIND = OwnPlace.kind
 PLACE_KINDS = (
     (OWN_KIND, "Per character"),
     (FIXED_KIND, "Shared"),
-    (KEYED_KIND, "Keyed over time"),
+    (KEYED_KIND, "Animated"),
     *RULES,
     (FollowBody.kind, "Follow own body"),
     (FollowPerformer.kind, "Follow character"),
@@ -58,32 +58,30 @@ class TargetRows:
 
     def __init__(self, editor: Editor[Constraint], section: Section, field: str, turns: bool = False) -> None:
         self._editor, self._field, self._turns = editor, field, turns
-        self._kind = Choice("Target is", [kind for kind in PLACE_KINDS if not turns or kind not in ONLY_PLACES])
+        self._kind = Choice("Target type", [kind for kind in PLACE_KINDS if not turns or kind not in ONLY_PLACES])
         self._kind.value_chosen.connect(self._choose)
-        self._kind_caption = section.add_row("Target is", self._kind)
+        self._kind_caption = section.add_row("Target type", self._kind)
         self._thing = Choice("Follows", ())
         self._thing.value_chosen.connect(self._choose_thing)
         self._thing_caption = section.add_row("Follows", self._thing)
-        self._point = Choice("Point followed", [(point, name.capitalize()) for point, name in POINT_NAMES.items()])
+        self._point = Choice("Followed point", [(point, name.capitalize()) for point, name in POINT_NAMES.items()])
         self._point.value_chosen.connect(self._choose_point)
-        self._point_caption = section.add_row("Point followed", self._point)
-        self._spot = Choice("Place on the prop", SPOTS)
-        self._spot.setToolTip("Where on the prop, whatever its size; the offset counts from there.")
+        self._point_caption = section.add_row("Followed point", self._point)
+        self._spot = Choice("Position on the prop", SPOTS)
+        self._spot.setToolTip("Attachment point on the prop, at any size; the offset is relative to it.")
         self._spot.value_chosen.connect(self._choose_spot)
         self._spot_caption = section.add_row("Attach at", self._spot)
         self._awaits = QCheckBox("Anticipate target")
-        self._awaits.setToolTip(
-            "As the constraint begins, the point goes to meet what it follows instead of chasing it."
-        )
+        self._awaits.setToolTip("The point moves to intercept the target instead of chasing it.")
         self._awaits.clicked.connect(lambda on: self._change(replace(self.target, awaits=on), "Anticipate target"))
         self._awaits_caption = section.add_row("Anticipation", self._awaits)
-        self._each = QCheckBox("Per character")
-        self._each.setAccessibleName("Counts per character")
-        self._each.setToolTip("Counts from where each character itself has it, instead of being one position for all.")
+        self._each = QCheckBox("Each character")
+        self._each.setAccessibleName("Relative to each character")
+        self._each.setToolTip("Relative to the position on each character, instead of one position for all.")
         self._each.clicked.connect(self._set_each)
-        self._each_caption = section.add_row("Counts", self._each)
+        self._each_caption = section.add_row("Relative to", self._each)
         self._apart = QCheckBox()
-        self._apart.setToolTip("Its handle then moves for this character alone.")
+        self._apart.setToolTip("The handle then moves the target of this character only.")
         self._apart.clicked.connect(self._set_apart)
         self._apart_caption = section.add_row("Offset", self._apart)
         self._rule = ProceduralRows(editor, section, field)
@@ -158,14 +156,14 @@ class TargetRows:
         for widget in (self._apart, self._apart_caption):
             widget.setVisible(shown)
         if own is not None and performer is not None:
-            self._apart.setText(literal(f"{short(performer.name, self._apart)} has its own"))
-            self._apart.setAccessibleName(f"{performer.name} has an offset of its own")
+            self._apart.setText(literal(f"Unique for {short(performer.name, self._apart)}"))
+            self._apart.setAccessibleName(f"Offset unique for {performer.name}")
             self._apart.setChecked(document.active_performer_id in dict(own.own))
 
     def _set_apart(self, apart: bool) -> None:
         editor, performer_id = self._editor, self._editor.document.active_performer_id or ""
         name = editor.document.project.performers[performer_id].name
-        text = f"{'Own' if apart else 'Common'} offset for {name}"
+        text = f"{'Unique' if apart else 'Shared'} offset for {name}"
         own = own_place_of(self.target)
         if own is not None:
             self._change(with_own_place(self.target, own.with_own(performer_id, (0.0,) * 3 if apart else None)), text)
@@ -260,13 +258,13 @@ class TargetRows:
     def _known_now(self) -> Any:
         now = self.now()
         if now is None:
-            raise ValueError("The present target is not known yet. Wait until the body is adapted.")
+            raise ValueError("The target is not solved yet. Wait until the character is adapted.")
         return now
 
     def _known_moment(self) -> TargetContext:
         moment = moment_now(self._editor)
         if moment is None:
-            raise ValueError("No body plays anything yet, so there is no time for a key.")
+            raise ValueError("No character has a clip yet, so there is no time for a key.")
         return moment
 
     def _own_place(self, now: tuple[float, ...]) -> OwnPlace:
@@ -285,7 +283,7 @@ class TargetRows:
             point, seconds = target.point, moment.pose.seconds
         own = moment.own_place(point, _full(now), seconds)
         if own is None:
-            raise ValueError("Its position on each body is not known yet. Wait until the bodies are adapted.")
+            raise ValueError("Its position on each character is not known yet. Wait until the characters are adapted.")
         return own
 
     def _attached(self, follow: FollowProp, now: Any, moment: TargetContext | None) -> Place | Turn:
@@ -299,13 +297,13 @@ class TargetRows:
 
     def _choose_thing(self, thing: str) -> None:
         name = next(name for name in _THINGS if hasattr(self.target, name))
-        self._change(with_fields(self.target, **{name: thing}), "Choose what it follows")
+        self._change(with_fields(self.target, **{name: thing}), "Set follow target")
 
     def _choose_point(self, choice: tuple[BodyPart, bool]) -> None:
-        self._change(replace(self.target, point=BodyPoint(choice[0], at_end=choice[1])), "Choose point that it follows")
+        self._change(replace(self.target, point=BodyPoint(choice[0], at_end=choice[1])), "Set followed point")
 
     def _choose_spot(self, share: tuple[float, float, float]) -> None:
-        self._change(replace(self.target, share=share, offset=(0.0, 0.0, 0.0)), "Choose place on the prop")
+        self._change(replace(self.target, share=share, offset=(0.0, 0.0, 0.0)), "Set position on the prop")
 
     def _change(self, target: Place | Turn, text: str) -> None:
         self._editor.change(f"{text}: {self._editor.entity.name}", **{self._field: target})
@@ -324,7 +322,7 @@ class KeyRow:
             press_button("+", self._set),
             press_button("−", self._delete),
         ]
-        for button, name in zip(self._buttons, ("Key before", "Next key", "Set key", "Delete key"), strict=True):
+        for button, name in zip(self._buttons, ("Previous key", "Next key", "Set key", "Delete key"), strict=True):
             button.setAccessibleName(name)
             button.setToolTip(f"{name} at the playhead" if name in ("Set key", "Delete key") else name)
             button.setFixedWidth(SIGN_BUTTON_PX)
@@ -393,7 +391,7 @@ class NumberRows:
     def __init__(self, editor: Editor[NamedEntity], section: Section, field: str) -> None:
         self._editor, self._field = editor, field
         self.keyed = QCheckBox("keyed")
-        self.keyed.setAccessibleName(f"{field.capitalize()} is keyed over time")
+        self.keyed.setAccessibleName(f"{field.capitalize()} is animated")
         self.keyed.clicked.connect(self._toggle)
         self._keys = KeyRow(editor, section, field)
 
@@ -418,7 +416,7 @@ class NumberRows:
 
     def _toggle(self, keyed: bool) -> None:
         value = KeyedNumber((self._keys._seconds(),), (self.now,)) if keyed else self.now
-        text = f"{'Key' if keyed else 'Fix'} {self._field} of {self._editor.entity.name}"
+        text = f"{'Key' if keyed else 'Remove keys of the'} {self._field} of {self._editor.entity.name}"
         self._editor.change(text, **{self._field: value})
 
 

@@ -15,14 +15,14 @@ class UprightEditor(ConstraintEditor[UprightConstraint]):
 
     def add_kind_rows(self, section: Section) -> None:
         """Add the rows of cone, direction and axis, and a button that takes the axis from the pose at the playhead."""
-        self._cone = ConeRow(self, section, "How far the axis may lean away from its direction: 0 holds it exactly")
+        self._cone = ConeRow(self, section, "Maximum tilt from the direction; 0 keeps it exact")
         self._direction = VectorRow(self, section, "Direction", self._set_direction, unit="")
         self._axis = VectorRow(self, section, "Axis", self._set_axis, unit="")
-        self._take = QPushButton("Take axis from pose")
-        self._take.setToolTip("The axis becomes what points along the direction at the playhead")
+        self._take = QPushButton("Set axis from pose")
+        self._take.setToolTip("Set the axis to the one that points along the direction at the playhead")
         self._take.clicked.connect(self._take_axis)
         section.add_wide(self._take)
-        section.add_wide(labelled("Direction in the motion's space, axis in the segment's.", "hint"))
+        section.add_wide(labelled("Direction in motion space, axis local to the segment.", "hint"))
 
     def refresh(self) -> None:
         """Update all fields from the document."""
@@ -34,14 +34,14 @@ class UprightEditor(ConstraintEditor[UprightConstraint]):
 
     def _set_direction(self, direction: tuple[float, ...]) -> None:
         if any(direction):
-            self.change(f"Change direction of {self.entity.name}", direction=direction)
+            self.change(f"Set direction of {self.entity.name}", direction=direction)
 
     def _set_axis(self, axis: tuple[float, ...]) -> None:
         if any(axis):
-            self.change(f"Change axis of {self.entity.name}", axis=axis)
+            self.change(f"Set axis of {self.entity.name}", axis=axis)
 
     def _take_axis(self) -> None:
         turn = turn_now(self, self.entity.point.part)
         if turn is not None:
             axis = tuple((turn.T @ self.entity.direction).tolist())
-            self.change(f"Take axis of {self.entity.name} from its pose", axis=axis)
+            self.change(f"Set axis of {self.entity.name} from pose", axis=axis)

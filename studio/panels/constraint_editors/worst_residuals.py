@@ -153,7 +153,7 @@ class ResidualSection(Section):
         super().__init__("Residuals")
         self._editor = editor
         self._table = ResidualTable()
-        self._table.setAccessibleName("Residual on each body")
+        self._table.setAccessibleName("Residual on each character")
         self.add_wide(self._table)
         editor.live.reported_changed.connect(self._reported_changed)
 

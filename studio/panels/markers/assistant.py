@@ -55,12 +55,12 @@ class MarkerAssistant(QWidget):
     def _make_maps(self) -> Section:
         section = Section("Map")
         self._maps = Choice("Map", [])
-        self._maps.setPlaceholderText("Take another map")
+        self._maps.setPlaceholderText("Load another map…")
         self._maps.value_chosen.connect(self._take_map)
         self.name = QLineEdit(self.marker_map.name)
         self.name.setAccessibleName("Name of the map")
         self._save = press_button("Save map", self.save)
-        self._save.setToolTip("Save it for every file with these markers")
+        self._save.setToolTip("Save it as default for files with these markers")
         subjects = sorted({subject_of(label) for label in self._trial.markers} - {""})
         self._subjects = Choice("Subject", [("", "All markers"), *((name, name) for name in subjects)])
         self._subjects.show_value(self.subject)
@@ -73,10 +73,10 @@ class MarkerAssistant(QWidget):
         return section
 
     def _make_place(self) -> Section:
-        section = Section("Place")
+        section = Section("Position")
         self._place, self._hint = labelled("", "title"), labelled("", "hint")
         self._clear = press_button("Clear", self.clear_role, "link")
-        self._clear.setToolTip("No marker lies here")
+        self._clear.setToolTip("Unassign the marker")
         section.head.addWidget(self._clear)
         section.add_wide(self._place)
         section.add_wide(self._hint)
@@ -87,10 +87,10 @@ class MarkerAssistant(QWidget):
         column = QVBoxLayout(box)
         column.setContentsMargins(FIELD_ICON_PX, 8, FIELD_ICON_PX, 0)
         self.list = QTreeWidget()
-        self.list.setHeaderLabels(["Marker", "Place", "Seen"])
+        self.list.setHeaderLabels(["Marker", "Position", "Visible"])
         self.list.setRootIsDecorated(False)
         self.list.setUniformRowHeights(True)
-        self.list.setAccessibleName("Markers of the trial; activate one to put it on the chosen place")
+        self.list.setAccessibleName("Markers of the trial; activate one to assign it to the selected position")
         self.list.itemClicked.connect(lambda item, _: self.put_marker(item.text(0)))
         column.addWidget(self.list)
         return box
@@ -101,12 +101,12 @@ class MarkerAssistant(QWidget):
         there = self.marker_map.among(self._labels())
         parts = [word for word, has in (("legs", there.has_legs()), ("arms", there.has_arms())) if has]
         if len(parts) == 2:
-            return "Legs and arms can be tracked."
+            return "Legs and arms can be solved."
         if parts:
             other = "arms" if parts == ["legs"] else "legs"
-            return f"The {parts[0]} can be tracked; the {other} stay in a rest pose."
+            return f"The {parts[0]} can be solved; the {other} stay in rest pose."
         lacking, more = there.lacking()[:4], len(there.lacking()) > 4
-        return f"No body can be tracked yet. Still missing: {', '.join(lacking)}{' and others' if more else ''}."
+        return f"The skeleton cannot be solved yet. Still missing: {', '.join(lacking)}{' and others' if more else ''}."
 
     def choose_role(self, role: str) -> None:
         """Choose a position: show its markers, and assign the next clicked one to it."""
@@ -136,7 +136,7 @@ class MarkerAssistant(QWidget):
         self.marker_map = MarkerMap(name, self.marker_map.markers, self.marker_map.centres)
         path = save_map(self.marker_map)
         self._fill_maps()
-        self._hint.setText(f"Saved as {path.name}: every file with these markers will be read by it.")
+        self._hint.setText(f"Saved as {path.name}; it is used for every file with these markers.")
 
     def _set(self, marker_map: MarkerMap) -> None:
         self.marker_map = marker_map
@@ -164,7 +164,7 @@ class MarkerAssistant(QWidget):
 
     def _fill_maps(self) -> None:
         self._maps.clear_all()
-        self._maps.add("propose", "What fits best")
+        self._maps.add("propose", "Best match")
         for known in known_maps():
             self._maps.add(known, known.name)
         self._maps.setCurrentIndex(-1)

@@ -10,7 +10,7 @@ from studio.core.markers.cleaning import FillLongGaps, FillShortGaps, LowPass, S
 from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled, press_button
 
 OFFERED: tuple[tuple[Callable[[], Step], str], ...] = (
-    (UndoSwaps, "Undo swaps"),
+    (UndoSwaps, "Fix marker swaps"),
     (FillShortGaps, "Fill short gaps"),
     (FillLongGaps, "Fill long gaps"),
     (LowPass, "Smooth"),
@@ -66,20 +66,22 @@ class StepList(QWidget):
         for place, step in enumerate(self.steps):
             self._rows.addWidget(self._make_row(place, step))
         if not self.steps:
-            note = labelled("The points are used as they were recorded.", "hint")
+            note = labelled("No filtering: recorded data is used.", "hint")
             note.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)
             self._rows.addWidget(note)
 
     def _make_row(self, place: int, step: Step) -> Section:
         section = Section(f"{place + 1}  {step.title}")
-        for text, to in (("Earlier", place - 1), ("Later", place + 1)):
+        for text, to in (("Move up", place - 1), ("Move down", place + 1)):
             if 0 <= to < len(self.steps):
                 section.head.addWidget(press_button(text, partial(self._move, place, to), "link"))
         section.head.addWidget(press_button("Remove", partial(self._remove, place), "link"))
         match step:
             case FillShortGaps():
                 field = NumberField("Longest gap", "s", 0.01, 5.0, 0.01)
-                self._number(section, place, "Up to", field, step.longest, lambda value: FillShortGaps(longest=value))
+                self._number(
+                    section, place, "Max. gap", field, step.longest, lambda value: FillShortGaps(longest=value)
+                )
             case LowPass():
                 field = NumberField("Cut-off", "Hz", 0.5, 500.0, 0.5, 1)
                 self._number(section, place, "Cut-off", field, step.cutoff, lambda value: LowPass(cutoff=value))

@@ -32,7 +32,7 @@ class MarkerCloud(QWidget):
 
     def __init__(self, trial: Trial, up_axis: str) -> None:
         super().__init__()
-        self.setAccessibleName("Markers as they were recorded, at the playhead")
+        self.setAccessibleName("Recorded markers at the playhead")
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
         self.setMouseTracking(True)
         self._trial, self._turn = trial, turn_to_world(up_axis).T
@@ -141,7 +141,7 @@ class MarkerCloud(QWidget):
                     painter.drawEllipse(dots[label], CLOUD_DOT_PX + 4, CLOUD_DOT_PX + 4)
                     painter.drawText(dots[label] + QPointF(CLOUD_DOT_PX + 8, 4), label)
             painter.setPen(QColor(colours.TEXT_THIRD))
-            words = "As recorded. Drag to turn." if dots else "No marker is seen in this frame."
+            words = "Recorded markers. Drag to orbit." if dots else "No marker is visible in this frame."
             painter.drawText(QPointF(8, self.height() - 8), words)
 
     def _at(self, frame: int) -> FloatArray:

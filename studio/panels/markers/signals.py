@@ -37,7 +37,7 @@ class SignalPlot(QWidget):
         self.list = QTreeWidget()
         self.list.setHeaderHidden(True)
         self.list.setFixedWidth(LIST_WIDTH)
-        self.list.setAccessibleName("Signals of the trial; select those to plot")
+        self.list.setAccessibleName("Analog channels of the trial; select to plot")
         row.addWidget(self.list)
         column = QVBoxLayout()
         row.addLayout(column, 1)
@@ -131,9 +131,7 @@ class SignalPlot(QWidget):
             for column, (label, unit) in enumerate(zip(trial.analog.labels, trial.analog.units, strict=True)):
                 samples = trial.analog.samples[:, column]
                 self._add(analog, label, partial(_one, label, times, samples), unit)
-            points = self._group(
-                "Computed by a model", any(kind not in (MARKER_KIND, VIRTUAL_KIND) for kind in trial.kinds)
-            )
+            points = self._group("Model outputs", any(kind not in (MARKER_KIND, VIRTUAL_KIND) for kind in trial.kinds))
             frames = np.arange(trial.frame_count) / trial.frame_rate
             for column, (label, kind) in enumerate(zip(trial.labels, trial.kinds, strict=True)):
                 track = trial.points[:, column]
@@ -179,5 +177,5 @@ def _axes(name: str, times: FloatArray, values: FloatArray) -> Curves:
 
 def _events_words(trial: Trial) -> str:
     if not (trial.analog.labels or trial.events):
-        return "This trial has neither signals nor events."
-    return f"{len(trial.events)} events. Wheel to zoom in time, drag to move, click to go there."
+        return "This trial has no analog signals or events."
+    return f"{len(trial.events)} events. Wheel zooms, drag pans, click sets the time."

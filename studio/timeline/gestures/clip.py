@@ -89,7 +89,7 @@ class MoveClips(ClipGesture):
 
     def __init__(self, shown: RowContext, clip_id: str, press: QPointF) -> None:
         super().__init__(shown, clip_id, press)
-        self.text = f"Move {self.words} in time"
+        self.text = f"Shift {self.words}"
 
     def drag(self, position: QPointF, free: bool) -> None:
         """Move all by as much as the grabbed one."""
@@ -147,7 +147,7 @@ class StretchClip(ClipGesture):
     def __init__(self, shown: RowContext, clip_id: str, part: ItemPart, press: QPointF) -> None:
         self.part = part
         super().__init__(shown, clip_id, press)
-        self.text = f"Change speed of {name_of(shown.project, self.original)}"
+        self.text = f"Set speed of {name_of(shown.project, self.original)}"
 
     def _dragged(self, shown: RowContext, clip_id: str) -> Sequence[str]:
         rows = (performer.clips for performer in players_of(shown.project, clip_id).values())
@@ -178,9 +178,9 @@ class StretchClip(ClipGesture):
             return (replace(clip, speed=speed, start=clip.start + (shift if first else 0.0)),)
 
         self.put_each(edit)
-        words = f"{length / max(length + change, SHORTEST_STRETCH):.3g} × what it was"
+        words = f"{length / max(length + change, SHORTEST_STRETCH):.3g} × former speed"
         if not isinstance(speed, KeyedNumber):
-            words = f"{speed:.3g} × as fast"
+            words = f"Speed × {speed:.3g}"
         self.mark = DragHint(grabbed + shift, f"{words}  {length + change:.3f} s", caught.caught)
 
 

@@ -18,7 +18,7 @@ class DragHold(EditGesture[Prop]):
         super().__init__(shown, entity_id, press)
         self.part = part
         self._hold = hold_under(shown, self.original, press.x()) or self.original.holds[0]
-        verb = {ItemPart.FIRST: "Pick up", ItemPart.LAST: "Put down"}.get(part, "Hold")
+        verb = {ItemPart.FIRST: "Pick up", ItemPart.LAST: "Put down"}.get(part, "Carry")
         self.text = f"{verb} {self.original.name} at another time"
 
     def update(self, position: QPointF, free: bool) -> None:

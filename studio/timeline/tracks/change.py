@@ -34,13 +34,13 @@ class TakeOver:
         at = f"{clip.start + self.after:.3f} s"
         if self.cut:
             return (
-                f"The body jumps at {at}: the clip begins more than {FOOT_STEP_LIMIT:g} leg lengths away, farther than"
-                " a step. Choose Follow previous clip, or move it nearer"
+                f"Pop at {at}: the clip starts more than {FOOT_STEP_LIMIT:g} leg lengths away, farther than a step."
+                " Choose Match previous clip, or move it nearer"
             )
         if self.fades:
-            return f"Cross-fades from {at} on, because hands, knees or the seat carry the body in this row or a layer"
-        alike = ", where both are most alike" if self.overlaps else ""
-        return f"Takes over at {at}{alike}: the body continues from its pose, standing feet stay until they are lifted"
+            return f"Cross-fades from {at}, because hands, knees or seat are in ground contact on this track or a layer"
+        alike = ", at the best matching frame" if self.overlaps else ""
+        return f"Transition at {at}{alike}: continues from the current pose; planted feet stay until they are lifted"
 
 
 def take_over(shown: RowContext, performer_id: str, clip: Clip) -> TakeOver | None:

@@ -41,8 +41,8 @@ def clip_text(shown: RowContext, clip: Clip) -> str:
     if isinstance(clip.speed, KeyedNumber):
         words.append("keyed speed")
     elif clip.speed != 1.0:
-        words.append(f"{clip.speed:g} × as fast")
-    words += [f"{clip.repeats} times"] if clip.repeats > 1 else []
+        words.append(f"Speed × {clip.speed:g}")
+    words += [f"{clip.repeats} loops"] if clip.repeats > 1 else []
     words += ["mirrored"] if clip.mirrored else []
     return PARTED.join(words)
 
@@ -54,8 +54,8 @@ def row_text(shown: RowContext, clip: Clip) -> str:
         return text
     bodies = len(shown.subject.bodies)
     if not bodies:
-        return f"{text} · {HIDDEN if empty_words(shown.project) == HIDDEN else 'no body that is shown plays it'}"
-    return f"{text} → {bodies} {'body' if bodies == 1 else 'bodies'}"
+        return f"{text} · {HIDDEN if empty_words(shown.project) == HIDDEN else 'not used by a visible character'}"
+    return f"{text} → {bodies} character{'' if bodies == 1 else 's'}"
 
 
 def paint_clips(painter: QPainter, row: QRect, shown: RowContext, performer_id: str) -> None:

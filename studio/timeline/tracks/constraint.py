@@ -216,7 +216,7 @@ def verdict(shown: RowContext, constraint_id: str) -> tuple[str, str]:
         eases = any(strip.misses for strip in strips if strip)
         held = f"held{' on all characters' if len(strips) > 1 else ''}{' at full activation' if eases else ''}"
         yields = any(strip.yields for strip in strips if strip)
-        return "gives way to contacts" if yields else held, colours.TEXT_THIRD
+        return "overridden by contacts" if yields else held, colours.TEXT_THIRD
     worst, name = max(missed, key=lambda each: each[0].weight)
     text = f"{name} {worst.words} at {shown.frame_words(worst.frame)}"
     colour = colours.PARTLY if worst.partly else colours.mixed(colours.NOT_REACHED, colours.TEXT, 0.25)

@@ -22,10 +22,10 @@ LANES: dict[str, tuple[ContactPoint | Touch, ...]] = {
     "knees": (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE),
     "seat": (ContactPoint.SEAT,),
     "hands together": (Touch.HANDS_TOGETHER,),
-    "hands on a thing": (Touch.HANDS_ON_THING,),
+    "hands on object": (Touch.HANDS_ON_THING,),
     **{
-        f"hands on {part}": (Touch(f"left_hand_on_{part}"), Touch(f"right_hand_on_{part}"))
-        for part in ("head", "trunk", "hips", "thigh")
+        f"hands on {words}": (Touch(f"left_hand_on_{part}"), Touch(f"right_hand_on_{part}"))
+        for part, words in (("head", "head"), ("trunk", "torso"), ("hips", "hips"), ("thigh", "thigh"))
     },
 }
 """The rows and the points whose contacts lie in them, from above."""

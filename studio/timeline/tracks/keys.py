@@ -222,7 +222,7 @@ def paint_sheet(painter: QPainter, row: TimelineRow, area: QRect, shown: RowCont
 
 def paint_growth_label(painter: QPainter, area: QRect) -> None:
     """Draw the name of the row of a growing body's measures."""
-    paint_label(painter, label_area(area).adjusted(INDENT, 0, 0, 0), "Measures", colours.TEXT_SECOND)
+    paint_label(painter, label_area(area).adjusted(INDENT, 0, 0, 0), "Proportions", colours.TEXT_SECOND)
 
 
 def growth_rows(shown: RowContext, performer_id: str) -> list[tuple[str, str, int]]:

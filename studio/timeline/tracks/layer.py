@@ -45,7 +45,7 @@ def paint_layers(painter: QPainter, row: QRect, shown: RowContext, row_id: str) 
 def paint_layer_label(painter: QPainter, row: QRect, row_id: str) -> None:
     """Draw the region of the body."""
     region = Region(row_id.rpartition("/")[2])
-    paint_label(painter, label_area(row).adjusted(INDENT, 0, 0, 0), region.capitalize(), colours.TEXT_SECOND)
+    paint_label(painter, label_area(row).adjusted(INDENT, 0, 0, 0), region.label, colours.TEXT_SECOND)
 
 
 def layer_text(shown: RowContext, layer: Layer) -> str:

@@ -149,7 +149,7 @@ class PlotPicture(QObject):
         paint_label(painter, QRect(0, row.top() + 4, ROW_LABEL_WIDTH - 44, 20), self.title(shown), colours.TEXT)
         count = len(self.curves)
         unit = shown_unit(self.quantity.unit(shown))
-        note = f"{unit.symbol} · {count} {'body' if count == 1 else 'bodies'}"
+        note = f"{unit.symbol} · {count} character{'' if count == 1 else 's'}"
         paint_label(painter, QRect(0, row.top() + 22, ROW_LABEL_WIDTH, 18), note, colours.TEXT_THIRD, 11)
         painter.setFont(font(10))
         painter.setPen(QColor(colours.TEXT_THIRD))
