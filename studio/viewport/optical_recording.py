@@ -140,7 +140,7 @@ def recorded_of(document: Document, pose: Posed | None) -> Capture | None:
 
 
 def _pushes(trial: Trial, place: int) -> tuple[FloatArray, FloatArray] | None:
-    """Centre of pressure and ground reaction force in newtons of a plate; None if the file has another unit."""
+    """Centre of pressure and ground reaction force in newtons of a plate; None if they are not in the file."""
     plate = trial.plates[place]
-    newtons = trial.analog.units[plate.channels[0]].lower().startswith("n")
+    newtons = plate.channels and trial.analog.units[plate.channels[0]].lower().startswith("n")
     return plate_reactions(trial, plate) if newtons and len(trial.analog.samples) else None
