@@ -127,9 +127,10 @@ BONES = {
 }
 
 
+@pytest.mark.parametrize("tips", [True, False])
 @pytest.mark.parametrize("spelling", ["J{place}", "{name}_part{number}", "{name}.00{number}", "{name}{letter}"])
-def test_joints_that_only_divide_a_bone_are_no_elbows_and_knees(tmp_path: Path, spelling: str) -> None:
-    """By a number behind the name, or by the motion where names say nothing."""
+def test_joints_that_only_divide_a_bone_are_no_elbows_and_knees(tmp_path: Path, spelling: str, tips: bool) -> None:
+    """By a number behind the name, or by the motion where names say nothing; also where hands have no tips."""
     plain = load_capture(example_captures_folder() / "walk_turn.bvh")
     assert plain.body_map is not None
     limbs = {*BONES, *(f"{upper}02" for upper in BONES)}
@@ -142,7 +143,8 @@ def test_joints_that_only_divide_a_bone_are_no_elbows_and_knees(tmp_path: Path, 
         place = sum(map(ord, found[2]))
         return f"{found[1]} {spelling.format(name=name, number=number, letter=' ab'[number], place=place)}"
 
-    path.write_text(re.sub(r"(ROOT|JOINT) (\S+)", spelled, _divided(WALK, BONES)))
+    text = re.sub(r"(ROOT|JOINT) (\S+)", spelled, _divided(WALK, BONES))
+    path.write_text(text if tips else re.sub(r"End Site\s*\{[^}]*\}", "", text))
     found = load_capture(path)
     assert found.body_map is not None
     for part, joint in plain.body_map.parts.items():
