@@ -181,3 +181,24 @@ def test_names_that_agree_with_the_body_are_left_alone(captures: Path) -> None:
     for stem in ("varied/accad_female1_A11_CrawlForward", "varied/accad_female1_A08_CrouchToLie"):
         read = load_capture(captures / "bvh" / f"{stem}.bvh")
         assert not any(guess.subject == "sides" for guess in read.guesses)
+
+
+@pytest.mark.parametrize(
+    ("name", "called"),
+    [("Shoulder", "Arm"), ("ToeBase", "Foot"), ("UpLeg", "Leg"), ("Neck", "Head"), ("Spine1", "Spine")],
+)
+def test_two_joints_of_one_name_in_a_chain_are_told_apart_by_where_they_lie(
+    tmp_path: Path, name: str, called: str
+) -> None:
+    plain = load_capture(example_captures_folder() / "walk_turn.bvh")
+    path = tmp_path / "walk.bvh"
+    path.write_text(re.sub(rf"(ROOT|JOINT) (Left|Right|){name}$", rf"\1 \2{called}", WALK, flags=re.MULTILINE))
+    found = load_capture(path)
+    assert plain.body_map is not None
+    assert found.body_map is not None
+    limbs = {
+        part: joint
+        for part, joint in plain.body_map.parts.items()
+        if "TOE" not in part.name and "CLAV" not in part.name
+    }
+    assert {part: found.body_map.parts[part] for part in limbs} == limbs

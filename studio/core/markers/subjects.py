@@ -74,23 +74,26 @@ def _bodies(labels: Sequence[str], found: _Owned) -> _Owned:
 
 
 def _beside_one_without_name(labels: Sequence[str], found: _Owned) -> _Owned:
-    """Subjects whose rests are the labels of another body that has no name, and that body: ``LASI`` and ``LASI_2``."""
+    """Subjects whose rests are the labels of another body that has no name, and that body: ``LASI`` and ``LASI_2``.
+
+    A model's copy of some markers beside its joint centres is no other body: it lacks places.
+    """
     there = set(labels)
     named = {
         name: own
         for name, own in found.items()
-        if _pairs(own.values()) >= _FEWEST
-        and len(_places(own.values())) >= _BODY
+        if len(own) >= _BODY
         and len(there.intersection(own.values())) > _ALIKE * len(own)
+        and _pairs(own.values()) >= _FEWEST
     }
-    if not named or _NAMELESS in named:
-        return {}
     theirs = {label for own in named.values() for label in own}
     shared = {rest for own in named.values() for rest in own.values()}
-    return {
-        _NAMELESS: {label: label for label in labels if label not in theirs and (label in shared or _places([label]))},
-        **named,
-    }
+    nameless = [label for label in labels if label not in theirs and (label in shared or _places([label]))]
+    most = max(_BODY, _ALIKE * len(_places(nameless)))
+    bodies = {name: own for name, own in named.items() if len(_places(own.values())) >= most}
+    if not bodies or _NAMELESS in bodies:
+        return {}
+    return {_NAMELESS: {label: label for label in nameless}, **bodies}
 
 
 def _places(labels: Iterable[str]) -> set[tuple[str, str]]:

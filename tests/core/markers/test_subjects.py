@@ -59,6 +59,7 @@ def test_a_body_without_a_name_beside_a_named_one_is_the_first(form: str, altern
             for place in ("ASI", "Toe", "TopOfHand", "Elbow", "Acromion")
         ),
         ("Ann:LASI", "Ben_LASI"),
+        (*BODY, *(f"{marker}_2" for marker in BODY if "Ankle" not in marker and "HEE" not in marker), "RHIP", "LHIP"),
         (),
     ],
 )
