@@ -114,7 +114,7 @@ def _divides_the_last_bone(points: FloatArray, bent: list[int], chain: list[int]
         float(np.linalg.norm(points[:, end] - points[:, start], axis=1).mean())
         for start, end in ((upper, lower), (lower, chain[-2]), (lower, chain[-1]))
     )
-    return abs(np.log(far / before)) < abs(np.log(near / before))
+    return bool(abs(np.log(far / before)) < abs(np.log(near / before)))
 
 
 def _mirrored_chains(skeleton: Skeleton, points: FloatArray) -> list[_Pair]:

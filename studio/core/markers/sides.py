@@ -149,9 +149,9 @@ def _is_crossed(joints: Tracks, joint: str, ends: Tracks, name: str) -> bool:
     lengths = [float(np.median(np.concatenate([each[seen] for each in links]))) for links in (own, across)]
     spreads = [float(np.sum([np.std(each[seen]) for each in links])) for links in (own, across)]
     folded = joint not in ("hip", "shoulder") and lengths[1] < _FOLDED * lengths[0]
-    before = [joints.get(f"{side}_{_BEFORE.get(joint)}") for side in SIDE_WORDS]
-    if folded and all(each is not None for each in before):
-        bones = [joints[f"{side}_{joint}"] - each for side, each in zip(SIDE_WORDS, before, strict=True)]
+    before = [f"{side}_{_BEFORE.get(joint)}" for side in SIDE_WORDS]
+    if folded and all(name in joints for name in before):
+        bones = [joints[f"{side}_{joint}"] - joints[name] for side, name in zip(SIDE_WORDS, before, strict=True)]
         folded = lengths[0] < _FARTHER * float(np.nanmedian(np.linalg.norm(bones, axis=-1)))
     if folded and spreads[0] < _RIGID * lengths[0]:
         return False
