@@ -18,10 +18,10 @@ from studio.timeline.transport import Transport
 
 
 class Timeline(QWidget):
-    """Lower third of the window.
+    """Ruler, rows and curve plot below the 3D view.
 
-    Positions are in pixels of ``tracks``, the widget with the rows. ``told`` is emitted with a text about the part
-    under the mouse, for the status line.
+    Positions are in pixels of ``tracks``, the widget with the rows. ``message_posted`` is emitted with a text about the
+    item under the mouse, for the status line.
     """
 
     message_posted = Signal(str)
