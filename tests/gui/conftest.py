@@ -36,9 +36,9 @@ def window(qtbot, tmp_path, project):
     """A small project in the window, nothing playing."""
     make_application()
     window = make_window(Settings(tmp_path / "studio.ini"), Document(project))
+    window.resize(1400, 900)  # before it is shown, or all is laid out twice
     with qtbot.waitExposed(window):
         window.show()
-    window.resize(1400, 900)
     yield window
     window.leave()
     window.deleteLater()
