@@ -9,7 +9,7 @@ FAST = tests/architecture tests/document tests/panels tests/timeline
 
 # `make test` runs the tests in jobs of some minutes, one more at once than there are processors, because a sixth of the
 # time of a job is spent waiting. Those that take longest come first, so that no processor is idle for long in the end.
-JOBS = gui monkey core live files rest
+JOBS = gui monkey core rest files live
 tests_gui = tests/gui
 tests_monkey = tests/monkey
 tests_core = tests/core
