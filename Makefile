@@ -7,8 +7,8 @@ STUDIO = .venv/bin/python main.py
 # The tests for `make check`, about a minute with lint and types beside them; `make test` runs every one.
 FAST = tests/architecture tests/document tests/panels tests/timeline
 
-# `make test` runs the tests in jobs of some minutes, one more at once than there are processors, because a sixth of the
-# time of a job is spent waiting. Those that take longest come first, so that no processor is idle for long in the end.
+# `make test` runs the tests in jobs of some minutes, one more at once than there are processors, because tests wait for
+# timers and other processes. Those that take longest come first, so that no processor is idle for long in the end.
 JOBS = gui monkey core rest files live
 tests_gui = tests/gui
 tests_monkey = tests/monkey
