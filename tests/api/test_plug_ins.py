@@ -59,7 +59,7 @@ def open_window(qtbot, tmp_path):
 
 
 def _run(site: Path, *command: str) -> str:
-    """What a program with the example package beside it prints."""
+    """Output of a program with the example package beside it; its exit code has to be 0."""
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join((str(site), str(ROOT)))}
     done = subprocess.run([sys.executable, *command], env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
