@@ -27,7 +27,7 @@ from studio.startup.process import prepare_process
 
 COUNT, COUNTS = (
     100_000,
-    {".fbx": 5_000, "catalogue": 5_000, "clips": 5_000, "commands": 5_000, "kills": 2_000},
+    dict.fromkeys((".fbx", "catalogue", "clips", "commands", "stages", "words"), 5_000) | {"kills": 2_000},
 )  # these take longer
 SECONDS, STILL, START = 5.0, 600.0, 600.0
 """Seconds of the processor for a file; by the clock, however busy the machine is; and by the clock for the first, for
