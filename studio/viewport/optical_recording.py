@@ -85,7 +85,7 @@ class RecordedBy:
 
 
 class RecordingView:
-    """Choice of the shown recording, with a cache of its data."""
+    """Shown optical recording (markers and force plates), with a cache of its data."""
 
     def __init__(self, changed: Callable[[], object]) -> None:
         """``changed`` is called when the view has to be drawn again."""
