@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from studio.core.compact_array import CompactArray, PoseArray, single
 
-PAGED_BYTES = 16 << 20
-"""Bytes from which an array is kept in a file: the rotations of some three minutes at 120 Hz."""
+PAGED_BYTES = 8 << 20
+"""Bytes from which an array is kept in a file: the rotations of a minute and a half at 120 Hz."""
 MOST_FILES = 256
 """Files that are open at a time: many systems allow a process a thousand."""
 DISK_FOLDER = "/var/tmp"
