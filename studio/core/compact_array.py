@@ -40,13 +40,13 @@ class CompactArray:
         """32-bit arrays are used without a copy, and never written to; ``written`` are rows that replace theirs, by the
         index of their first row; later ones replace earlier ones.
         """
-        array = isinstance(numbers, np.ndarray)
-        self._kept: NDArray[np.float32] | StoredRows = np.asarray(numbers, np.float32) if array else numbers
+        self._kept: NDArray[np.float32] | StoredRows = (
+            np.asarray(numbers, np.float32) if isinstance(numbers, np.ndarray) else numbers
+        )
         self._written = tuple(written)
-        self._whole_at_hand = array and not written
 
     def __getitem__(self, index: Any) -> FloatArray:
-        if self._whole_at_hand:
+        if isinstance(self._kept, np.ndarray) and not self._written:
             return np.asarray(self._kept[index], dtype=np.float64)
         rows, *columns = index if isinstance(index, tuple) else (index,)
         if isinstance(rows, int | np.integer):
@@ -65,16 +65,13 @@ class CompactArray:
             first, last, _ = index.indices(len(self))
             rows = np.array(np.broadcast_to(numbers, (max(last - first, 0), *self.shape[1:])), dtype=np.float32)
             if len(rows) == len(self):
-                self._replace(rows)
+                self._kept, self._written = rows, ()
             elif len(rows):
-                self._written, self._whole_at_hand = (*self._written, (first, rows)), False
+                self._written = (*self._written, (first, rows))
             return
         whole = self._whole().copy()
         whole[index] = numbers
-        self._replace(whole)
-
-    def _replace(self, whole: NDArray[np.float32]) -> None:
-        self._kept, self._written, self._whole_at_hand = whole, (), True
+        self._kept, self._written = whole, ()
 
     def __len__(self) -> int:
         return self.shape[0]

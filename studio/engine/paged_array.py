@@ -13,7 +13,7 @@ from studio.core.compact_array import CompactArray, PoseArray, single
 
 PAGED_BYTES = 8 << 20
 """Bytes from which an array is kept in a file: the rotations of a minute and a half at 120 Hz."""
-MOST_FILES = 256
+MOST_PAGE_FILES = 256
 """Files that are open at a time: many systems allow a process a thousand."""
 DISK_FOLDER = "/var/tmp"
 """Folder of large temporary files, on a disk also where the usual one is in memory."""
@@ -28,7 +28,7 @@ class PageFile:
         with tempfile.TemporaryFile(dir=DISK_FOLDER if os.path.isdir(DISK_FOLDER) else None) as file:
             flat = numbers.reshape(-1, numbers.shape[-1])
             for first in range(0, len(flat), _ROWS_WRITTEN):
-                file.write(np.ascontiguousarray(flat[first : first + _ROWS_WRITTEN], dtype=np.float32))
+                file.write(flat[first : first + _ROWS_WRITTEN].astype(np.float32).tobytes())
             file.flush()
             self.descriptor = os.dup(file.fileno())
         weakref.finalize(self, os.close, self.descriptor)
@@ -55,7 +55,7 @@ class FileRows:
     def read(self) -> NDArray[np.float32]:
         """All rows in one array."""
         rows = np.empty(self.shape, np.float32)
-        left, at = memoryview(rows.reshape(-1)).cast("B"), 4 * self.first * math.prod(self.shape[1:])
+        left, at = rows.reshape(-1).view(np.uint8).data, 4 * self.first * math.prod(self.shape[1:])
         while left:  # a call reads two gigabytes at most
             count = os.preadv(self.file.descriptor, [left], at)
             left, at = left[count:], at + count
@@ -64,7 +64,7 @@ class FileRows:
 
 def paged(numbers: PoseArray) -> CompactArray:
     """Array stored in 32 bits: a long one in a file, or in memory where no file can be written."""
-    if isinstance(numbers, CompactArray) or numbers.nbytes < 2 * PAGED_BYTES or len(_OPEN) >= MOST_FILES:
+    if isinstance(numbers, CompactArray) or numbers.nbytes < 2 * PAGED_BYTES or len(_OPEN) >= MOST_PAGE_FILES:
         return single(numbers)
     try:
         return CompactArray(FileRows(PageFile(numbers), numbers.shape))

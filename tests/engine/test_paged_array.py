@@ -70,6 +70,6 @@ def test_poses_stay_in_memory_where_no_file_can_be_written(monkeypatch: pytest.M
 
 
 def test_many_takes_leave_files_for_others(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(paged_array, "MOST_FILES", 2)
+    monkeypatch.setattr(paged_array, "MOST_PAGE_FILES", 2)
     kept = [paged(NUMBERS) for _ in range(3)]
     assert [is_in_a_file(each) for each in kept] == [True, True, False]
