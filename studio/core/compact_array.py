@@ -4,12 +4,25 @@ The resolution is a ten-thousandth of a millimetre in a metre, and some milliont
 """
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
+
+
+class StoredRows(Protocol):
+    """Rows in 32 bits that are kept elsewhere than in memory."""
+
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+
+    def part(self, rows: slice) -> "StoredRows":
+        """Slice of the rows, not read yet."""
+
+    def read(self) -> NDArray[np.float32]:
+        """All rows in one array."""
 
 
 class CompactArray:
@@ -20,22 +33,28 @@ class CompactArray:
     """
 
     def __init__(
-        self, numbers: FloatArray | NDArray[np.float32], written: Sequence[tuple[int, NDArray[np.float32]]] = ()
+        self,
+        numbers: FloatArray | NDArray[np.float32] | StoredRows,
+        written: Sequence[tuple[int, NDArray[np.float32]]] = (),
     ) -> None:
         """32-bit arrays are used without a copy, and never written to; ``written`` are rows that replace theirs, by the
         index of their first row; later ones replace earlier ones.
         """
-        self._kept = np.asarray(numbers, dtype=np.float32)
+        self._kept: NDArray[np.float32] | StoredRows = (
+            np.asarray(numbers, np.float32) if isinstance(numbers, np.ndarray) else numbers
+        )
         self._written = tuple(written)
 
     def __getitem__(self, index: Any) -> FloatArray:
+        if isinstance(self._kept, np.ndarray) and not self._written:
+            return np.asarray(self._kept[index], dtype=np.float64)
         rows, *columns = index if isinstance(index, tuple) else (index,)
-        if self._written and isinstance(rows, int | np.integer):
+        if isinstance(rows, int | np.integer):
             row = range(len(self))[rows]
             return np.asarray(self[row : row + 1][(0, *columns)])
-        if self._written and isinstance(rows, slice) and rows.step in (None, 1) and all(map(_is_basic, columns)):
+        if isinstance(rows, slice) and rows.step in (None, 1) and all(map(_is_basic, columns)):
             part = self.part(rows)
-            found = part._kept[:, *columns].astype(np.float64)
+            found = _read(part._kept)[:, *columns].astype(np.float64)
             for first, numbers in part._written:
                 found[first : first + len(numbers)] = numbers[:, *columns]
             return found
@@ -55,7 +74,7 @@ class CompactArray:
         self._kept, self._written = whole, ()
 
     def __len__(self) -> int:
-        return len(self._kept)
+        return self.shape[0]
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         return self._whole().astype(dtype or np.float64)
@@ -76,16 +95,22 @@ class CompactArray:
             for begin, numbers in self._written
             if begin < last and begin + len(numbers) > first
         ]
-        return CompactArray(self._kept[rows], written)
+        kept = self._kept[rows] if isinstance(self._kept, np.ndarray) else self._kept.part(rows)
+        return CompactArray(kept, written)
 
     def _whole(self) -> NDArray[np.float32]:
         """All numbers in one read-only array."""
+        kept = _read(self._kept)
         if not self._written:
-            return self._kept
-        whole = self._kept.copy()
+            return kept
+        whole = kept.copy()
         for first, numbers in self._written:
             whole[first : first + len(numbers)] = numbers
         return whole
+
+
+def _read(kept: NDArray[np.float32] | StoredRows) -> NDArray[np.float32]:
+    return kept if isinstance(kept, np.ndarray) else kept.read()
 
 
 def _is_basic(index: Any) -> bool:

@@ -9,6 +9,7 @@ from studio.core.constraints.target import own_places_of
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.engine.paged_array import paged
 
 if TYPE_CHECKING:
     from studio.core.solver.standing.stand import Standing
@@ -39,7 +40,7 @@ class StandingSolver:
         from studio.core.solver.adapt import grounded, solve
 
         standing = self._standing(request, None if last is None else ((first, last + 1), *own_frames(request)))
-        return solve(grounded(request, standing), request, first, last).kept()
+        return solve(grounded(request, standing), request, first, last).kept(paged)
 
     def forget(self) -> None:
         """Empty the cache."""
@@ -62,7 +63,7 @@ class StandingSolver:
             standing = lifted(whole.standing, on.ground.height)
         else:
             wanted = None if windows is None else [slice(*each) for each in windows]
-            standing = standing_of(request, wanted).kept()
+            standing = standing_of(request, wanted).kept(paged)
         with self._lock:
             if windows is None:
                 self._partly.clear()  # the hand rests

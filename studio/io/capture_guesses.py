@@ -143,7 +143,7 @@ def cleaned_joints(read: ReadJoints, body_map: BodyMap, options: ImportOptions, 
     """Joints of the cleaned motion, the cleaning among their repairs, if ``options.clean``; else the joints as they
     are, and a guess in ``guesses`` that offers the cleaning.
     """
-    poses, faults = clean_motion(read.skeleton, read.poses, body_map, read.frame_rate)
+    poses, faults = clean_motion(read.poses, read.positions, body_map, read.frame_rate)
     if not faults.any:
         return read
     if not options.clean:

@@ -36,7 +36,8 @@ def walk() -> Capture:
 
 def cleaned(capture: Capture, poses: PoseSequence) -> tuple[PoseSequence, MotionFaults]:
     assert capture.body_map is not None
-    return clean_motion(capture.skeleton, poses, capture.body_map, capture.frame_rate)
+    positions = joint_positions(capture.skeleton, poses)
+    return clean_motion(poses, positions, capture.body_map, capture.frame_rate)
 
 
 def errors(capture: Capture, poses: PoseSequence) -> FloatArray:

@@ -8,9 +8,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.body_sides import LIMB_PARTS
 from studio.core.body.humanoid import BodyMap, BodyPart
-from studio.core.body.kinematics import joint_positions
 from studio.core.body.pose import PoseSequence
-from studio.core.body.skeleton import Skeleton
 from studio.core.rotations import normalized, sign_continuous
 from studio.core.runs import runs_of
 from studio.core.windows import bell_average
@@ -83,36 +81,37 @@ class MotionFaults:
 
 
 def clean_motion(
-    skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap, frame_rate: float
+    poses: PoseSequence, positions: FloatArray, body_map: BodyMap, frame_rate: float
 ) -> tuple[PoseSequence, MotionFaults]:
-    """Motion without spikes, swaps and tremble, and the faults that it had.
+    """Motion without spikes, swaps and tremble, and the faults that it had; ``positions`` (F, J, 3) of its joints.
 
     Frames of spikes and of swaps are interpolated from the frames around them. Each joint is smoothed by the widest
     window that removes no more than its own noise, so that fast moves keep their amplitude. A motion without faults is
     returned unchanged.
     """
     pelvis, joints = body_map.spine[0], sorted({*body_map.parts.values(), *body_map.spine})
-    positions = joint_positions(skeleton, poses)
     skate = _skate(positions[:, [body_map[BodyPart.LEFT_FOOT], body_map[BodyPart.RIGHT_FOOT]]], frame_rate)
     if poses.frame_count < _FEWEST_FRAMES:
         return poses, MotionFaults(0, (), 0.0, 0.0, skate)
     longest = max(1, round(LONGEST_SPIKE * frame_rate))
     swaps, exchanged = _find_swaps(positions, body_map, longest)
-    rotations, root, spikes = poses.local_rotations.copy(), poses.local_translations[:, pelvis].copy(), 0
+    tracks, spikes = dict[int, FloatArray](), 0
     for joint in joints:
-        track = _interpolated_rotations(rotations[:, joint], exchanged.get(joint))
-        rotations[:, joint], count = _without_spikes(track, _angle, SPIKE_ANGLE, longest)
+        track = _interpolated_rotations(poses.local_rotations[:, joint], exchanged.get(joint))
+        tracks[joint], count = _without_spikes(track, _angle, SPIKE_ANGLE, longest)
         spikes += count
-    root, count = _without_spikes(root, _distance, SPIKE_LENGTH, longest)
-    noises = np.array([2.0 * _noise(rotations[:, joint]) for joint in joints])
+    root, count = _without_spikes(poses.local_translations[:, pelvis], _distance, SPIKE_LENGTH, longest)
+    noises = [2.0 * _noise(track) for track in tracks.values()]
     faults = MotionFaults(spikes + count, swaps, float(np.median(noises)), _noise(root), skate)
     if not faults.any:
         return poses, faults
     if faults.trembles:
-        for joint, noise in zip(joints, noises, strict=True):
-            rotations[:, joint] = normalized(_calmed(rotations[:, joint], noise / 2.0, frame_rate))
+        for (joint, track), noise in zip(tracks.items(), noises, strict=True):
+            tracks[joint] = normalized(_calmed(track, noise / 2.0, frame_rate))
         root = _calmed(root, faults.root_tremble, frame_rate)
-    translations = poses.local_translations.copy()
+    rotations, translations = poses.local_rotations.copy(), poses.local_translations.copy()
+    for joint, track in tracks.items():
+        rotations[:, joint] = track
     translations[:, pelvis] = root
     return replace(poses, local_rotations=rotations, local_translations=translations), faults
 

@@ -20,6 +20,7 @@ from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.footing import foot_states
 from studio.core.solver.standing.support import mass_path
 from studio.core.solver.standing.swing_foot_path import Sole, worn_height
+from studio.core.threads import do_over_frames
 
 FloatArray = NDArray[np.float64]
 
@@ -76,7 +77,14 @@ def swing_depths(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], gr
 
 def body_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
     """Heights (F,) in metres of the lowest point of the body (``point_heights``)."""
-    return np.asarray(point_heights(adapted, ground).min(axis=1))
+    heights = np.empty(adapted.frame_count)
+
+    def measure(run: slice) -> None:
+        part = adapted.frames(adapted.first_frame + run.start, adapted.first_frame + run.stop - 1)
+        heights[run] = point_heights(part, ground).min(axis=1)
+
+    do_over_frames(measure, adapted.frame_count)
+    return heights
 
 
 def point_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:

@@ -18,6 +18,7 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.body.standing import standing_points
 from studio.core.rotations import frame_along, from_matrix
 from studio.core.solver.request import AdaptedMotion
+from studio.core.threads import do_over_frames
 
 FloatArray = NDArray[np.float64]
 
@@ -62,23 +63,30 @@ def character_poses(adapted: AdaptedMotion) -> PoseSequence:
     joints = _joints(adapted.morphology.layout)
     skeleton = character_skeleton(adapted.morphology)
     rest = t_pose_rotations(adapted.morphology)
-    world = adapted.rotations @ np.swapaxes(rest, 1, 2)
-    local = np.empty((adapted.frame_count, skeleton.joint_count, 3, 3))
-    local[:] = np.eye(3)
-    for joint, (segment, parent) in enumerate(zip(joints.segments, joints.parents, strict=True)):
-        if parent < 0:
-            local[:, joint] = world[:, segment]
-        elif segment >= 0:
-            local[:, joint] = np.swapaxes(world[:, joints.segments[parent]], 1, 2) @ world[:, segment]
+    rotations = np.empty((adapted.frame_count, skeleton.joint_count, 4))
     translations = np.empty((adapted.frame_count, skeleton.joint_count, 3))
     translations[:] = skeleton.offsets
-    if adapted.animated is not None:
-        places = adapted.positions[:, list(joints.points)]
-        carriers = [joints.segments[max(parent, 0)] for parent in joints.parents]
-        bones = places - places[:, np.maximum(joints.parents, 0)]
-        translations = np.einsum("fjki,fjk->fji", world[:, carriers], bones)
+
+    def turn(run: slice) -> None:  # matrices of all frames of a long take would need much memory
+        world = adapted.rotations[run] @ np.swapaxes(rest, 1, 2)
+        local = np.empty((len(world), skeleton.joint_count, 3, 3))
+        local[:] = np.eye(3)
+        for joint, (segment, parent) in enumerate(zip(joints.segments, joints.parents, strict=True)):
+            if parent < 0:
+                local[:, joint] = world[:, segment]
+            elif segment >= 0:
+                local[:, joint] = np.swapaxes(world[:, joints.segments[parent]], 1, 2) @ world[:, segment]
+        rotations[run] = from_matrix(local)
+        if adapted.animated is not None:
+            places = adapted.positions[run][:, list(joints.points)]
+            carriers = [joints.segments[max(parent, 0)] for parent in joints.parents]
+            bones = places - places[:, np.maximum(joints.parents, 0)]
+            translations[run] = np.einsum("fjki,fjk->fji", world[:, carriers], bones)
+
+    do_over_frames(turn, adapted.frame_count)
     translations[:, 0] = adapted.positions[:, 0]
-    return PoseSequence(from_matrix(local), translations)
+    translations.setflags(write=False)
+    return PoseSequence(rotations, translations)
 
 
 def joint_points(layout: BodyLayout) -> tuple[int, ...]:

@@ -1,7 +1,7 @@
 """Grounding of a motion before any constraint: scaled to one body, feet on the ground, arms out of the body."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnyMorphology, Morphology
 from studio.core.captures.contacts import ContactInterval, on_ground
-from studio.core.compact_array import PoseArray, single
+from studio.core.compact_array import CompactArray, PoseArray, single
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import records
 from studio.core.kernels.solve_clip import place_frames
@@ -34,6 +34,8 @@ from studio.core.solver.standing.shown_floor import shown_floor
 
 FloatArray = NDArray[np.float64]
 
+PEAK_RUN = 4096
+"""Frames whose accelerations are computed at a time."""
 CONTEXT_SECONDS = 1.0
 """Seconds around a frame whose poses affect its solution, such as a balance's support polygon."""
 
@@ -61,10 +63,10 @@ class Standing:
         """Poses before constraints."""
         return UnconstrainedPoses(self.positions, self.rotations)
 
-    def kept(self) -> "Standing":
-        """Copy with poses in half the memory, see ``core.compact_array``."""
-        footing = replace(self.footing, feet=single(self.footing.feet), toes=single(self.footing.toes))
-        return replace(self, footing=footing, positions=single(self.positions), rotations=single(self.rotations))
+    def kept(self, store: Callable[[PoseArray], CompactArray] = single) -> "Standing":
+        """Copy with poses in half the memory, see ``core.compact_array``; ``store`` chooses where."""
+        footing = replace(self.footing, feet=store(self.footing.feet), toes=store(self.footing.toes))
+        return replace(self, footing=footing, positions=store(self.positions), rotations=store(self.rotations))
 
     def with_arms_right(self, windows: Sequence[slice]) -> "Standing":
         """Copy with self-contacts solved, in place, at least in some ``windows``.
@@ -99,9 +101,11 @@ class Standing:
     def peaks(self) -> FloatArray:
         """Greatest angular acceleration (S,) of each segment in its parent, rad/s2."""
         parents = np.array(self.morphology.layout.parent_segments())
-        peaks = np.empty((len(parents), 2))
-        segment_peaks(parents, self.rotations[:], self.motion.frame_rate, peaks)
-        return peaks[:, 1]
+        greatest, peaks = np.zeros(len(parents)), np.empty((len(parents), 2))
+        for first in range(0, max(self.motion.frame_count - 2, 1), PEAK_RUN):  # all rotations of a long take are large
+            segment_peaks(parents, self.rotations[first : first + PEAK_RUN + 2], self.motion.frame_rate, peaks)
+            greatest = np.maximum(greatest, peaks[:, 1])
+        return greatest
 
     @cached_property
     def root_peak(self) -> float:
