@@ -66,6 +66,8 @@ def paged(numbers: PoseArray) -> CompactArray:
     """Array stored in 32 bits: a long one in a file, or in memory where no file can be written."""
     if isinstance(numbers, CompactArray) or numbers.nbytes < 2 * PAGED_BYTES or len(_OPEN) >= MOST_PAGE_FILES:
         return single(numbers)
+    if not hasattr(os, "preadv"):  # Windows
+        return single(numbers)
     try:
         return CompactArray(FileRows(PageFile(numbers), numbers.shape))
     except OSError:
