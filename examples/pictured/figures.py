@@ -26,7 +26,7 @@ from studio.core.normalized.transition import pace_left, place_left
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import hold
 from studio.core.solver.standing.stand import stand
-from studio.core.solver.standing.support import corners, mass_path, outlines, standing_mask
+from studio.core.solver.standing.support_polygon import corners, mass_path, standing_mask, support_polygons
 from studio.core.windows import highest
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
@@ -220,7 +220,7 @@ def balance() -> Figure:
     positions, rotations = np.array(standing.positions), np.array(standing.rotations)
     frames = slice(60, 260)
     masses = mass_path(positions, body)[frames]
-    areas = corners(outlines(positions, rotations, standing_mask(ready.contacts, len(positions)), body))[frames]
+    areas = corners(support_polygons(positions, rotations, standing_mask(ready.contacts, len(positions)), body))[frames]
     figure = Figure(figsize=(9.0, 3.0), layout="constrained")
     axes = figure.subplots()
     for outline in areas[::20]:

@@ -146,7 +146,7 @@ class TargetContext:
 
     def outline(self) -> FloatArray | None:
         """(N, 2) outline of the present contacts, in the motion's space; None without contacts."""
-        from studio.core.solver.standing.support import corners, outlines, standing_mask  # as above
+        from studio.core.solver.standing.support_polygon import corners, standing_mask, support_polygons  # as above
 
         motion, row = self.pose.motion, slice(self.pose.row, self.pose.row + 1)
         composite = motion.composite
@@ -155,7 +155,9 @@ class TargetContext:
         )
         frame = self.pose.row + motion.first_frame
         stands = standing_mask(contacts, frame + 1)[:, frame:]
-        area: FloatArray = corners(outlines(motion.positions[row], motion.rotations[row], stands, motion.morphology))[0]
+        area: FloatArray = corners(
+            support_polygons(motion.positions[row], motion.rotations[row], stands, motion.morphology)
+        )[0]
         if np.isnan(area).any():
             return None
         return self.pose.points_in_clip(np.column_stack([area, np.zeros(len(area))]))[:, :2]

@@ -186,16 +186,16 @@ class CurveQuery:
 
     def _beyond_support(self, adapted: AdaptedMotion) -> FloatArray:
         """(F,) distance in millimetres of the centre of mass from the support polygon; 0 inside, and in flight."""
-        from studio.core.solver.standing.support import (  # as above
+        from studio.core.solver.standing.support_polygon import (  # as above
             mass_path,
-            outlines,
             standing_mask,
             support_margins,
+            support_polygons,
         )
 
         stop = adapted.first_frame + adapted.frame_count
         stands = standing_mask(self._contacts(adapted), stop)[:, adapted.first_frame :]
-        areas = outlines(adapted.positions[:], adapted.rotations[:], stands, adapted.morphology)
+        areas = support_polygons(adapted.positions[:], adapted.rotations[:], stands, adapted.morphology)
         margins = support_margins(areas, mass_path(adapted.positions[:], adapted.morphology)[:, :2])
         return np.asarray(1000.0 * np.maximum(-np.nan_to_num(margins), 0.0))
 

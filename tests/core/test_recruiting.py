@@ -43,7 +43,7 @@ from studio.core.solver.asking.limb_availability import arm_availability, leg_av
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.solved_window import SolverLimits
 from studio.core.solver.standing.stand import Standing, stand
-from studio.core.solver.standing.support import mass_path
+from studio.core.solver.standing.support_polygon import mass_path
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_capture, make_skeleton
 from tests.core.motions import ALWAYS, HINGES, RATE, about, local_rotations, target, walk

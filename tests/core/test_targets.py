@@ -37,7 +37,12 @@ from studio.core.solver.performers.prop_tracks import seen_from, stage_track
 from studio.core.solver.performers.stage import concerning
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import stand
-from studio.core.solver.standing.support import averaged_outlines, outlines, standing_mask, support_margins
+from studio.core.solver.standing.support_polygon import (
+    averaged_polygons,
+    standing_mask,
+    support_margins,
+    support_polygons,
+)
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
 from studio.io.project.character_file import bundled_characters
@@ -401,14 +406,14 @@ def test_over_the_support_the_centre_of_mass_is_within_the_soles_that_stand(body
     standing = stand(WALK, body, CONTACTS, Ground())
     before, adapted = hold(standing, ()), hold(standing, (asked,))
     stands = standing_mask(CONTACTS, WALK.frame_count)
-    areas, presence = averaged_outlines(outlines(before.positions, before.rotations, stands, body), RATE)
+    areas, presence = averaged_polygons(support_polygons(before.positions, before.rotations, stands, body), RATE)
     held = (presence > 1.0 - 1e-9) & (adapted.residuals[0] < 1e-3)
     held[: round(0.1 * RATE)] = False  # the motion begins within a step, whose foot is landing
     margins = [support_margins(areas, centre_of_mass(each)[:, :2]) for each in (before, adapted)]
     assert held.sum() > 30
     assert margins[1][held].min() > -margin  # what smoothness takes of it, while feet roll
     assert margins[0].min() < margins[1].min()
-    plain = outlines(before.positions, before.rotations, stands, body)
+    plain = support_polygons(before.positions, before.rotations, stands, body)
     assert np.nanmin(support_margins(plain, plain_centre(plain))) > 0.0
 
 
@@ -417,7 +422,7 @@ def test_who_stands_on_hands_and_knees_is_supported_between_them(body: Morpholog
     standing = stand(WALK, body, CONTACTS, Ground())
     points = [ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND, ContactPoint.LEFT_KNEE, ContactPoint.SEAT]
     contacts = [ContactInterval("walk", point, 10, 20) for point in points]
-    areas = outlines(standing.positions, standing.rotations, standing_mask(contacts, WALK.frame_count), body)
+    areas = support_polygons(standing.positions, standing.rotations, standing_mask(contacts, WALK.frame_count), body)
     assert (
         np.isfinite(areas).all(axis=1) == ((np.arange(WALK.frame_count) >= 10) & (np.arange(WALK.frame_count) <= 20))
     ).all()

@@ -18,7 +18,7 @@ from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.runs import runs_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.footing import foot_states
-from studio.core.solver.standing.support import mass_path
+from studio.core.solver.standing.support_polygon import mass_path
 from studio.core.solver.standing.swing_foot_path import Sole, worn_height
 from studio.core.threads import do_over_frames
 

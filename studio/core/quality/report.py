@@ -28,7 +28,7 @@ from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.solved_window import BOUND, SolvedWindow, SolverLimits, targets_of
 from studio.core.solver.standing.stand import Standing
-from studio.core.solver.standing.support import outlines, standing_mask, support_margins
+from studio.core.solver.standing.support_polygon import standing_mask, support_margins, support_polygons
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -77,7 +77,7 @@ def report_of(standing: Standing, request: AdaptRequest, adapted: AdaptedMotion)
     """Report of ``adapted``, the answer to ``request`` on its grounded motion, in any window."""
     window = _window_of(adapted)
     stands = standing_mask(standing.contacts, request.motion.frame_count)[:, window]
-    areas = outlines(adapted.positions[:], adapted.rotations[:], stands, adapted.morphology)
+    areas = support_polygons(adapted.positions[:], adapted.rotations[:], stands, adapted.morphology)
     slides, heights = contact_tracks(adapted, standing.contacts, request.ground)
     misses, blockers = _misses_and_blockers(standing, request, adapted)
     return Report(

@@ -43,7 +43,7 @@ from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
 from studio.core.solver.smoothing.root_reach import RootReach
 from studio.core.solver.smoothing.target_motion import target_accelerations
 from studio.core.solver.standing.stand import Standing
-from studio.core.solver.standing.support import mass_path, standing_mask, support_path
+from studio.core.solver.standing.support_polygon import mass_path, standing_mask, support_path
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -14,7 +14,7 @@ from studio.core.solver.asking.kinds.known import solver_kind_of
 from studio.core.solver.asking.tracks import Targets, Track
 from studio.core.solver.performers.followed_tracks import own_track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.support import mass_path
+from studio.core.solver.standing.support_polygon import mass_path
 
 
 def full_residuals(constraints: Sequence[Constraint], targets: Targets, adapted: AdaptedMotion) -> NDArray[np.float64]:

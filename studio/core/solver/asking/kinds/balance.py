@@ -11,7 +11,7 @@ from studio.core.solver.asking.target_trajectory import TargetTrajectory, Unsolv
 from studio.core.solver.asking.task_rows import TaskRecords
 from studio.core.solver.asking.tracks import Targets
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.support import mass_path
+from studio.core.solver.standing.support_polygon import mass_path
 
 FloatArray = NDArray[np.float64]
 

@@ -44,12 +44,12 @@ def standing_mask(contacts: Sequence[ContactInterval], frame_count: int) -> NDAr
     return np.array([contact_mask(each, frame_count) for each in spans])
 
 
-def outlines(
+def support_polygons(
     positions: FloatArray, rotations: FloatArray, standing: NDArray[np.bool_], body: Morphology, margin: float = 0.0
 ) -> FloatArray:
-    """Outline (F, N) of the contacts, shrunk by ``margin`` metres; NaN without contacts.
+    """Support polygon (F, N) of the contacts, shrunk by ``margin`` metres; NaN without contacts.
 
-    ``positions`` (F, P, 3), ``rotations`` (F, S, 3, 3), ``standing`` (9, F) as from ``standing_points``. It shrinks to
+    ``positions`` (F, P, 3), ``rotations`` (F, S, 3, 3), ``standing`` (9, F) as from ``standing_mask``. It shrinks to
     the middle line of a sole at most.
     """
     found = np.full((len(positions), DIRECTIONS), -np.inf)
@@ -61,8 +61,8 @@ def outlines(
     return np.where(np.isfinite(found), found, np.nan)
 
 
-def averaged_outlines(areas: FloatArray, frame_rate: float) -> tuple[FloatArray, FloatArray]:
-    """Outlines (F, N) under a moving average, and the fraction (F,) of that window in contact."""
+def averaged_polygons(areas: FloatArray, frame_rate: float) -> tuple[FloatArray, FloatArray]:
+    """Support polygons (F, N) under a moving average, and the fraction (F,) of that window in contact."""
     stands = np.isfinite(areas[:, :1]).astype(np.float64)
     weight = _around(stands, OUTLINE_SMOOTHING, frame_rate)
     mean = _around(np.nan_to_num(areas), OUTLINE_SMOOTHING, frame_rate) / np.where(weight > 0.0, weight, np.nan)
@@ -85,8 +85,8 @@ def support_path(
     first, stop, _ = window.indices(len(positions))
     reach = _half(OUTLINE_SMOOTHING, frame_rate) + _half(MASS_PATH_SMOOTHING, frame_rate)
     wide = slice(max(first - reach, 0), min(stop + reach, len(positions)))
-    lines = outlines(positions[wide], rotations[wide], standing[:, wide], body, margin)
-    areas, presence = averaged_outlines(lines, frame_rate)
+    lines = support_polygons(positions[wide], rotations[wide], standing[:, wide], body, margin)
+    areas, presence = averaged_polygons(lines, frame_rate)
     masses = mass_path(positions[wide], body)
     displacement = presence[:, None] * np.nan_to_num(nearest_within(areas, masses[:, :2]) - masses[:, :2])
     masses[:, :2] += _around(displacement, MASS_PATH_SMOOTHING, frame_rate) / _around(
