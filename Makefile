@@ -7,9 +7,9 @@ STUDIO = .venv/bin/python main.py
 # The tests for `make check`, about a minute with lint and types beside them; `make test` runs every one.
 FAST = tests/architecture tests/document tests/panels tests/timeline
 
-# `make test` runs the tests in jobs of some minutes, as many at once as there are processors. Those that take longest
-# come first, so that no processor waits long for the others in the end.
-JOBS = gui monkey core live files rest
+# `make test` runs the tests in jobs of some minutes, one more at once than there are processors, because tests wait for
+# timers and other processes. Those that take longest come first, so that no processor is idle for long in the end.
+JOBS = gui monkey core rest files live
 tests_gui = tests/gui
 tests_monkey = tests/monkey
 tests_core = tests/core
@@ -17,7 +17,7 @@ tests_live = tests/real tests/live tests/engine
 tests_files = tests/io tests/library tests/examples tests/document
 tests_rest = $(filter-out $(foreach job,$(filter-out rest,$(JOBS)),$(tests_$(job))),$(FOLDERS))
 FOLDERS = $(patsubst %/,%,$(sort $(dir $(wildcard tests/*/test_*.py))))
-PROCESSORS = $(shell getconf _NPROCESSORS_ONLN)
+AT_ONCE = $(shell expr $$(getconf _NPROCESSORS_ONLN) + 1)
 
 # Lines of jobs that run at once are shown as they come, each with the name of its job.
 shown = ($(1)) 2>&1 | while IFS= read -r line; do echo "$@: $$line"; done
@@ -35,7 +35,7 @@ check: .venv/.ready-to-test
 
 test: .venv/.ready-to-test
 	@$(MAKE) --no-print-directory --jobs 2 kernels lint
-	@$(MAKE) --no-print-directory --jobs $(PROCESSORS) $(JOBS)
+	@$(MAKE) --no-print-directory --jobs $(AT_ONCE) $(JOBS)
 
 kernels: .venv/.ready-to-test
 	@$(call shown,.venv/bin/python -m tests.compile_kernels)

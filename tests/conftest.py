@@ -9,14 +9,17 @@ from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
 
+import platformdirs
 import pytest
 from hypothesis import settings
 
 from studio.startup.process import has_display, prepare_process
 from tests.captures import CAPTURES, missing
 
-# A cold compile takes many seconds, so kernels outlive the run: their folder is named before the others move.
+# A cold compile takes many seconds, so kernels outlive the run: their folder is named before the others move. So
+# does the list of fonts that matplotlib makes when it is imported first.
 prepare_process()
+os.environ.setdefault("MPLCONFIGDIR", platformdirs.user_cache_dir("matplotlib", appauthor=False))
 
 _folders = tempfile.TemporaryDirectory(prefix="morpho-studio-tests-")
 atexit.register(_folders.cleanup)

@@ -17,6 +17,7 @@ from studio.core.errors import StudioError
 from studio.core.mesh.character import Character
 from studio.core.names import free_name
 from studio.core.stage.project import Performer
+from studio.core.stage.staging import end_of_row
 from studio.document import colours
 from studio.document.document import Document
 from studio.io.figure.body import remapped
@@ -24,8 +25,8 @@ from studio.io.importing import GUESS_ALL, load_character
 from studio.io.project.character_file import actor_character
 from studio.io.registry import Progress, ReadCharacter, known_formats
 
-PERFORMER_SPACING, ARM_ROOM = 1.2, 0.6
-"""Metres from the outermost performer to a new one, and for the arms between their trunks and heads, at least."""
+ARM_ROOM = 0.6
+"""Metres for the arms between the trunks and heads of two neighbours."""
 
 
 def import_character(bench: Workbench, path: Path) -> int:
@@ -109,15 +110,15 @@ def put_character(document: Document, character: Character, text: str) -> str:
     taken = {each.name for each in project.characters.values()} | {each.name for each in project.performers.values()}
     character = replace(character, name=free_name(character.name, taken))
     active = project.performers.get(document.active_performer_id or "")
-    outermost = max(project.performers.values(), key=lambda other: other.position[1], default=None)
-    side = 0.0
-    if outermost is not None:
-        breadths = _half_breadth(project.characters[outermost.character_id]) + _half_breadth(character)
-        side = outermost.position[1] + max(PERFORMER_SPACING, breadths + ARM_ROOM)
+    room = ARM_ROOM + _half_breadth(character)
+    gaps = {
+        key: room + _half_breadth(project.characters[each.character_id]) for key, each in project.performers.items()
+    }
+    position = end_of_row(project.performers, gaps)
     with document.group(text):
         character_id = document.add("characters", character, text)
         clips = active.clips if active else ()
-        performer = Performer(character.name, character_id, clips, (0.0, side))
+        performer = Performer(character.name, character_id, clips, position)
         performer_id = document.add("performers", performer, text)
     document.selection.set(("performers", performer_id))
     return performer_id

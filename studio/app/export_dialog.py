@@ -133,9 +133,10 @@ class ExportDialog(QDialog):
         column = QVBoxLayout(self)
         column.setContentsMargins(8, 0, 12, 12)
         column.setSpacing(16)
+        column.setSizeConstraint(QVBoxLayout.SizeConstraint.SetFixedSize)  # as tall as the options of the format
         column.addWidget(self._rows)
         column.addWidget(buttons)
-        self.setMinimumWidth(EXPORT_DIALOG_WIDTH)
+        self._rows.setMinimumWidth(EXPORT_DIALOG_WIDTH)
         self.what.value_chosen.connect(self._show_kinds)
         self.kind.value_chosen.connect(self._show_options)
         self._show_kinds(self.what.value)

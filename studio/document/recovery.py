@@ -6,6 +6,7 @@ from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -166,7 +167,7 @@ def _session(file: Path) -> Session | None:
                 file,
                 facts.get("document") or _document_of(file),
                 Path(path) if path else None,
-                written - (saved[0] if saved else 0),
+                _edits_since(connection, saved[0] if saved else 0) + written - (last[0] if last else 0),
                 _begun(facts.get("started"), begun),
                 facts.get("ended") == "declined",
                 written,
@@ -176,6 +177,14 @@ def _session(file: Path) -> Session | None:
         return Session(
             file, _document_of(file), None, counted, begun, False, counted, str(error) or type(error).__name__
         )
+
+
+def _edits_since(connection: sqlite3.Connection, number: int) -> int:
+    """Edits after step ``number`` as the user counts them: all steps of one gesture are one."""
+    gestures = [
+        row[0] for row in connection.execute("SELECT gesture FROM steps WHERE number > ? ORDER BY number", (number,))
+    ]
+    return sum(here is None or here != before for before, here in pairwise([None, *gestures]))
 
 
 def _counted(file: Path) -> int:

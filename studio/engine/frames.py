@@ -44,7 +44,7 @@ how many frames cost what it costs to join one more clip, or one more time that 
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Row of a performer's motion solved for ``project``; ``asked_at`` as in ``Live.asked_at``."""
+    """Solved frame of one performer: ``row`` of ``motion``, for ``project``; ``asked_at`` as in ``Live.asked_at``."""
 
     project: Project
     wanted: BodyRequest

@@ -158,7 +158,4 @@ class TargetContext:
         area: FloatArray = corners(outlines(motion.positions[row], motion.rotations[row], stands, motion.morphology))[0]
         if np.isnan(area).any():
             return None
-        if composite is None or composite.is_plain:
-            return area
-        corners_there = self.pose.placement.to_stage(np.column_stack([area, np.zeros(len(area))]))
-        return np.asarray(self.pose.clip_placement.to_motion(corners_there)[:, :2])
+        return self.pose.points_in_clip(np.column_stack([area, np.zeros(len(area))]))[:, :2]

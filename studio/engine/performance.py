@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from studio.core.body.canonical import BodyPart
 from studio.core.body.rest_pose import rest_pose
 from studio.core.curves.activation import EaseShape, ease
 from studio.core.normalized.pieces import Played
@@ -133,6 +134,19 @@ class Posed:
             return self.placement
         x, y = played.placement.offset
         return self.placement.around(Placement((leg * x, leg * y), played.placement.turn))
+
+    def points_in_clip(self, points: ArrayLike) -> FloatArray:
+        """Points (..., 3) of the performer's motion in the space of the playing clip, that of its constraints."""
+        if self.clip_placement == self.placement:
+            return np.asarray(points)
+        return self.clip_placement.to_motion(self.placement.to_stage(points))
+
+    def rotation_in_clip(self, part: BodyPart) -> FloatArray:
+        """Rotation (3, 3) of a segment in the space of the playing clip."""
+        rotation: FloatArray = self.motion.rotations[self.row, self.motion.morphology.layout.segment(part)]
+        if self.clip_placement == self.placement:
+            return rotation
+        return np.asarray(self.clip_placement.rotation.T @ self.placement.rotation @ rotation)
 
     @property
     def motion_id(self) -> str | None:

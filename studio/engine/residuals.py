@@ -16,6 +16,7 @@ from studio.core.curves.activation import FULLY_ACTIVE
 from studio.core.project_cache import project_cache
 from studio.core.solver.performers.stage import asked_of
 from studio.core.solver.request import AdaptedMotion
+from studio.core.stage.clip import Clip
 from studio.core.stage.project import Project
 from studio.engine.live_interface import Live
 from studio.engine.residual_measures import LENGTH_MEASURE, Measure, measure_of
@@ -68,6 +69,11 @@ class ConstraintResiduals:
     first_frame: int
     frame_rate: float
     amounts: FloatArray
+
+    @property
+    def frames(self) -> NDArray[np.int64]:
+        """(F,) frames of the motion."""
+        return self.first_frame + np.arange(len(self.amounts))
 
 
 def residuals_on(
@@ -129,12 +135,14 @@ def worst_residual(
     if missed is None:
         return None
     constraint = project.constraints[constraint_id]
-    frames = missed.first_frame + np.arange(len(missed.amounts))
-    clips = [each for each in project.performers[performer_id].clips if each.motion_id == constraint.motion_id]
+    frames = missed.frames
+    clips = _clips_with(project, performer_id, constraint)
     played = np.any([(frames >= clip.first) & (frames <= clip.last) for clip in clips], axis=0)
     asked = np.where(played, missed.amounts, np.nan)
-    contacts = tuple(project.contacts_for(performer_id, clips[0]).values())
-    full = np.where(_activation(contacts, constraint, frames, missed.frame_rate) >= FULLY_ACTIVE, asked, np.nan)
+    activation = constraint.activation.at(frames / missed.frame_rate) * freedom_from_contacts(
+        project, performer_id, constraint, missed
+    )
+    full = np.where(activation >= FULLY_ACTIVE, asked, np.nan)
     fully_active = bool(np.isfinite(full).any())
     counted = full if fully_active else asked
     if not np.isfinite(counted).any():
@@ -143,12 +151,17 @@ def worst_residual(
     return Residual(float(counted[place]), int(frames[place]), fully_active, measure_of(constraint))
 
 
-def _activation(
-    contacts: tuple[ContactInterval, ...], constraint: Constraint, frames: NDArray[np.int64], frame_rate: float
+def freedom_from_contacts(
+    project: Project, performer_id: str, constraint: Constraint, missed: ConstraintResiduals
 ) -> FloatArray:
-    """Activation of the constraint, (F,): its curve, reduced where a contact holds its limb."""
-    free = _freedom(contacts, constraint.point.part, int(frames[-1]) + 1, frame_rate)
-    return np.asarray(constraint.activation.at(frames / frame_rate) * free[frames])
+    """Factor (F,) of the constraint's activation: 0 in frames in which a contact holds its limb, 1 without one."""
+    clip, frames = _clips_with(project, performer_id, constraint)[0], missed.frames
+    contacts = tuple(project.contacts_for(performer_id, clip).values())
+    return _freedom(contacts, constraint.point.part, int(frames[-1]) + 1, missed.frame_rate)[frames]
+
+
+def _clips_with(project: Project, performer_id: str, constraint: Constraint) -> list[Clip]:
+    return [each for each in project.performers[performer_id].clips if each.motion_id == constraint.motion_id]
 
 
 @project_cache(maxsize=64)

@@ -35,6 +35,8 @@ _RARE = ("inch", "foot", "cmu")
 """Units that only a usual adult makes plausible."""
 _ADULT_SLENDER = 1.4
 """Length of an adult's legs in that of its trunk, from hips to shoulders, at least; a toddler's are 1.0 to 1.3."""
+_USUAL_LEGS = (0.35, 1.15)
+"""Metres of the legs of most people: a unit that makes others is likely at most."""
 _FARTHER = 0.35, 0.7
 """Logarithms of the ratio by which the legs in the second best unit are farther from a usual adult's, from which the
 best one is likely, and sure."""
@@ -50,8 +52,8 @@ SOLE_THICKNESS = 0.02
 """Metres of foot usual below its lowest joint."""
 _CALIBRATED = 0.035
 """Up to this height the lowest joints of the feet speak for a floor at zero: they lie inside the foot."""
-_STEP = 0.12
-"""Metres by which one level that is stood on lies above another at least."""
+_STEP = 0.14
+"""Parts of a leg's length by which one level that is stood on lies above another at least."""
 _RESTING, _REST, _SHOWN = 0.25, 0.08, 4
 """Metres a second of a foot that stands, seconds for which it does, and levels that a sentence names."""
 _LONGEST_SNAP = 0.1
@@ -132,7 +134,8 @@ def guess_unit(leg: float, trunk: float | None = None) -> tuple[Scale, Guess]:
     if len(fits) < len(units):
         reason += " They are as short beside the trunk as a small child's."
     confidence = Confidence.of(unlike(fits[1]) - unlike(fits[0]), *_FARTHER) if len(fits) > 1 else Confidence.SURE
-    if confidence is Confidence.SURE and ((fits[0] in _RARE and len(fits) > 1) or len(fits) < len(units)):
+    usual = _USUAL_LEGS[0] <= leg * METRES_PER_UNIT[fits[0]] <= _USUAL_LEGS[1]
+    if confidence is Confidence.SURE and ((fits[0] in _RARE and len(fits) > 1) or len(fits) < len(units) or not usual):
         confidence = Confidence.LIKELY
     return Scale(fits[0], METRES_PER_UNIT[fits[0]]), Guess("unit", fits[0], reason, confidence)
 
@@ -208,10 +211,11 @@ def guess_floor(skeleton: Skeleton, positions: FloatArray, body_map: BodyMap, fr
     lowest = positions[:, sorted(feet | below), 2].min(axis=1)
     usual = height = float(np.percentile(lowest, 10))
     ankle = float(np.percentile(positions[:, sorted(feet), 2].min(axis=1), 10))
-    rests = _rests([positions[:, [foot, *skeleton.descendants(foot)]] for foot in sorted(feet)], frame_rate)
-    levels = _levels(rests)
+    step = _STEP * (leg_and_trunk(positions, body_map)[0] or _USUAL_LEG)
+    rests = _rests([positions[:, [foot, *skeleton.descendants(foot)]] for foot in sorted(feet)], frame_rate, step)
+    levels = _levels(rests, step)
     reason = "The feet are lowest there in a tenth of the frames."
-    if levels and levels[0] < usual - _STEP:
+    if levels and levels[0] < usual - step:
         height = levels[0]
         reason = f"The feet stand at {height:.3f} m at the lowest."
     toes = ankle - usual >= 0.01
@@ -229,14 +233,14 @@ def guess_floor(skeleton: Skeleton, positions: FloatArray, body_map: BodyMap, fr
         reason += (
             f" The take also stands {over} m above it, as on steps; its feet keep those heights over level ground."
         )
-    standing = [rest for rest in rests if rest < levels[0] + _STEP]
+    standing = [rest for rest in rests if rest < levels[0] + step]
     scatter = float(np.ptp(np.percentile(standing, [10, 90]))) if len(standing) > 1 else np.inf
     confidence = Confidence.of(-scatter, *(-most for most in _SCATTERED))
     return Guess("floor", f"{height:.4f} m", reason, confidence)
 
 
-def _rests(feet: list[FloatArray], frame_rate: float) -> list[float]:
-    """Sorted heights at which one of ``feet`` (F, n, 3) rests alone or with the other."""
+def _rests(feet: list[FloatArray], frame_rate: float, step: float) -> list[float]:
+    """Sorted heights at which one of ``feet`` (F, n, 3) rests alone or with the other, no ``step`` above it."""
     rests = []
     lowest = np.min([joints[1:, :, 2].min(axis=1) for joints in feet], axis=0)
     for joints in feet:
@@ -244,15 +248,15 @@ def _rests(feet: list[FloatArray], frame_rate: float) -> list[float]:
         height = joints[1:, :, 2].min(axis=1)
         for first, past in runs_of(moved * frame_rate < _RESTING):
             level = float(np.median(height[first:past]))
-            if np.count_nonzero(lowest[first:past] > level - _STEP / 2.0) >= max(2.0, _REST * frame_rate):
+            if np.count_nonzero(lowest[first:past] > level - step / 2.0) >= max(2.0, _REST * frame_rate):
                 rests.append(level)
     return sorted(rests)
 
 
-def _levels(rests: list[float]) -> list[float]:
-    """First of ``rests``, in order, and each that is a step above the level before it."""
+def _levels(rests: list[float], step: float) -> list[float]:
+    """First of ``rests``, in order, and each that is a ``step`` above the level before it."""
     levels: list[float] = []
     for level in rests:
-        if not levels or level > levels[-1] + _STEP:
+        if not levels or level > levels[-1] + step:
             levels.append(level)
     return levels

@@ -42,12 +42,18 @@ def parted(line: str) -> str:
     return _GLUED.sub(" ", line)
 
 
+def parted_after_decimals(line: str) -> str:
+    """Line with a blank after every number, if all have as many decimals as the last one; else unchanged."""
+    words = re.findall(rf"[+-]?\d*\.\d{{{len(line.rstrip().rpartition('.')[2])}}}", line, re.ASCII)
+    return " ".join(words) if "".join(words) == "".join(line.split()) else line
+
+
 def glued_words(name: str, lines: list[int]) -> list[str]:
-    """Sentence about the repair by ``parted``, if there is one."""
+    """Sentence about the separation of glued numbers, if there is one."""
     if not lines:
         return []
     more = f", as on {len(lines) - 1} more lines" if len(lines) > 1 else ""
-    return [f"{name}, line {lines[0]}: numbers stand there without a blank{more}; they were parted before the sign."]
+    return [f"{name}, line {lines[0]}: numbers stand there without a blank{more}; they were parted."]
 
 
 def filled_in_time(course: NDArray[np.float64], period: float | None = None) -> NDArray[np.float64]:

@@ -22,6 +22,8 @@ _PAGE = re.compile(
     re.DOTALL | re.IGNORECASE,
 )
 """A page of the web, or the sentence of a server that has no such file."""
+_NOTHING = b"\0 \t\r\n\f\v\x1a"
+"""Bytes that are no content."""
 
 _ARCHIVES = {
     "ZIP": b"PK\x03\x04",
@@ -56,6 +58,8 @@ def refuse_stand_in(name: str, head: bytes) -> None:
         raise StudioError(f"{name} is a web page, not the file itself. Download the file again, not the page about it.")
     if not head:
         raise StudioError(f"{name} is empty. Copy or export it again.")
+    if not head.strip(_NOTHING):
+        raise StudioError(f"{name} is empty: it begins with nothing but blanks or zeros. Copy or export it again.")
 
 
 def refuse_devices(path: Path) -> None:

@@ -100,7 +100,7 @@ class CatalogueClip:
     path: HitPath
 
     def fits(self, take: LibraryTake) -> bool:
-        """True if its frames are frames of its take."""
+        """True if the frames of the clip lie within ``take``."""
         return max(self.label.last, self.path.last) < take.motion.frame_count
 
 

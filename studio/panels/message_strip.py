@@ -14,7 +14,7 @@ Answer = tuple[str, Callable[[], object]]
 
 
 class Lifetime(IntEnum):
-    """Event that removes a message at the latest; each event includes those above it."""
+    """Latest event that removes a message; a message also ends at every event of a smaller value."""
 
     CLOSED = 0
     """The user closes it, or another message comes."""

@@ -75,7 +75,9 @@ class PerformerEditor(Editor[Performer]):
         self.finish()
 
     def concerns(self, collection: str, entity_id: str) -> bool:
-        """True also for characters: the form shows the performer's, and those that may replace it."""
+        """True if the form has to be refreshed for a change of this entity: its performer, or any character, since
+        characters fill its list.
+        """
         return super().concerns(collection, entity_id) or collection == "characters"
 
     def refresh(self) -> None:

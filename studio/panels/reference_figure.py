@@ -1,4 +1,4 @@
-"""Reference pose of a capture as interpreted by the studio: from the front and from its left, with both sides named."""
+"""Reference pose of a capture as interpreted: from the front and from its left, with sides, front and up named."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +51,8 @@ class ReferenceFigure(QWidget):
                 self._paint_view(painter, across, box)
                 painter.setPen(QColor(colours.TEXT_SECOND))
                 painter.drawText(box, Qt.AlignmentFlag.AlignBottom | Qt.AlignmentFlag.AlignHCenter, caption)
+                if not number:
+                    painter.drawText(box.adjusted(6.0, 0.0, -6.0, 0.0), Qt.AlignmentFlag.AlignVCenter, "↑ Up")
                 for text, side in zip(sides, (Qt.AlignmentFlag.AlignLeft, Qt.AlignmentFlag.AlignRight), strict=True):
                     painter.drawText(box.adjusted(6.0, 0.0, -6.0, 0.0), Qt.AlignmentFlag.AlignTop | side, text)
 
@@ -62,6 +64,8 @@ class ReferenceFigure(QWidget):
         middle = 0.5 * (across.min() + across.max())
         xs = box.center().x() + scale * (across - middle)
         ys = box.bottom() - _MARGIN - _CAPTION - scale * (heights - heights.min())
+        painter.setPen(QColor(colours.TEXT_SECOND))
+        painter.drawLine(QPointF(box.left() + _MARGIN, ys.max()), QPointF(box.right() - _MARGIN, ys.max()))
         for colour, joints in self._chains:
             painter.setPen(QPen(QColor(colour), _WIDTH, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
             painter.drawPolyline([QPointF(float(xs[joint]), float(ys[joint])) for joint in joints])

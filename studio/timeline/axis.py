@@ -54,16 +54,15 @@ class TimeAxis(QObject):
             self.left, self.width = left, max(width, 1.0)
             self._settle()
 
-    def set_extent(self, begin: float, end: float, frame_rate: float) -> None:
+    def set_extent(self, begin: float, end: float, frame_rate: float, keeps_scale: bool = False) -> None:
         """Set the extent from ``begin`` to ``end`` seconds, in frames of ``frame_rate``.
 
-        A fitted view is fitted again if the extent has grown; if it has shrunk, the scale is kept, so that a trim moves
-        nothing.
+        A fitted view is fitted again; one that ``keeps_scale``, as during a trim, only if the extent has grown.
         """
         end = max(end, begin + 1.0 / frame_rate)
         if (begin, end, frame_rate) != (self.begin, self.end, self.frame_rate):
             self.begin, self.end, self.frame_rate = begin, end, frame_rate
-            self._settle(min(self.scale, self._whole) if self._fitted else None)
+            self._settle(min(self.scale, self._whole) if keeps_scale else None)
 
     def fit(self) -> None:
         """Show everything."""

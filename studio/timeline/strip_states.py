@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
 from studio.engine.residual_measures import LENGTH_MEASURE, Measure, measure_of
-from studio.engine.residuals import residuals_on
+from studio.engine.residuals import freedom_from_contacts, residuals_on
 
 
 class StripState(StrEnum):
@@ -82,9 +82,12 @@ def strip_of(project: Project, performer_id: str, result: AdaptedMotion | None, 
     missed = residuals_on(project, performer_id, result, constraint_id)
     if missed is None:
         return None
-    times = (missed.first_frame + np.arange(len(missed.amounts))) / missed.frame_rate
     constraint = project.constraints[constraint_id]
-    return Strip(missed.first_frame, missed.amounts, constraint.activation.at(times), measure_of(constraint))
+    activation = constraint.activation.at(missed.frames / missed.frame_rate)
+    held = freedom_from_contacts(project, performer_id, constraint, missed) < 1.0
+    # A clip that is cut within a fade does without the constraint, and frames that are not played do.
+    activation = np.where(np.isfinite(missed.amounts) | held, activation, 0.0)
+    return Strip(missed.first_frame, missed.amounts, activation, measure_of(constraint))
 
 
 def strip_heights(errors: NDArray[np.float64], most: int, measure: Measure = LENGTH_MEASURE) -> NDArray[np.int64]:

@@ -12,16 +12,16 @@ from studio.timeline.sheet import TimelineLayout
 from studio.timeline.shown import ItemPart
 from studio.timeline.strip_states import StripState
 from studio.timeline.track_canvas import TrackCanvas
-from studio.timeline.tracks import constraint, contacts, labels
+from studio.timeline.tracks import constraint, contacts
 from studio.timeline.tracks.error_strip import PITCH
 from studio.timeline.transport import Transport
 
 
 class Timeline(QWidget):
-    """Lower third of the window.
+    """Ruler, rows and curve plot below the 3D view.
 
-    Positions are in pixels of ``tracks``, the widget with the rows. ``told`` is emitted with a text about the part
-    under the mouse, for the status line.
+    Positions are in pixels of ``tracks``, the widget with the rows. ``message_posted`` is emitted with a text about the
+    item under the mouse, for the status line.
     """
 
     message_posted = Signal(str)
@@ -78,11 +78,6 @@ class Timeline(QWidget):
         contact = sheet.shown.project.contacts[contact_id]
         row = self.row_rect("lane", contacts.row_of(contact.point))
         return contacts.contact_bar(sheet.shown, row, contact).toRect()
-
-    def label_rect(self, label_id: str) -> QRect:
-        """Rectangle of a label's flag."""
-        sheet = self._sheet()
-        return labels.flag_area(sheet.shown, self.row_rect("labels"), sheet.shown.project.labels[label_id]).toRect()
 
     def strip_point(self, constraint_id: str, performer_id: str, frame: int) -> QPoint:
         """Pixel of a body's strip at a frame of the motion."""

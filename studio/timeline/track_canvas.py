@@ -35,7 +35,7 @@ from studio.timeline.shown import ROW_LABEL_WIDTH, Hit, ItemPart
 from studio.timeline.snapping import snapped
 from studio.timeline.time_words import moment
 from studio.timeline.track_view import TrackView
-from studio.timeline.tracks.labels import flag_area
+from studio.timeline.tracks.labels import flags
 from studio.timeline.tracks.value_curves import HandleRef, plot_area
 
 DRAG_BEGINS = 3
@@ -368,7 +368,7 @@ class TrackCanvas(TrackView):
             if now is not None:
                 self.document.replace("labels", label_id, replace(now, name=name), f"Rename label {now.name}")
 
-        area = flag_area(self.sheet.shown, self.sheet.rect(row), label)
+        area = flags(self.sheet.shown, self.sheet.rect(row))[label_id].area
         NameField(self, area.toRect(), label.name, take)
 
     def _show_menu(self, position: QPointF, place: QPoint) -> None:

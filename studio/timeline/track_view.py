@@ -57,6 +57,8 @@ class TrackView(QWidget):
         self._progress = ("", 0.0)
         self._remarked: tuple[Capture, tuple[Remark, ...]] | None = None
         self._playhead_area = QRect()
+        self._played: set[str] = set()
+        """Motions on the stage when rows were laid out last."""
         self.scroll_bar = QScrollBar(Qt.Orientation.Vertical, self)
         self.scroll_bar.setAccessibleName("Scroll the timeline's rows")
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
@@ -141,7 +143,10 @@ class TrackView(QWidget):
         with QSignalBlocker(self.axis):
             self.axis.place(ROW_LABEL_WIDTH, self.width() - ROW_LABEL_WIDTH - RIGHT_MARGIN)
             if self.gesture is None:  # time does not move under a hand that drags in it
-                self.axis.set_extent(0.0, stage_extent(self.document.project), self.document.playhead.frame_rate)
+                project, playhead = self.document.project, self.document.playhead
+                played = {clip.motion_id for each in project.performers.values() for clip in each.clips}
+                self.axis.set_extent(0.0, stage_extent(project), playhead.frame_rate, played == self._played)
+                self._played = played
         self.fields.setGeometry(0, self.sheet.plot.top() + 44, ROW_LABEL_WIDTH, FIELDS_HEIGHT)
         self.fields.setVisible(self.editing and self.sheet.plot.height() > 44 + FIELDS_HEIGHT)
         self._redraw_all()

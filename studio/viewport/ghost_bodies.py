@@ -42,7 +42,7 @@ class GhostBody:
 
 
 class GhostBodies:
-    """Ghosts of each ``sync``; meshes are reused."""
+    """Ghosts in the 3D view; ``sync`` updates them and reuses their meshes."""
 
     def __init__(self, add: Callable[[pv.Actor], None], remove: Callable[[pv.Actor], None]) -> None:
         self._add, self._remove = add, remove

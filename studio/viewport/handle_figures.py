@@ -149,7 +149,8 @@ def balance_figure(constraint: BalanceConstraint, pose: Posed, floor: float) -> 
 
 def clear_figure(constraint: ClearConstraint, pose: Posed, floor: float) -> HandleShape:
     """Capsules that the arms avoid."""
-    return HandleShape(lines=tuple(capsule_lines(pose.motion, pose.row)), only_chosen=True)
+    lines = tuple(pose.points_in_clip(each) for each in capsule_lines(pose.motion, pose.row))
+    return HandleShape(lines=lines, only_chosen=True)
 
 
 def area_figure(constraint: AreaConstraint, pose: Posed, floor: float) -> HandleShape:
@@ -212,13 +213,11 @@ _SHAPES: dict[AreaShape, Callable[[FloatArray], Shape]] = {
 
 
 def _point(pose: Posed, point: BodyPoint) -> FloatArray:
-    place: FloatArray = point_path(pose.motion, point, slice(pose.row, pose.row + 1))[0]
-    return place
+    return pose.points_in_clip(point_path(pose.motion, point, slice(pose.row, pose.row + 1))[0])
 
 
 def _turn(pose: Posed, point: BodyPoint) -> FloatArray:
-    motion = pose.motion
-    return np.asarray(motion.rotations[pose.row, motion.morphology.layout.segment(point.part)])
+    return pose.rotation_in_clip(point.part)
 
 
 def _allowed(constraint: AreaConstraint, place: FloatArray) -> FloatArray:
@@ -234,7 +233,7 @@ def _mass(pose: Posed) -> FloatArray:
 
     row = slice(pose.row, pose.row + 1)
     centre: FloatArray = centre_of_mass(replace(pose.motion, positions=pose.motion.positions[row]))[0]
-    return centre
+    return pose.points_in_clip(centre)
 
 
 def _length(link: FloatArray) -> float:

@@ -83,21 +83,11 @@ class NewConstraintContext:
 
     def place(self, point: BodyPoint) -> FloatArray:
         """(3,) position of a point of the body, in the space of the motion."""
-        return self._of_motion(point_path(self.pose.motion, point, slice(self.pose.row, self.pose.row + 1))[0])
-
-    def _of_motion(self, place: FloatArray) -> FloatArray:
-        """Position in the space of the playing clip's motion, from one in that of the row's."""
-        if self.pose.clip_placement == self.pose.placement:
-            return place
-        return self.pose.clip_placement.to_motion(self.pose.placement.to_stage(place))
+        return self.pose.points_in_clip(point_path(self.pose.motion, point, slice(self.pose.row, self.pose.row + 1))[0])
 
     def turn(self, part: BodyPart) -> FloatArray:
         """(3, 3) rotation of a segment, in the space of the motion."""
-        motion = self.pose.motion
-        turn = motion.rotations[self.pose.row, motion.morphology.layout.segment(part)]
-        if self.pose.clip_placement == self.pose.placement:
-            return np.asarray(turn)
-        return np.asarray(self.pose.clip_placement.rotation.T @ self.pose.placement.rotation @ turn)
+        return self.pose.rotation_in_clip(part)
 
     @cached_property
     def span(self) -> tuple[float, float]:

@@ -85,7 +85,7 @@ class RecordedBy:
 
 
 class RecordingView:
-    """Choice of the shown recording, with a cache of its data."""
+    """Shown optical recording (markers and force plates), with a cache of its data."""
 
     def __init__(self, changed: Callable[[], object]) -> None:
         """``changed`` is called when the view has to be drawn again."""
@@ -140,7 +140,7 @@ def recorded_of(document: Document, pose: Posed | None) -> Capture | None:
 
 
 def _pushes(trial: Trial, place: int) -> tuple[FloatArray, FloatArray] | None:
-    """Centre of pressure and ground reaction force in newtons of a plate; None if the file has another unit."""
+    """Centre of pressure and ground reaction force in newtons of a plate; None if they are not in the file."""
     plate = trial.plates[place]
-    newtons = trial.analog.units[plate.channels[0]].lower().startswith("n")
+    newtons = plate.channels and trial.analog.units[plate.channels[0]].lower().startswith("n")
     return plate_reactions(trial, plate) if newtons and len(trial.analog.samples) else None

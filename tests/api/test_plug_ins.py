@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QPushButton
 
 from studio.app.application import make_application, make_window
 from studio.app.settings import Settings
+from studio.cli.main import main
 from studio.core.constraints import kinds
 from studio.core.constraints.position import PositionConstraint
 from studio.core.quality import motion_measures
@@ -57,19 +58,26 @@ def open_window(qtbot, tmp_path):
     QTest.qWait(0)
 
 
-def _run(site: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+def _run(site: Path, *command: str) -> str:
+    """Output of a program with the example package beside it; its exit code has to be 0."""
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join((str(site), str(ROOT)))}
-    command = [sys.executable, str(ROOT / "main.py"), *arguments]
-    return subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-
-
-def test_a_verb_of_a_package_is_run_and_listed(site: Path) -> None:
-    done = _run(site, "contacts", str(WALK), "--at-least", "0.2")
+    done = subprocess.run([sys.executable, *command], env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert "left heel: " in done.stdout
-    assert "contacts" in (listed := _run(site, "--help").stdout)
-    assert "added by morpho-studio-example-plug-ins" in listed
-    assert "--at-least SECONDS" in _run(site, "contacts", "--help").stdout
+    return done.stdout
+
+
+def test_a_verb_of_a_package_is_run_and_listed(site: Path, registered, capsys) -> None:
+    assert "left heel: " in _run(site, str(ROOT / "main.py"), "contacts", str(WALK), "--at-least", "0.2")
+    for words, expected in (
+        (["--help"], "added by morpho-studio-example-plug-ins"),
+        (["contacts", "--help"], "--at-least SECONDS"),
+    ):
+        with pytest.raises(SystemExit) as end:
+            main(words)
+        assert end.value.code == 0
+        listed = capsys.readouterr().out
+        assert "contacts" in listed
+        assert expected in listed
 
 
 def test_a_panel_of_a_package_edits_the_open_project_by_undo_steps(site: Path, open_window, monkeypatch) -> None:
@@ -92,8 +100,6 @@ def _action(window, text: str):
 
 
 def test_plug_ins_that_fail_are_told_and_the_studio_starts(open_window, monkeypatch, capsys) -> None:
-    from studio.cli.main import main
-
     values = {"gone": "no_such_module:X", "wrong": "studio.core.errors:StudioError"}
     monkeypatch.setattr(
         plug_ins,
@@ -135,34 +141,6 @@ print(json.dumps({"away": away.max(), "before": np.abs(before[full, 2] - height)
 """
 
 
-def test_a_kind_of_constraint_and_a_measure_of_a_package_are_solved_saved_and_reported(
-    site: Path, tmp_path: Path
-) -> None:
-    script, saved = tmp_path / "height.py", tmp_path / "height.studio"
-    script.write_text(HEIGHT_SCRIPT)
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join((str(site), str(ROOT)))}
-    command = [sys.executable, str(script), str(WALK), str(saved)]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    found = json.loads(done.stdout.splitlines()[-1])
-    assert found["away"] < 2e-4 < 0.01 < found["before"]
-    assert found["told"] == pytest.approx(found["away"], abs=1e-6)
-    assert found["same"]
-    assert found["measures"]["Hand speed"]["unit"] == "m/s"
-    assert 0.1 < found["measures"]["Hand speed"]["mean"] < found["measures"]["Hand speed"]["greatest"] < 20.0
-
-    opened = read_project(saved)
-    assert not opened.problems
-    assert not opened.project.constraints
-    assert "'Level hand'" in " ".join(opened.remarks)
-    write_project(saved, opened.project, "document")
-    script.write_text(
-        "import sys; from studio import api; print(*api.open_scene(sys.argv[2]).project.constraints.values())"
-    )
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-    assert "HeightConstraint(" in done.stdout, done.stderr
-
-
 @pytest.fixture
 def registered(site: Path, monkeypatch):
     """Registers what the example adds, and takes it away again."""
@@ -178,6 +156,28 @@ def registered(site: Path, monkeypatch):
     for each, was in zip(known, before, strict=True):
         each.clear()
         each.update(was)
+
+
+def test_a_kind_of_constraint_and_a_measure_of_a_package_are_solved_saved_and_reported(
+    site: Path, tmp_path: Path, request
+) -> None:
+    script, saved = tmp_path / "height.py", tmp_path / "height.studio"
+    script.write_text(HEIGHT_SCRIPT)
+    found = json.loads(_run(site, str(script), str(WALK), str(saved)).splitlines()[-1])
+    assert found["away"] < 2e-4 < 0.01 < found["before"]
+    assert found["told"] == pytest.approx(found["away"], abs=1e-6)
+    assert found["same"]
+    assert found["measures"]["Hand speed"]["unit"] == "m/s"
+    assert 0.1 < found["measures"]["Hand speed"]["mean"] < found["measures"]["Hand speed"]["greatest"] < 20.0
+
+    opened = read_project(saved)
+    assert not opened.problems
+    assert not opened.project.constraints
+    assert "'Level hand'" in " ".join(opened.remarks)
+    write_project(saved, opened.project, "document")
+    request.getfixturevalue("registered")
+    [constraint] = read_project(saved).project.constraints.values()
+    assert type(constraint).__name__ == "HeightConstraint"
 
 
 def test_a_kind_of_a_package_has_its_form_and_a_measure_can_be_plotted(registered) -> None:

@@ -53,9 +53,15 @@ def imported_by(file):
     return {name.split(".")[0] for name in found} - sys.stdlib_module_names
 
 
+@cache
+def installed():
+    """Distributions of each package that is installed; they are found by reading the lists of all files."""
+    return packages_distributions()
+
+
 def distributions_of(packages):
     """The distribution of each package, or the package's own name where it is not installed."""
-    known = packages_distributions()
+    known = installed()
     by_import = {name: distribution for distribution, name in IMPORT_NAMES.items()}
     return {
         BROUGHT_ALONG.get(name, by_import.get(name, known.get(name, [name])[0].lower().replace("_", "-")))

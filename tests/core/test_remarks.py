@@ -146,15 +146,19 @@ def test_a_take_that_hovers_is_told(walk: Capture) -> None:
     assert [remark.spans for remark in remarks_on(walk.with_floor(walk.floor - 0.3))] == [()]
 
 
-def test_a_giant_and_limbs_that_are_no_pair_are_told(walk: Capture) -> None:
-    assert walk.body_map is not None
+@pytest.mark.parametrize("scale", [0.35, 1.5])
+def test_a_dwarf_and_a_giant_are_told(walk: Capture, scale: float) -> None:
     skeleton, poses = walk.skeleton, walk.poses
-    tall = replace(
+    other = replace(
         walk,
-        skeleton=Skeleton(skeleton.names, skeleton.parents, 1.5 * skeleton.offsets, skeleton.end_sites),
-        poses=PoseSequence(poses.local_rotations, 1.5 * poses.local_translations),
+        skeleton=Skeleton(skeleton.names, skeleton.parents, scale * skeleton.offsets, skeleton.end_sites),
+        poses=PoseSequence(poses.local_rotations, scale * poses.local_translations),
     )
-    assert "m tall" in remarks_on(tall)[0].words
+    assert any("m tall. Check the unit" in remark.words for remark in remarks_on(other))
+
+
+def test_limbs_that_are_no_pair_are_told(walk: Capture) -> None:
+    assert walk.body_map is not None
     odd = _moved(walk, walk.body_map[BodyPart.LEFT_FOREARM], slice(None), 0.3)
     assert any("swapped" in remark.words for remark in remarks_on(odd))
 

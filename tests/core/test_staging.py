@@ -8,7 +8,7 @@ import pytest
 
 from studio.core.body.pose import PoseSequence
 from studio.core.stage.project import Performer
-from studio.core.stage.staging import SPACING, is_unarranged, lined_up, travel_heading
+from studio.core.stage.staging import SPACING, end_of_row, is_unarranged, lined_up, travel_heading
 from tests.builders import make_capture
 
 ROW = {f"body {k}": Performer(f"Body {k}", "character", position=(0.0, SPACING * (1 - k))) for k in range(3)}
@@ -70,3 +70,17 @@ def test_those_whose_paths_cross_begin_farther_apart(travel):
     for one, other in ((0, 1), (0, 2), (1, 2)):
         assert np.linalg.norm(tracks[one] - tracks[other], axis=1).min() > 0.75
     assert is_unarranged(row)
+
+
+@pytest.mark.parametrize("heading", [0.0, 1.3, math.pi / 2])
+def test_one_more_performer_stands_beyond_the_end_of_the_row_and_far_enough_from_its_neighbour(heading):
+    row = lined_up(ROW, heading)
+    position = end_of_row(row, {"body 0": 9.0, "body 1": 9.0, "body 2": 1.5 * SPACING})
+    assert math.dist(position, row["body 2"].position) == pytest.approx(2 * SPACING)
+    assert is_unarranged(row | {"new": replace(ROW["body 0"], position=position)})
+
+
+def test_one_more_performer_on_an_arranged_stage_stands_on_the_right_of_all():
+    moved = ROW | {"body 1": replace(ROW["body 1"], position=(0.5, -3.0))}
+    assert end_of_row(moved, dict.fromkeys(moved, 1.0)) == pytest.approx((0.5, -3.0 - SPACING))
+    assert end_of_row({}, {}) == (0.0, 0.0)

@@ -212,6 +212,22 @@ def test_what_is_saved_needs_no_recovery_and_what_comes_after_does(make_document
     assert state(recover(session).project) == last
 
 
+def test_the_moves_of_one_gesture_are_offered_as_one_edit_as_the_undo_stack_has_them(
+    make_document: Any, tmp_path: Path
+) -> None:
+    document = make_document()
+    for xs in ((0.1, 0.2, 0.3), (0.4, 0.5)):
+        gesture = document.new_gesture()
+        for x in xs:
+            wrist = document.project.constraints["constraint 0"]
+            document.replace("constraints", "constraint 0", replace(wrist, target=(x, 0.0, 1.0)), "Move", gesture)
+    document.add("props", Prop("Late"), "Add")
+    count = len(document.history)
+    died(document)
+    (session,) = recoverable_sessions(tmp_path / "state")
+    assert session.edits == count == 3
+
+
 def test_a_session_still_alive_is_not_offered(make_document: Any, tmp_path: Path) -> None:
     document = make_document()
     edit(document)

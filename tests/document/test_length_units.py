@@ -15,7 +15,8 @@ from studio.engine.residual_measures import ANGLE, LENGTH_MEASURE
 from studio.panels.fields import NumberField
 from studio.panels.inspector import Inspector
 from tests.builders import make_project
-from tests.panels.test_inspector import FakeLive, named
+from tests.panels.test_inspector import named
+from tests.solved_live import SolvedLive
 
 
 @pytest.fixture
@@ -65,7 +66,7 @@ def test_a_field_shows_and_takes_the_unit_and_tells_the_length(qtbot, lengths, c
 def test_forms_are_in_inches_and_what_is_typed_there_is_as_long_in_the_document(qtbot, lengths):
     lengths("in")
     document = Document(make_project())
-    inspector = Inspector(document, FakeLive())
+    inspector = Inspector(document, SolvedLive(document))
     qtbot.addWidget(inspector)
     inspector.show()
     document.selection.set(("constraints", "constraint 0"))

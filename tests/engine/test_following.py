@@ -18,6 +18,8 @@ from studio.core.stage.project import Motion, Project
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation, normalised
+from studio.engine.performance import posed_performers
+from studio.viewport.handles import constraint_handles
 from tests.builders import make_constraint, make_project
 from tests.core.motions import ALWAYS
 from tests.patience import SECONDS
@@ -175,3 +177,23 @@ def test_who_follows_a_performer_that_is_driven_live_follows_what_it_does_now_an
     live.driven.drive("p1", None)
     live.bring(0.0)
     assert {key: live.shown(key) for key in before} == before
+
+
+def test_the_figure_of_a_constraint_in_a_clip_that_continues_another_leads_from_the_point_of_the_body(
+    live_of: Any,
+) -> None:
+    project = make_project(characters=1, constraints=1, contacts=0)
+    performer = project.performers["performer 0"]
+    first = replace(performer.clips[0], first=0, last=12, start=0.0)
+    turned = replace(first, start=first.length(30.0), joined=True, turn=1.2, offset=(0.8, -0.3))
+    performer = replace(performer, clips=(first, turned), heading=0.4)
+    project = project.with_entity("performers", "performer 0", performer)
+    always = replace(project.constraints["constraint 0"], activation=ALWAYS)
+    document, live = live_of(project.with_entity("constraints", "constraint 0", always))
+    posed = posed_performers(document.project, live.result, turned.start + 0.2)
+    [handle] = constraint_handles(document.project, posed, "performer 0")
+    pose = posed["performer 0"]
+    wrist = pose.placement.to_stage(place_of(always.point, pose.motion)[pose.row])
+    assert handle.figure.link is not None
+    assert handle.figure.link[0] == pytest.approx(wrist, abs=1e-6)
+    assert handle.figure.link[1] == pytest.approx(handle.target, abs=1e-6)

@@ -8,6 +8,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from studio.app.application import make_application, make_window
+from studio.app.main_window import MainWindow
 from studio.app.settings import Settings
 from studio.core.captures.contacts import ContactPoint
 from studio.document.document import Document
@@ -25,6 +26,18 @@ from tests.timeline.fakes import FakeLive
 from tests.viewport.standing import StandingLive
 
 
+@pytest.fixture(autouse=True)
+def closed():
+    """No window outlives its test: the theme of each that follows is applied to those that are left as well."""
+    yield
+    if application := QApplication.instance():
+        application.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+        left = [each for each in application.topLevelWidgets() if isinstance(each, MainWindow)]
+        for window in left:
+            window.deleteLater()
+        assert left == []
+
+
 @pytest.fixture
 def project():
     """Project that is open in the window."""
@@ -36,9 +49,9 @@ def window(qtbot, tmp_path, project):
     """A small project in the window, nothing playing."""
     make_application()
     window = make_window(Settings(tmp_path / "studio.ini"), Document(project))
+    window.resize(1400, 900)  # before it is shown, or all is laid out twice
     with qtbot.waitExposed(window):
         window.show()
-    window.resize(1400, 900)
     yield window
     window.leave()
     window.deleteLater()

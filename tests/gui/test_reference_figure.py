@@ -30,6 +30,24 @@ def test_the_body_is_seen_from_the_front_with_its_left_at_the_right(qtbot: QtBot
     assert left.mean() > right.mean() + 20
 
 
+def test_the_body_stands_on_a_line_and_the_way_up_is_named(qtbot: QtBot) -> None:
+    capture = make_capture()
+    assert capture.body_map is not None
+    figure = ReferenceFigure(capture, capture.body_map)
+    qtbot.addWidget(figure)
+    figure.resize(400, 160)
+    image = figure.grab().toImage()
+    background = image.pixel(1, 1)
+    drawn = np.array([[image.pixel(x, y) != background for x in range(200)] for y in range(160)])
+    floor = np.flatnonzero(drawn[:, 20:180].sum(axis=1) > 140)
+    feet = max(
+        y for x in range(200) for y in range(160) if image.pixel(x, y) in (QColor(LEFT).rgb(), QColor(RIGHT).rgb())
+    )
+    assert np.abs(floor - feet).min() <= 2
+    assert drawn[70:90, 5:60].any()  # "Up", halfway up at the left edge
+    assert not drawn[100:115, 5:60].any()
+
+
 @pytest.mark.parametrize("exchanged", [False, True])
 def test_toes_show_whether_sides_are_exchanged(qtbot: QtBot, exchanged: bool) -> None:
     capture = make_capture()

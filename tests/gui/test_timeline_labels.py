@@ -53,6 +53,19 @@ def test_labels_are_seen_where_they_are(document, timeline, labels):
     assert words.startswith("flight: frames 50 to 70")
 
 
+def test_the_name_of_a_label_ends_where_the_next_one_begins(document, timeline, labels):
+    def seen_from(frame):
+        row = timeline.row_rect("labels")
+        left = round(timeline.x_of_frame(frame)) + 1
+        return timeline.tracks.grab(row.adjusted(left - row.left(), 0, 0, 0)).toImage()
+
+    key = document.add("labels", Label("touch", 88, 88, "motion"), "Add")
+    document.add("labels", Label("x", 92, 92, "motion"), "Add")
+    short = seen_from(92)
+    document.replace("labels", key, Label("touch down of the other foot", 88, 88, "motion"), "Rename")
+    assert seen_from(92) == short
+
+
 def test_a_double_click_on_the_empty_row_adds_one_there(document, timeline, labels):
     QTest.mouseDClick(timeline.tracks, LEFT, NONE, at(timeline, 90))
     assert spans(document)["Label"] == (90, 90)

@@ -127,9 +127,10 @@ BONES = {
 }
 
 
+@pytest.mark.parametrize("tips", [True, False])
 @pytest.mark.parametrize("spelling", ["J{place}", "{name}_part{number}", "{name}.00{number}", "{name}{letter}"])
-def test_joints_that_only_divide_a_bone_are_no_elbows_and_knees(tmp_path: Path, spelling: str) -> None:
-    """By a number behind the name, or by the motion where names say nothing."""
+def test_joints_that_only_divide_a_bone_are_no_elbows_and_knees(tmp_path: Path, spelling: str, tips: bool) -> None:
+    """By a number behind the name, or by the motion where names say nothing; also where hands have no tips."""
     plain = load_capture(example_captures_folder() / "walk_turn.bvh")
     assert plain.body_map is not None
     limbs = {*BONES, *(f"{upper}02" for upper in BONES)}
@@ -142,7 +143,8 @@ def test_joints_that_only_divide_a_bone_are_no_elbows_and_knees(tmp_path: Path, 
         place = sum(map(ord, found[2]))
         return f"{found[1]} {spelling.format(name=name, number=number, letter=' ab'[number], place=place)}"
 
-    path.write_text(re.sub(r"(ROOT|JOINT) (\S+)", spelled, _divided(WALK, BONES)))
+    text = re.sub(r"(ROOT|JOINT) (\S+)", spelled, _divided(WALK, BONES))
+    path.write_text(text if tips else re.sub(r"End Site\s*\{[^}]*\}", "", text))
     found = load_capture(path)
     assert found.body_map is not None
     for part, joint in plain.body_map.parts.items():
@@ -179,3 +181,24 @@ def test_names_that_agree_with_the_body_are_left_alone(captures: Path) -> None:
     for stem in ("varied/accad_female1_A11_CrawlForward", "varied/accad_female1_A08_CrouchToLie"):
         read = load_capture(captures / "bvh" / f"{stem}.bvh")
         assert not any(guess.subject == "sides" for guess in read.guesses)
+
+
+@pytest.mark.parametrize(
+    ("name", "called"),
+    [("Shoulder", "Arm"), ("ToeBase", "Foot"), ("UpLeg", "Leg"), ("Neck", "Head"), ("Spine1", "Spine")],
+)
+def test_two_joints_of_one_name_in_a_chain_are_told_apart_by_where_they_lie(
+    tmp_path: Path, name: str, called: str
+) -> None:
+    plain = load_capture(example_captures_folder() / "walk_turn.bvh")
+    path = tmp_path / "walk.bvh"
+    path.write_text(re.sub(rf"(ROOT|JOINT) (Left|Right|){name}$", rf"\1 \2{called}", WALK, flags=re.MULTILINE))
+    found = load_capture(path)
+    assert plain.body_map is not None
+    assert found.body_map is not None
+    limbs = {
+        part: joint
+        for part, joint in plain.body_map.parts.items()
+        if "TOE" not in part.name and "CLAV" not in part.name
+    }
+    assert {part: found.body_map.parts[part] for part in limbs} == limbs

@@ -434,6 +434,8 @@ def test_letters_of_several_bytes_are_read_with_a_mark_or_without(tmp_path: Path
 def test_glued_numbers_are_those_that_stand_apart(tmp_path: Path) -> None:
     glued = _read(tmp_path, REPAIRED["glued numbers"][0])
     assert np.array_equal(glued.frames, _read(tmp_path, PLAIN).frames)
+    columns = bvh_text([f"{x:8.4f}{y:8.4f}{z:8.4f}" * 3 for x, y, z in ((-12.5, 123.25, 7.0), (1.0, 2.0, -103.5))])
+    assert _read(tmp_path, columns).frames[:, :3].tolist() == [[-12.5, 123.25, 7.0], [1.0, 2.0, -103.5]]
     assert _read(tmp_path, REPAIRED["glued offset"][0]).skeleton.offsets[1].tolist() == [0.0, -20.5, 0.0]
 
 

@@ -20,7 +20,7 @@ SIZES = {
     "btk_PiG_FullBody_walk": ("Intel", False, 315, 193, 148, 100.0, 38, (2, 2), 12),
     "btk_PiG_LowerBody_walk": ("Intel", False, 293, 97, 725, 100.0, 34, (2, 2, 2), 12),
     "btk_mocap36_optitrack": ("Intel", False, 1380, 36, 1, 100.0, 0, (), 0),
-    "btk_shd01_prefix": ("Intel", False, 237, 27, 91, 250.0, 6, (4,), 0),
+    "btk_shd01_prefix": ("Intel", False, 237, 27, 91, 250.0, 6, (4, 0), 0),
     "sample01_Eb015pi": ("Intel", True, 450, 26, 1, 50.0, 16, (2, 2), 3),
     "sample01_Eb015si": ("MIPS", True, 450, 26, 1, 50.0, 16, (2, 2), 3),
     "sample01_Eb015vr": ("DEC", False, 450, 26, 1, 50.0, 16, (2, 2), 3),

@@ -131,6 +131,10 @@ REPAIRED: dict[str, tuple[Spoil, str]] = {
         parameter("TRIAL", "ACTUAL_END_FIELD", struct.pack("<HH", 18, 9000), skip=3),
         "says 589824012 frames, but holds",
     ),
+    "an end of the trial before the last frame": (
+        parameter("TRIAL", "ACTUAL_END_FIELD", struct.pack("<HH", 7, 0), skip=3),
+        "the file says 12 frames and in another place 1; read: 12.",
+    ),
     "points that differ": (
         parameter("POINT", "USED", struct.pack("<H", 200)),
         "take.c3d, byte 2: the header says 4 points, POINT:USED 200; read as the header says.",
@@ -261,6 +265,12 @@ def test_a_further_dimension_of_a_parameter_changes_nothing(tmp_path: Path, grou
     plain, deep = _read(tmp_path, GOOD), _read(tmp_path, spoiled(deeper(group, name)))
     assert same(deep.trial, plain.trial)
     assert deep.repairs == plain.repairs
+
+
+def test_fields_of_the_trial_that_are_negative_say_nothing(tmp_path: Path) -> None:
+    fields = ("ACTUAL_START_FIELD", "ACTUAL_END_FIELD")
+    unset = [parameter("TRIAL", name, struct.pack("<hh", -1, -1), skip=3) for name in fields]
+    assert same(_read(tmp_path, spoiled(both(*unset))).trial, _read(tmp_path, GOOD).trial)
 
 
 def test_nothing_is_allocated_that_only_a_header_promises(tmp_path: Path) -> None:

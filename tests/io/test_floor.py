@@ -1,5 +1,7 @@
 """The floor is where feet stand lowest for a while; other heights are named, and the sole lies below any joint."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -41,6 +43,19 @@ def test_down_a_flight_the_floor_is_its_foot_and_the_steps_are_named(walk: Captu
     guess = floor_of(walk, stairs(walk, 4, 0.17))
     assert height(guess) == pytest.approx(height(floor_of(walk, 0.0)), abs=0.02)
     assert "The take also stands 0.1" in guess.reason
+
+
+@pytest.mark.parametrize("scale", [0.6, 1.0])
+def test_a_child_takes_lower_steps(walk: Capture, scale: float) -> None:
+    child = replace(
+        walk,
+        floor=scale * walk.floor,
+        skeleton=replace(walk.skeleton, offsets=scale * walk.skeleton.offsets),
+        poses=replace(walk.poses, local_translations=scale * walk.poses.local_translations),
+    )
+    guess = floor_of(child, stairs(child, 4, 0.17 * scale))
+    assert height(guess) == pytest.approx(height(floor_of(child, 0.0)), abs=0.02 * scale)
+    assert "as on steps" in guess.reason
 
 
 @pytest.mark.parametrize("last", [0.05, 0.08, 0.5])

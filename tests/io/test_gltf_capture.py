@@ -18,6 +18,7 @@ from studio.core.normalized.round_trip import round_trip
 from studio.core.rotations import angle_between, slerp
 from studio.io.export import take_of_capture, write_take
 from studio.io.gltf.animation import AnimationTrack
+from studio.io.gltf.capture import _frame_rate
 from studio.io.importing import ImportOptions, load_capture, read_file
 from studio.io.registry import ReadCapture, ReadCharacter
 from studio.io.up_axis import turn_to_world
@@ -126,6 +127,13 @@ def test_a_body_without_names_is_found_whatever_axis_is_up(tmp_path, axis):
     assert [np.ptp(world(each)[:, each.body_map[BodyPart.HEAD], 2]) for each in (found, walk)] == pytest.approx(
         [np.ptp(world(walk)[:, walk.body_map[BodyPart.HEAD], 2])] * 2, abs=1e-4
     )
+
+
+@pytest.mark.parametrize("rate", [24.0, 30.0, 60.0])
+def test_times_that_were_rounded_still_tell_the_rate(rate):
+    times = np.round(np.arange(50) / rate, 2)
+    tracks = [AnimationTrack(0, "translation", times, np.zeros((50, 3)), "LINEAR")]
+    assert _frame_rate(tracks, ImportOptions(), []) == rate
 
 
 def test_keys_are_followed_as_they_say():

@@ -19,6 +19,8 @@ STAND_INS = {
     "a gzipped file": (b"\x1f\x8b\x08\x08\0\0\0\0\0\x03", "is a packed file (gzip). Unpack it, then open the files"),
     "a tar archive": (b"a.bvh".ljust(257, b"\0") + b"ustar\x0000", "is a packed file (tar). Unpack it, then open"),
     "nothing": (b"", "is empty. Copy or export it again."),
+    "blanks": (b"  \r\n\n\x1a", "is empty: it begins with nothing but blanks or zeros. Copy or export it again."),
+    "zeros": (b"\0" * 5000, "is empty: it begins with nothing but blanks or zeros. Copy or export it again."),
 }
 
 

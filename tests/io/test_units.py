@@ -51,6 +51,14 @@ def test_toddlers_are_told_from_adults_in_inches_by_their_proportions(leg: float
     assert find_unit(leg, trunk=leg / 1.7)[0].unit == "inch"
 
 
+@pytest.mark.parametrize(("leg", "unit"), [(19.6, "dm"), (0.3, "m")])
+def test_a_unit_that_makes_a_giant_or_a_dwarf_is_not_sure(leg: float, unit: str) -> None:
+    """A child's leg in inches is a giant's in decimetres."""
+    scale, guess = find_unit(leg)
+    assert guess is not None
+    assert (scale.unit, guess.confidence) == (unit, Confidence.LIKELY)
+
+
 def test_a_unit_is_as_sure_as_it_is_ahead_of_the_next() -> None:
     said = [find_unit(leg, trunk=0.6 * leg)[1] for leg in (85.0, 0.85, 32.0, 3.0e-7)]
     assert [guess.confidence.value for guess in said if guess and guess.confidence] == [

@@ -14,11 +14,7 @@ from studio.document.document import Document
 from studio.panels.fields import Choice, NumberField
 from studio.panels.ground_editor import GROUND_CHOICES, MADE_HERE, GroundEditor
 from tests.builders import make_project
-
-
-class FakeLive:
-    interactive = False
-    ready = True
+from tests.solved_live import SolvedLive
 
 
 @pytest.fixture
@@ -30,7 +26,7 @@ def document(qapp):
 
 @pytest.fixture
 def editor(qtbot, document):
-    editor = GroundEditor(document, FakeLive(), "grounds", GROUND_ID)
+    editor = GroundEditor(document, SolvedLive(document), "grounds", GROUND_ID)
     qtbot.addWidget(editor)
     document.entity_changed.connect(lambda *_: editor.refresh())
     editor.resize(316, 500)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QObject, QPoint, Qt, Signal
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QAbstractSpinBox, QCheckBox, QComboBox, QLineEdit, QListWidget, QSlider
 
@@ -20,27 +20,9 @@ from studio.panels.constraint_editors.worst_residuals import BodyResidual, Resid
 from studio.panels.fields import Choice, NumberField
 from studio.panels.inspector import Inspector
 from tests.builders import make_morphology, make_project
+from tests.solved_live import SolvedLive
 
 LEFT = Qt.MouseButton.LeftButton
-
-
-class FakeLive(QObject):
-    """Results as a test wants them."""
-
-    adapted = Signal(str)
-    reported_changed = Signal()
-
-    ready = True
-
-    def __init__(self):
-        super().__init__()
-        self.interactive = False
-        self.results = {}
-
-    def result(self, performer_id):
-        return self.results.get(performer_id)
-
-    reported = result
 
 
 def segment_place(part):
@@ -56,8 +38,8 @@ def document(qapp):
 
 
 @pytest.fixture
-def live():
-    return FakeLive()
+def live(document):
+    return SolvedLive(document)
 
 
 @pytest.fixture

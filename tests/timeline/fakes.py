@@ -1,11 +1,10 @@
 """A live adaptation whose answers are given by the test."""
 
 import numpy as np
-from PySide6.QtCore import QObject, Signal
 
 from studio.core.solver.request import AdaptedMotion
-from studio.engine.live_play import LivePlay
 from tests.builders import make_morphology
+from tests.solved_live import SolvedLive
 
 
 def make_result(project, errors, motion_id="motion"):
@@ -27,16 +26,12 @@ def make_result(project, errors, motion_id="motion"):
     return AdaptedMotion(morphology, capture.frame_rate, 0, positions, rotations, residuals)
 
 
-class FakeLive(QObject):
-    adapted = Signal(str)
-    reported_changed = Signal()
-
-    ready = True
+class FakeLive(SolvedLive):
+    """Every constraint misses what a test says."""
 
     def __init__(self, document):
-        super().__init__()
+        super().__init__(document)
         self.document = document
-        self.play = LivePlay(document, lambda _: None, self)
         self.errors = {}
         self.unsolved = set()
         self.failures = {}

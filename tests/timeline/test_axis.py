@@ -83,10 +83,17 @@ def test_any_time_at_any_zoom_has_a_pixel_that_can_be_painted(seconds, factor):
 def test_a_trim_leaves_everything_where_it_is_and_fitting_shows_all_again():
     axis = make_axis()
     before = axis.x_of_frame(90)
-    axis.set_extent(0.0, 6.0, 30.0)
+    axis.set_extent(0.0, 6.0, 30.0, keeps_scale=True)
     assert (axis.x_of_frame(90), axis.scale) == pytest.approx((before, 98.0))
-    axis.set_extent(0.0, 10.0, 30.0)
+    axis.set_extent(0.0, 10.0, 30.0, keeps_scale=True)
     assert (axis.x_of_frame(90), axis.scale) == pytest.approx((before, 98.0))
-    axis.set_extent(0.0, 6.0, 30.0)
+    axis.set_extent(0.0, 6.0, 30.0, keeps_scale=True)
     axis.fit()
     assert axis.x_of_frame(180) == pytest.approx(1196 - AXIS_MARGIN)
+
+
+def test_a_fitted_view_shows_another_motion_whole_be_it_longer_or_shorter():
+    axis = make_axis()
+    for seconds in (6.0, 20.0, 3.0):
+        axis.set_extent(0.0, seconds, 30.0)
+        assert axis.x_of_time(seconds) == pytest.approx(1196 - AXIS_MARGIN)

@@ -1,8 +1,11 @@
 import numpy as np
 import pytest
 
+from studio.core.body.canonical import BodyPart
+from studio.core.captures.contacts import ContactPoint
+from studio.core.constraints.base import BodyPoint
 from studio.timeline.strip_states import Strip, StripState, strip_heights, strip_of
-from tests.builders import make_constraint, make_project
+from tests.builders import make_constraint, make_contact, make_project
 from tests.timeline.fakes import make_result
 
 
@@ -47,6 +50,16 @@ def test_a_strip_grows_with_the_error_up_to_its_full_height():
     assert heights[0] == heights[1] == 1
     assert (np.diff(heights) >= 0).all()
     assert heights[-2] == heights[-1] == 5
+
+
+def test_a_constraint_gives_way_only_where_a_contact_holds_its_limb():
+    """Frames that a cut clip does not play, or in which it has no time to fade, say nothing of contacts."""
+    foot = make_constraint(point=BodyPoint(BodyPart.LEFT_FOOT, at_end=True))
+    project = make_project(characters=1, constraints=0, contacts=0).with_entity("constraints", "c", foot)
+    silent = make_result(project, {"c": np.nan})
+    assert not strip_of(project, "performer 0", silent, "c").yields
+    stands = project.with_entity("contacts", "heel", make_contact(point=ContactPoint.LEFT_HEEL, first=0, last=12))
+    assert strip_of(stands, "performer 0", silent, "c").yields
 
 
 def test_residuals_are_found_by_priority_among_the_enabled_constraints():

@@ -52,7 +52,7 @@ def test_drop_frame_keeps_step_with_the_clock(frame, rate):
         (239, 240, "00:00:00:239"),
     ],
 )
-def test_known_timecodes(frame, rate, text):
+def test_a_frame_has_the_timecode_that_it_has_in_broadcasting(frame, rate, text):
     assert timecode(frame, rate) == text
 
 

@@ -3,15 +3,14 @@
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QObject, Signal
 
 from studio.core.body.rest_pose import rest_pose
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.solver.request import AdaptedMotion, UnconstrainedPoses
 from studio.core.stage.project import Project
-from studio.engine.live_play import LivePlay
 from studio.viewport.body_points import point_path
+from tests.solved_live import SolvedLive
 
 FRAMES, RATE = 30, 60.0
 
@@ -36,38 +35,16 @@ def _misses(motion: AdaptedMotion, constraint: Constraint) -> Any:
     return np.linalg.norm(point_path(motion, constraint.point) - constraint.target, axis=1)
 
 
-class StandingLive(QObject):
+class StandingLive(SolvedLive):
     """The engine's part, played by bodies that stand."""
 
-    adapted = Signal(str)
-    reported_changed = Signal()
-    interactive_changed = Signal(bool)
-    ready = True
-
     def __init__(self, document: Any) -> None:
-        super().__init__()
+        super().__init__(document)
         self._document = document
-        self.play = LivePlay(document, lambda _: None, self)
-        self.interactive = False
         self.was_interactive: list[bool] = []
         self.late: set[str] = set()
         """Performers whose results are not there yet."""
         document.entity_changed.connect(lambda *_: self.was_interactive.append(self.interactive))
-
-    def asked_at(self, performer_id: str) -> float:
-        return 0.0
-
-    def bring(self, seconds: float) -> None:
-        pass
-
-    def shown(self, performer_id: str) -> AdaptedMotion | None:
-        return self.result(performer_id)
-
-    def is_eased(self, performer_id: str) -> bool:
-        return True
-
-    def reported(self, performer_id: str) -> AdaptedMotion | None:
-        return self.result(performer_id)
 
     def result(self, performer_id: str) -> AdaptedMotion | None:
         return None if performer_id in self.late else standing(self._document.project, performer_id)

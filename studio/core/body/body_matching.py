@@ -133,10 +133,11 @@ class BodySearch:
         return self.skeleton.path(parts[BodyPart.PELVIS], chest)
 
     def _heads(self, candidates: Candidates, arms: tuple[int, int]) -> list[int]:
-        """The deepest joint called head that is no part of an arm."""
+        """The deepest joint called head that is no part of an arm, and rather not the tip of another."""
         below_arms = {*arms, *self.skeleton.descendants(arms[0]), *self.skeleton.descendants(arms[1])}
         heads = [joint for joint in candidates.get(BodyPart.HEAD, ()) if joint not in below_arms]
-        return sorted(heads, key=lambda joint: -self.skeleton.depths[joint])[:1]
+        order = sorted(heads, key=lambda joint: (not self.skeleton.children[joint], -self.skeleton.depths[joint]))
+        return order[:1]
 
     def _toes(self, candidates: Candidates, parts: dict[BodyPart, int]) -> None:
         for foot, toe in (

@@ -97,7 +97,24 @@ def _dividing(skeleton: Skeleton, points: FloatArray) -> NDArray[np.bool_]:
         straight = along.min(axis=0) > np.cos(_STRAIGHT)
         if np.count_nonzero(~straight) >= _LEAST_BENT:
             dividing[np.array(chain[:-2], dtype=int)] = (straight & alike)[:-1]
+            if straight[-1] and alike[-1]:
+                dividing[chain[-2]] = _divides_the_last_bone(points, [j for j in chain[:-2] if not dividing[j]], chain)
     return dividing
+
+
+def _divides_the_last_bone(points: FloatArray, bent: list[int], chain: list[int]) -> bool:
+    """True if the last two bones of a limb together are nearer to the length of the bone before than the first of them.
+
+    A hand that stays in line with its forearm does not divide it. ``bent`` are the joints of ``chain`` before it.
+    """
+    if len(bent) < 2:
+        return False
+    upper, lower = bent[-2:]
+    before, near, far = (
+        float(np.linalg.norm(points[:, end] - points[:, start], axis=1).mean())
+        for start, end in ((upper, lower), (lower, chain[-2]), (lower, chain[-1]))
+    )
+    return bool(abs(np.log(far / before)) < abs(np.log(near / before)))
 
 
 def _mirrored_chains(skeleton: Skeleton, points: FloatArray) -> list[_Pair]:

@@ -86,7 +86,7 @@ class BodyLayout:
         return self.spine_count + 3 + 5 * side
 
     def hip(self, side: int) -> int:
-        """Index of the hip; knee, ankle, toe, toe end follow it."""
+        """Index of the hip's point on one side (0 left, 1 right); knee, ankle, toe and toe end follow it."""
         return self.spine_count + 13 + 5 * side
 
     def ankle(self, side: int) -> int:

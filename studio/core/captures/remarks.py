@@ -38,7 +38,8 @@ STRETCHED, STRETCHES = 0.005, 0.1
 """Metres by which a bone changes its length in this part of all frames, from which it is told."""
 ODD_PAIR = 0.2
 """The difference of left and right bones, as a part of the longer one, from which they are no pair."""
-TALLEST, LEGS_OF_STATURE = 2.3, 0.491
+TALLEST, SMALLEST, LEGS_OF_STATURE = 2.3, 0.7, 0.491
+"""Metres of the tallest and the smallest body that walks, and a person's legs in parts of that."""
 LONGEST_BONE = 100.0
 """Metres between a joint and its parent that no body has, whatever it is."""
 MOST_THIGH, FARTHEST_HIP = 2.0, 0.75
@@ -159,7 +160,7 @@ def _odd_build(capture: Capture, body: BodyMap, positions: FloatArray) -> list[R
     if _feet_point_back(capture, body, seen):
         found.append(Remark("The feet point backwards: left and right may be swapped."))
     stature = float(bones("left leg").sum()) / LEGS_OF_STATURE
-    if stature > TALLEST:
+    if not SMALLEST <= stature <= TALLEST:
         found.append(Remark(f"By its legs the body is {stature:.1f} m tall. Check the unit."))
     return found
 

@@ -36,8 +36,8 @@ def count_words(text, out_counts):
 def read_decimals(text, most, out_values):
     """Read the numbers of ``text`` (N,) into ``out_values``; True if the text is exactly these numbers.
 
-    False where a word is no plain decimal number, has more digits than are exact (D. W. Clinger, How to read floating
-    point numbers accurately, 1990), is farther than ``most`` from zero, or where the number of words is another.
+    False for a token that is no plain decimal, has too many digits for an exact conversion (D. W. Clinger, How to read
+    floating point numbers accurately, 1990) or exceeds ``most`` in magnitude, and for another count of tokens.
     """
     index, count, end = 0, 0, text.shape[0]
     while True:

@@ -122,7 +122,9 @@ def least_square(query, pose):
 
 @summing_kernel
 def turned_square(query, pose):
-    """Both terms A and B of the rotation of two rows (64,), and a lower bound of D², in float32."""
+    """Terms A and B of the squared distance of two rows (64,) as a function of their relative rotation, and a lower
+    bound of it, in float32.
+    """
     a, b, h = np.float32(0.0), np.float32(0.0), np.float32(0.0)
     for k in range(POSE_JOINTS):
         a += query[k] * pose[k] + query[Y + k] * pose[Y + k]
@@ -134,7 +136,9 @@ def turned_square(query, pose):
 
 @small_kernel
 def beyond(target, ring):
-    """Distance in metres from ``target`` (3,) to the ``ring`` of a path: all positions that rotations give it."""
+    """Distance in metres from ``target`` (3,) to the ``ring`` of a path, all positions to which rotations about the
+    vertical bring it.
+    """
     across = math.sqrt(target[0] * target[0] + target[1] * target[1])
     beside = max(ring[RING_NEAREST] - across, across - ring[RING_FARTHEST], 0.0)
     above = max(ring[RING_LOWEST] - target[2], target[2] - ring[RING_HIGHEST], 0.0)
@@ -224,7 +228,7 @@ def hit_distance(pose, facing, target, paths, start, count):
 
 @kernel
 def note(costs, index, found):
-    """Insert a frame in order of cost, one a clip, and drop the last."""
+    """Insert a frame in order of cost, at most one per clip, and drop the last."""
     row = found.costs.shape[0] - 1
     for n in range(found.costs.shape[0]):
         if found.places[n, CLIP_COLUMN] == index[CLIP_COLUMN]:

@@ -146,7 +146,7 @@ class FrameBody(NamedTuple):
 
 
 class RedundancyGroups(NamedTuple):
-    """Limb joints that a balance may rotate."""
+    """Joints of limbs that may rotate to help a balance constraint."""
 
     joints: Array
     """(n,) indices of the joints."""
@@ -187,7 +187,7 @@ class TaskRows(NamedTuple):
 
 
 class FlatRows(NamedTuple):
-    """The same numbers with those of all joints in one row."""
+    """``TaskRows`` with the Jacobians of all joints in one row, (R, 3 N): the same memory."""
 
     jacobian: Array
     """(R, 3 N) that of ``TaskRows``."""
@@ -326,7 +326,7 @@ class ActorClearance(NamedTuple):
 
 
 class ClearanceArrays(NamedTuple):
-    """Self-collision constraints of the arms: Q constraints, the highest last."""
+    """Self-collision constraints of the arms: Q constraints, that of the highest priority last."""
 
     volume: CapsuleArrays
     proximal: Array
@@ -388,7 +388,7 @@ class KeptTier(NamedTuple):
 
 
 class HigherLevelPoses(NamedTuple):
-    """Final poses of the levels above one, in all frames."""
+    """Final poses of the levels above the current one, in all frames."""
 
     positions: Array
     """(F, P, 3)."""

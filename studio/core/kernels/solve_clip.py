@@ -200,7 +200,7 @@ def body_at(frame, body, legs):
 
 @small_kernel
 def pack_search(rows, equations, damped, search):
-    """The search with these records packed by the caller: a packed record ends with the function that packed it."""
+    """Search with these records packed by the caller: a packed record is valid inside the function that packed it."""
     return SearchState(
         rows,
         equations,

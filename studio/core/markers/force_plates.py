@@ -103,6 +103,8 @@ def plate_loads(trial: Trial, turn: FloatArray) -> tuple[PlateLoad, ...]:
     """
     samples_a_frame, found = trial.analog.rate / trial.frame_rate, []
     for plate in trial.plates if len(trial.analog.samples) else ():
+        if not plate.channels:
+            continue
         corners = (trial.metres_of_plates * plate.corners @ turn)[:, :2]
         if abs(np.linalg.det([corners[1] - corners[0], corners[3] - corners[0]])) < _SMALLEST:
             continue

@@ -1,6 +1,7 @@
 """Words of marker sets for positions on a body: anatomical Latin, English, French, initials, joint centres."""
 
 import re
+from collections.abc import Sequence
 from functools import lru_cache
 
 from studio.core.markers.roles import SIDE_WORDS
@@ -29,22 +30,30 @@ PART_WORDS: tuple[tuple[str, str], ...] = (
     ("wrist centre", rf"wjc|wrist.?{_CENTRE_WORD}|hand{_SEGMENT_WORD}"),
     (
         "inner_knee",
-        rf"fme|mfe|mek|cm|mfc|knm|kne.?m|mknee?|(knee?|k|fe).?{_INNER}|{_INNER}.?(knee?|fem.*)|knee.?med.?epi.*",
+        rf"fme|mfe|mek|cm|mfc|knm|kne.?m|mknee?|(knee?|k|fe|genou).?{_INNER}|{_INNER}.?(knee?|fem.*|cond.*)|knee.?med.?epi.*",
     ),
-    ("knee", rf"knee?|fle|lfe|lek|lke|cl|lfc|lk|genou|(knee?|k|fe).?{_OUTER}|{_OUTER}.?(knee?|fem.*)|knee.?lat.?epi.*"),
-    ("inner_ankle", rf"tam|mank(le)?|mma?l?|med|(ankl?e?|an|a|mal).?{_INNER}|{_INNER}.?(ank(le?)?|mal(l(eolus)?)?)"),
+    (
+        "knee",
+        rf"knee?|fle|lfe|lek|lke|cl|lfc|lk|genou|(knee?|k|fe|genou).?{_OUTER}|{_OUTER}.?(knee?|fem.*|cond.*)|"
+        r"knee.?lat.?epi.*",
+    ),
+    (
+        "inner_ankle",
+        rf"tam|mank(le)?|mma?l?|med|(ankl?e?|an|a|mal|cheville).?{_INNER}|{_INNER}.?(ank(le?)?|mal(l(eolus)?)?)",
+    ),
     (
         "ankle",
-        rf"ankl?e?|fal|lma?l?|ml|mall?(eolus)?|cheville|(ankl?e?|an|a|mal).?{_OUTER}|{_OUTER}.?(ank(le?)?|mal(l(eolus)?)?)",
+        rf"ankl?e?|fal|lma?l?|ml|mall?(eolus)?|cheville|(ankl?e?|an|a|mal|cheville).?{_OUTER}|"
+        rf"{_OUTER}.?(ank(le?)?|mal(l(eolus)?)?)",
     ),
-    ("heel", r"hee?l?|[pd]he|heel.?(back|foot|prox\w*|top|cent(er|re))|cal(c(aneus|aneum)?)?|fcc|ca|h|talon"),
+    ("heel", r"hee?l?|hl|[pd]he|heel.?(back|foot|prox\w*|top|cent(er|re))|cal(c(aneus|aneum)?)?|fcc|ca|h|talon"),
     (
         "inner_toe",
-        r"f?mth?1|fm1|mh1|mtp1|[1i](st)?.?(met(atarsal)?|mt|mh|mtp)|1st|fmh|d1m|fm|(toe|forefoot|foot|ft).?(in|m|med)|first.?met.*|metatarsal.?1",
+        r"f?mth?1|fm1|mh1|mtp1|[1i](st)?.?(met(atarsal)?|mt|mh|mtp)|1st|fmh|d1m|fm|(toe|forefoot|foot|ft).?(in|m|med)|first.?met.*|meta(tars\w*)?.?1",
     ),
     (
         "outer_toe",
-        r"f?mth?5|fm5|mh5|mtp5|5(th)?.?(meta?|metatarsal|mt|mh|mtp)|5th|vmh?|d5m|fl|(toe|forefoot|foot|ft).?(out|l|lat)|fifth.?met.*|metatarsal.?5",
+        r"f?mth?5|fm5|mh5|mtp5|5(th)?.?(meta?|metatarsal|mt|mh|mtp)|5th|vmh?|d5m|fl|(toe|forefoot|foot|ft).?(out|l|lat)|fifth.?met.*|meta(tars\w*)?.?5",
     ),
     ("met", r"met\d*|mt"),
     ("big_toe", r"(big|great|1st|first).?toe\d?|(toe|foot).?(tip|end|nail)|hal(lux)?|hlx|dp1|gros.?orteil"),
@@ -56,21 +65,26 @@ PART_WORDS: tuple[tuple[str, str], ...] = (
     ("foot", r"ft\d*|foot\d*"),
     ("thigh", r"bar.?1|thi(gh)?\d*|th\d*|femur\d*|uleg\d*|tha[pd]|thia[pd]"),
     ("shank", r"bar.?2|sha(nk)?\d*|shi?n\d*|ti?b(ia)?\d*|ttc|fax|sk\d*|lleg\d*|tia[pd]|tiba[pd]"),
-    ("hip", rf"hip|hip.?{_OUTER}|gt(ro?)?|ftc|troch(anter)?|greater.?troch.*|gr.?troch.*|tro|hanche"),
+    ("hip", rf"hip|hip.?{_OUTER}|gt(ro?)?|ftc|troc(h(anter)?)?|greater.?troch.*|gr.?troch.*|tro|hanche"),
     ("shoulder", r"sho(ulder)?|should|[cs]aj|sa[ae]|acr(omi\w*)?|ac|acrom|shoulder.?top|sho.?top|[eé]paule"),
-    ("inner_elbow", rf"elb(ow)?.?{_INNER}|hme|mhe|mee|mel|elm|em|el.?m|melb(ow)?|{_INNER}.?(elb(ow)?|hum.*epi.*)"),
+    (
+        "inner_elbow",
+        rf"(elb(ow)?|coude).?{_INNER}|hme|mhe|mee|mel|elm|em|el.?m|melb(ow)?|{_INNER}.?(elb(ow)?|hum.*epi.*)",
+    ),
     (
         "elbow",
-        rf"elb(ow)?|hle|lhe|lee|lel|ell|el|cou(de)?|elb(ow)?.?{_OUTER}|lelb(ow)?|{_OUTER}.?(elb(ow)?|hum.*epi.*)|ael",
+        rf"elb(ow)?|hle|lhe|lee|lel|ell|el|cou(de)?|(elb(ow)?|coude).?{_OUTER}|lelb(ow)?|{_OUTER}.?(elb(ow)?|hum.*epi.*)|ael",
     ),
     (
         "wrist",
-        r"wra|wts|wrist?.?(a|thumb|rad(ius)?|m|in|inner|int|la?t|lateral)|rsp?|rhe|(fa.?)?rad(ius|ial)?(.?sty(loid)?)?|"
+        r"wra|wts|wri(st?)?.?(a|thumb|rad(ius)?|m|in|inner|int|la?t|lateral)|rsp?|rhe|(fa.?)?rad(ius|ial)?(.?sty(loid)?)?|"
+        r"sty(l(oid)?)?.?rad.*|"
         r"(l|la?t|lateral).?w(rist)?|wrr?|wm",
     ),
     (
         "outer_wrist",
-        r"wrb|wps|wrist?.?(b|uln(a)?|l|out|outer|ext|me?d|medial)|usp?|uhe|(fa.?)?uln(ar?)?(.?sty(loid)?)?|"
+        r"wrb|wps|wri(st?)?.?(b|uln(a)?|l|out|outer|ext|me?d|medial)|usp?|uhe|(fa.?)?uln(ar?)?(.?sty(loid)?)?|"
+        r"sty(l(oid)?)?.?uln.*|"
         r"(m|me?d|medial).?w(rist)?|wr?u|wl",
     ),
     ("wrists", r"wri(st)?\d*|mai|poignet"),
@@ -101,7 +115,7 @@ INITIALS: tuple[tuple[str, str], ...] = (
     ("shoulder", r"a|sh?"),
     ("outer_wrist", r"u"),
     ("wrist", r"r|w"),
-    ("toe", r"t"),
+    ("toe", r"t|f"),
     ("inner_toe", r"(toe|t|m).?1"),
     ("outer_toe", r"(toe|t|m).?5"),
 )
@@ -109,6 +123,8 @@ INITIALS: tuple[tuple[str, str], ...] = (
 _FRENCH = (("left", "gauche"), ("right", "droite"), ("right", "droit"), ("left", "g"), ("right", "d"))
 _SHORTEST_FRENCH = 4
 """Letters of a word beside which G and D name a side."""
+_FEWEST_FRENCH = 8
+"""Labels of a set with a counterpart on the other side, G for D, where a letter alone names the side."""
 _NUMBERED = re.compile(r"[_ ]\d+$")
 _TOKENS = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+")
 
@@ -116,7 +132,17 @@ _TOKENS = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+")
 @lru_cache(maxsize=4096)
 def side_and_part(label: str) -> tuple[str, str] | None:
     """(side, part) named by a label; the side is empty in the middle of the body. None for an unknown label."""
-    return _said(label) or _said(_NUMBERED.sub("", label))
+    said = _said(label) or _said(_NUMBERED.sub("", label))
+    return said or (None if initials_of(label)[1] else _said(label.rstrip("0123456789")))
+
+
+def with_english_sides(labels: Sequence[str]) -> dict[str, str]:
+    """Labels by themselves, with L and R for G and D (*gauche*, *droite*) where these name a set's sides."""
+    there = set(labels)
+    counts = [sum({left + label[1:], right + label[1:]} <= there for label in labels) for left, right in ("GD", "LR")]
+    if counts[0] < _FEWEST_FRENCH or counts[0] <= counts[1]:
+        return {label: label for label in labels}
+    return {label: {"G": "L", "D": "R"}.get(label[:1], label[:1]) + label[1:] for label in labels}
 
 
 def initials_of(label: str) -> tuple[str, list[str]]:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.markers.feet import TOES
-from studio.core.markers.label_words import initials_of, side_and_part
+from studio.core.markers.label_words import initials_of, side_and_part, with_english_sides
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.roles import ROLE, SIDE_WORDS
 from studio.core.markers.subjects import shared_beginning
@@ -85,10 +85,11 @@ def _by_words(trial: Trial, subject: str) -> _Found:
     spread = well_seen[np.linspace(0, len(well_seen) - 1, _MOST_FRAMES).astype(int)]
     frames = np.union1d(spread, seen.argmax(axis=0))
     beginning = shared_beginning(list(labels.values()))
+    sided = with_english_sides([label.removeprefix(beginning) for label in labels.values()])
     found: _Found = {}
     open_markers: dict[str, _Marker] = {}
     for place, bare in enumerate(labels.values()):
-        own, marker = bare.removeprefix(beginning), _Marker(bare, trial.metres * points[frames, place])
+        own, marker = sided[bare.removeprefix(beginning)], _Marker(bare, trial.metres * points[frames, place])
         said = side_and_part(own)
         if said is not None:
             found.setdefault(said, []).append(marker)

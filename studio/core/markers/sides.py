@@ -47,9 +47,12 @@ _MOST_FRAMES = 600
 _SHORTER, _CLEARLY_SHORTER, _STEADIER = 0.98, 0.94, 0.8
 """Parts of its length, and of its spread, below which a link to the other side is the better one: by its length alone,
 or by both."""
-_RIGID, _FOLDED = 0.1, 0.6
+_RIGID, _FOLDED, _FARTHER = 0.1, 0.6, 1.5
 """Part of its length by which a link of a bone changes at most, and below which the other side's is none: in folded
-limbs knees and elbows lie beside the other side's ankles and wrists."""
+limbs knees and elbows lie beside the other side's ankles and wrists. Length in that of the bone before it beyond which
+it is no bone."""
+_BEFORE = {"knee": "hip", "elbow": "shoulder"}
+"""Joint at the other end of the bone before a limb's middle."""
 
 
 def exchanged_places(trial: Trial, marker_map: MarkerMap, subject: str = "") -> tuple[str, ...]:
@@ -146,6 +149,10 @@ def _is_crossed(joints: Tracks, joint: str, ends: Tracks, name: str) -> bool:
     lengths = [float(np.median(np.concatenate([each[seen] for each in links]))) for links in (own, across)]
     spreads = [float(np.sum([np.std(each[seen]) for each in links])) for links in (own, across)]
     folded = joint not in ("hip", "shoulder") and lengths[1] < _FOLDED * lengths[0]
+    before = [f"{side}_{_BEFORE.get(joint)}" for side in SIDE_WORDS]
+    if folded and all(name in joints for name in before):
+        bones = [joints[f"{side}_{joint}"] - joints[name] for side, name in zip(SIDE_WORDS, before, strict=True)]
+        folded = lengths[0] < _FARTHER * float(np.nanmedian(np.linalg.norm(bones, axis=-1)))
     if folded and spreads[0] < _RIGID * lengths[0]:
         return False
     steadier = spreads[1] < _STEADIER * spreads[0]

@@ -16,6 +16,8 @@ _TOLD = 0.6
 """Places that labels say with names on them, in parts of the labels that say one without, from which those are none."""
 _CLUSTERS = ("pelvis", "thigh", "shank", "foot", "upper_arm", "forearm", "hand")
 """Segments whose markers have numbers behind."""
+_NAMELESS = "1"
+"""Name of a subject whose labels have none, beside others."""
 _Splits = Callable[[str], Iterator[tuple[str, str]]]
 """Names of a subject that a label may hold, each with what is left of the label."""
 _Owned = dict[str, dict[str, str]]
@@ -27,7 +29,7 @@ def with_subjects(labels: Sequence[str]) -> tuple[str, ...]:
 
     Two prefixes before a sign name subjects if the rests are largely the same and have sides of their own: ``L.Knee``
     and ``R.Knee`` are sides of one body. Names after a label, or without a sign, are accepted only if a body is
-    recognised without them and not with them.
+    recognised without them and not with them. A subject without a name beside one with a name is called ``1``.
     """
     named = {label.partition(":")[::2] for label in labels if ":" in label}
     if named and len({name for name, _ in named}) <= len({rest for _, rest in named}):
@@ -35,6 +37,8 @@ def with_subjects(labels: Sequence[str]) -> tuple[str, ...]:
     subjects = {} if named else _subjects(_by_name(labels, _before_a_sign))
     for splits in (_behind_a_sign, _at_the_beginning, _at_the_end):
         subjects = subjects or _bodies(labels, _by_name(labels, splits))
+    for splits in () if named else (_before_a_sign, _behind_a_sign):
+        subjects = subjects or _beside_one_without_name(labels, _by_name(labels, splits))
     owners = {label: (name, subjects[name][label]) for name in sorted(subjects, key=len) for label in subjects[name]}
     return tuple(":".join(owners[label]) if label in owners else label for label in labels)
 
@@ -67,6 +71,29 @@ def _bodies(labels: Sequence[str], found: _Owned) -> _Owned:
     if len(_places(owned)) > _TOLD * len(telling) or len(others) > (1.0 - _ALIKE) * len(owned):
         return {}
     return bodies
+
+
+def _beside_one_without_name(labels: Sequence[str], found: _Owned) -> _Owned:
+    """Subjects whose rests are the labels of another body that has no name, and that body: ``LASI`` and ``LASI_2``.
+
+    A model's copy of some markers beside its joint centres is no other body: it lacks places.
+    """
+    there = set(labels)
+    named = {
+        name: own
+        for name, own in found.items()
+        if len(own) >= _BODY
+        and len(there.intersection(own.values())) > _ALIKE * len(own)
+        and _pairs(own.values()) >= _FEWEST
+    }
+    theirs = {label for own in named.values() for label in own}
+    shared = {rest for own in named.values() for rest in own.values()}
+    nameless = [label for label in labels if label not in theirs and (label in shared or _places([label]))]
+    most = max(_BODY, _ALIKE * len(_places(nameless)))
+    bodies = {name: own for name, own in named.items() if len(_places(own.values())) >= most}
+    if not bodies or _NAMELESS in bodies:
+        return {}
+    return {_NAMELESS: {label: label for label in nameless}, **bodies}
 
 
 def _places(labels: Iterable[str]) -> set[tuple[str, str]]:

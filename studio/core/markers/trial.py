@@ -63,13 +63,14 @@ class ForcePlate:
     """Force plate in the floor, and its analog channels."""
 
     kind: int
-    """1 to 4 as C3D counts them: 1 force and centre of pressure, 2 force and moment, 3 eight sensors, 4 calibrated."""
+    """1 to 4 as C3D counts them: 1 force and centre of pressure, 2 force and moment, 3 eight sensors, 4 calibrated; 0
+    for one whose force is not described."""
     corners: FloatArray
     """(4, 3) in file units and axes."""
     origin: FloatArray
     """(3,) from the middle of the surface to the sensors (or back: files disagree), file units."""
     channels: tuple[int, ...]
-    """Columns of the analog samples."""
+    """Columns of the analog samples; none for kind 0."""
     calibration: FloatArray | None = None
     """(6, 6) from channels to forces and moments, kind 4."""
 

@@ -97,16 +97,40 @@ def _is_clear(
 
 def is_unarranged(performers: Mapping[str, Performer]) -> bool:
     """True if the performers are in a row as placed by ``side_by_side`` or ``lined_up``; some may be missing."""
+    direction = row_direction(performers)
+    if direction is None:
+        return False
+    places = np.array([each.position for each in performers.values()])
+    steps = (places - places[0]) @ direction / SPACING
+    return np.allclose(steps, np.round(steps), atol=1e-6) and len({*np.round(steps).tolist()}) == len(steps)
+
+
+def row_direction(performers: Mapping[str, Performer]) -> NDArray[np.float64] | None:
+    """Unit vector (2,) on the ground from the first performer to the far end of their row; None if they form none."""
     places = np.array([each.position for each in performers.values()])
     if len(places) < 2 or any(each.heading for each in performers.values()):
-        return False
+        return None
     row = places - places[0]
     end = row[np.argmax(np.linalg.norm(row, axis=1))]
     if not end.any():
-        return False
-    steps = row @ (end / np.linalg.norm(end)) / SPACING
-    is_spaced = np.allclose(steps, np.round(steps), atol=1e-6) and len({*np.round(steps).tolist()}) == len(steps)
-    return is_spaced and np.allclose(row, np.outer(steps * SPACING, end / np.linalg.norm(end)), atol=1e-6)
+        return None
+    direction = end / np.linalg.norm(end)
+    return direction if np.allclose(row, np.outer(row @ direction, direction), atol=1e-6) else None
+
+
+def end_of_row(performers: Mapping[str, Performer], gaps: Mapping[str, float]) -> tuple[float, float]:
+    """Position in metres for one more performer, whole spacings beyond the end of their row.
+
+    ``gaps`` are the metres that it must keep from each of them. Performers who form no row are taken as one across
+    heading 0.
+    """
+    if not performers:
+        return 0.0, 0.0
+    direction = row_direction(performers)
+    direction = np.array([0.0, -1.0]) if direction is None else direction
+    last = max(performers, key=lambda key: float(performers[key].position @ direction))
+    x, y = (performers[last].position + SPACING * math.ceil(gaps[last] / SPACING) * direction).tolist()
+    return x, y
 
 
 def staged(

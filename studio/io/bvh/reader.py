@@ -15,7 +15,15 @@ from studio.core.kernels.body import file_channels as kernel
 from studio.io.bvh.hierarchy import Hierarchy, read_hierarchy
 from studio.io.bvh.spelling import plainly_spelled
 from studio.io.bvh.writer import write_bvh
-from studio.io.numbers import count_per_line, filled_in_time, glued_words, lines_of, parted, table
+from studio.io.numbers import (
+    count_per_line,
+    filled_in_time,
+    glued_words,
+    lines_of,
+    parted,
+    parted_after_decimals,
+    table,
+)
 from studio.io.referenced_files import read_bytes
 
 __all__ = ["BvhFile", "read_bvh", "write_bvh"]
@@ -300,9 +308,10 @@ def _part_glued(
     """Separate the numbers of rows with too few words that are then complete; report the first of them."""
     glued = []
     for row in np.flatnonzero((counts > 0) & (counts < width)).tolist():
-        line = parted(lines[row].decode("utf-8", "replace")).encode()
-        if len(line.split()) == width:
-            lines[row], counts[row] = line, width
+        line = lines[row].decode("utf-8", "replace")
+        apart = next((each for each in (parted(line), parted_after_decimals(line)) if len(each.split()) == width), None)
+        if apart is not None:
+            lines[row], counts[row] = apart.encode(), width
             glued.append(first_line + row)
     repairs += glued_words(name, glued)
 

@@ -125,7 +125,7 @@ def analog_signals(
 
 
 def force_plates(name: str, parameters: Parameters, channels: int, repairs: list[str]) -> tuple[ForcePlate, ...]:
-    """Plates whose corners and channels the file gives; others are reported."""
+    """Plates whose corners the file gives; those without a complete description have no channels, and are reported."""
     count = int(np.clip(parameters.number("FORCE_PLATFORM", "USED") or 0, 0, 32))
     kinds, feeds = (parameters.array("FORCE_PLATFORM", which).squeeze() for which in ("TYPE", "CHANNEL"))
     each = feeds.shape[0] if feeds.ndim > 1 else feeds.size // max(count, 1)
@@ -134,22 +134,28 @@ def force_plates(name: str, parameters: Parameters, channels: int, repairs: list
         parameters.columns("FORCE_PLATFORM", which, *shape)
         for which, shape in (("CORNERS", (3, 4)), ("ORIGIN", (3,)), ("CAL_MATRIX", (6, 6)))
     )
+
+    def measuring(place: int) -> ForcePlate:
+        columns = tuple(int(channel) - 1 for channel in feeds[:, place] if 0 < channel <= channels)
+        kind = int(kinds.flat[place])
+        size = {1: 6, 2: 6, 3: 8, 4: 6}.get(kind, 0)
+        calibration = matrices[:, :, place] if kind == 4 and matrices.size else None
+        origin, shape = origins[:, place], corners[:, :, place]
+        numbers = (shape, origin, *(() if calibration is None else (calibration,)))
+        if len(columns) < size or not size or not all(np.isfinite(array).all() for array in numbers):
+            raise ValueError
+        return ForcePlate(kind, shape.T, origin, columns[:size], calibration)
+
     plates: list[ForcePlate] = []
     for place in range(count):
         try:
-            columns = tuple(int(channel) - 1 for channel in feeds[:, place] if 0 < channel <= channels)
-            kind = int(kinds.flat[place])
-            size = {1: 6, 2: 6, 3: 8, 4: 6}.get(kind, 0)
-            calibration = matrices[:, :, place] if kind == 4 and matrices.size else None
-            origin, shape = origins[:, place], corners[:, :, place]
-            numbers = (shape, origin, *(() if calibration is None else (calibration,)))
-            if len(columns) < size or not size or not all(np.isfinite(array).all() for array in numbers):
-                raise ValueError
-            plates.append(ForcePlate(kind, shape.T, origin, columns[:size], calibration))
+            plates.append(measuring(place))
         except (IndexError, ValueError, StudioError):
             repairs.append(
                 f"{name}: force plate {place + 1} is not described completely; its signals are kept as such."
             )
+            if place < corners.shape[2] and np.isfinite(corners[:, :, place]).all() and corners[:, :, place].any():
+                plates.append(ForcePlate(0, corners[:, :, place].T, np.zeros(3), ()))
     return tuple(plates)
 
 

@@ -175,11 +175,12 @@ def _first_frame(header: int, parameters: Parameters) -> int:
 
 
 def _long(parameters: Parameters, name: str) -> int | None:
-    """Frame number of 32 bits stored as two of 16, the lower first; None for another value."""
+    """Frame number of 31 bits stored as two of 16, the lower first; None for another value."""
     field = parameters.columns("TRIAL", name, 2)
     if not field.size or not np.isfinite(field).all():
         return None
-    return (int(field[0, 0]) & 0xFFFF) + ((int(field[1, 0]) & 0xFFFF) << 16)
+    frame = (int(field[0, 0]) & 0xFFFF) + ((int(field[1, 0]) & 0xFFFF) << 16)
+    return frame if frame < 1 << 31 else None
 
 
 def _scale(name: str, header: float, parameters: Parameters, repairs: list[str]) -> tuple[float, bool]:
@@ -229,7 +230,8 @@ def _frames(
     name: str, content: bytes, unsigned: list[int], header: _Header, parameters: Parameters, repairs: list[str]
 ) -> int:
     """Number of frames by ACTUAL_START_FIELD and ACTUAL_END_FIELD, else header, else POINT:FRAMES; at most those in the
-    file. If 16 bits are full, LONG_FRAMES is preferred, else the largest of these counts.
+    file, and one that fills it before a smaller one. If 16 bits are full, LONG_FRAMES is preferred, else the largest
+    of these counts.
     """
     there = (len(content) - header.data_start) // header.bytes_a_frame
     start, end = (_long(parameters, f"ACTUAL_{which}_FIELD") for which in ("START", "END"))
@@ -240,7 +242,9 @@ def _frames(
     longest = int(np.clip(parameters.number("POINT", "LONG_FRAMES") or 0.0, 0.0, 2.0**31))
     if unsigned[4] == 0xFFFF or claims[-1] == 0xFFFF:
         claims.insert(0, longest or (there if max(claims) == 0xFFFF else max(claims)))
+    filling = [claim for claim in claims if 0 <= (there - claim) * header.bytes_a_frame < BLOCK_BYTES]
     claimed = next((claim for claim in claims if claim > 0), 0)
+    claimed = filling[0] if filling and 0 < claimed < filling[0] else claimed
     if there == 0 or claimed == 0:
         raise StudioError(
             f"{name}, byte {header.data_start}: there is no complete frame in this file, though it says {claimed}. "

@@ -158,7 +158,7 @@ def _plates(trial: Trial) -> list[Record]:
     plates = trial.plates
     records: list[Record] = [("USED", _integers([len(plates)], ())), ("ZERO", _integers([1, 0]))]
     if plates:
-        width = max(len(plate.channels) for plate in plates)
+        width = max(1, *(len(plate.channels) for plate in plates))
         feeds = [[channel + 1 for channel in plate.channels] + [0] * (width - len(plate.channels)) for plate in plates]
         count = len(plates)
         records += [

@@ -15,6 +15,7 @@ from studio.core.body.body_matching import LOOSE_VARIATION, MOST_VARIATION, Body
 from studio.core.body.humanoid import LIMB_PARTS, BodyMap, BodyPart, is_spine, part_called
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
+from studio.core.rotations import normalized
 from studio.io.json_text import read_json
 from studio.resources_folder import resources_folder
 
@@ -31,6 +32,8 @@ _SIDE_WORDS = dict.fromkeys(("left", "l", "lft", "lf", "lt"), "left") | dict.fro
 )
 _NOISE = {"jnt", "joint", "bone", "bind", "def", "org", "skin", "stretch", "fk", "x", "c", "m"}
 """Words by which riggers tell deforming joints from their controls, and the middle of the body."""
+_IN_LINE = np.cos(np.radians(20.0))
+"""Cosine of the bend up to which a joint of a limb only divides its bone."""
 _SHARED = 0.9
 """Fraction of the names that share a beginning which says nothing."""
 
@@ -77,7 +80,7 @@ def find_body(skeleton: Skeleton, positions: FloatArray, chosen: Mapping[str, st
 
 def _best_match(skeleton: Skeleton, positions: FloatArray, fixed: dict[BodyPart, list[int]]) -> tuple[str, BodyMatch]:
     """Body found, and the family of its names; bones may change length only if no body has constant ones."""
-    by_name = _joints_by_name(skeleton)
+    by_name = _joints_by_name(skeleton, positions)
     every = _candidates(_all_families(), by_name) | fixed
     limbs = {part: fixed.get(part) for parts in LIMB_PARTS.values() for part in parts}
     if all(limbs.values()):
@@ -95,7 +98,7 @@ def _best_match(skeleton: Skeleton, positions: FloatArray, fixed: dict[BodyPart,
 
 def find_preset(skeleton: Skeleton, positions: FloatArray, family: NamingFamily) -> BodyMap:
     """The body whose joints have the names of ``family``. Raises StudioError with the limbs that have none."""
-    candidates = _candidates(family, _joints_by_name(skeleton))
+    candidates = _candidates(family, _joints_by_name(skeleton, positions))
     match = BodySearch(skeleton, positions, LOOSE_VARIATION).match(candidates)
     if match.body_map is None:
         raise StudioError(
@@ -201,10 +204,11 @@ def _reversed(name: str) -> str:
     return _sided(name, -1)
 
 
-def _joints_by_name(skeleton: Skeleton) -> dict[str, list[int]]:
+def _joints_by_name(skeleton: Skeleton, positions: FloatArray | None = None) -> dict[str, list[int]]:
     """Joints by plain name, by the part after a prefix (``Character1_Hips``), by side and name; the most certain first.
 
-    Last by the name without its number (``lThigh_042``, ``upperarm01.L``), the first of several in a row.
+    Last by the name without its number (``lThigh_042``, ``upperarm01.L``), of several in a limb the first, and others
+    that do not lie in line with it in ``positions`` (F, J, 3): two joints of one name.
     """
     of_joints = [(joint, each) for joint, each in enumerate(_spellings(skeleton)) if not skeleton.end_sites[joint]]
     most = max(len(spellings) for _, spellings in of_joints)
@@ -219,11 +223,20 @@ def _joints_by_name(skeleton: Skeleton) -> dict[str, list[int]]:
         plain = _plain(name), _sided(name)
         for key in {_numberless(name, _plain), _numberless(name, _sided)}.difference(plain):
             above = numbered.setdefault(key, [])
-            if not any(skeleton.path(upper, joint) for upper in (*by_name.get(key, ()), *above)):
+            below = any(skeleton.path(upper, joint) for upper in (*by_name.get(key, ()), *above))
+            of_limb = _sided(name)[:1] != " "
+            if not below or (positions is not None and not (of_limb and _divides(skeleton, positions, joint))):
                 above.append(joint)
     for key, joints in numbered.items():
         by_name[key] = list(dict.fromkeys([*by_name.get(key, []), *joints]))
     return by_name
+
+
+def _divides(skeleton: Skeleton, positions: FloatArray, joint: int) -> bool:
+    """True if a joint lies in line with the one before and the ones after it in all frames (F, J, 3)."""
+    before = normalized(positions[:, joint] - positions[:, skeleton.parents[joint]])
+    after = normalized(positions[:, list(skeleton.children[joint])] - positions[:, joint, None])
+    return bool((np.einsum("fi,fci->fc", before, after) > _IN_LINE).all())
 
 
 def _numberless(name: str, key: Callable[[str], str]) -> str:

@@ -42,8 +42,8 @@ _SPARSE = 1.0 / 15.0
 _USUAL_RATE = 30.0
 _DIGIT = 1e-4
 """Seconds to which programs round the time of a key."""
-_EVEN = 0.05
-"""Parts of a step by which the distances of evenly spaced keys may differ."""
+_EVEN = 0.7
+"""Parts of a step by which the distances of evenly spaced keys may differ: programs round their times."""
 _SPARE_POSES = 2_500_000
 _DRAWN = {"mesh", "camera"}
 """Fields of a node that is drawn and no joint."""
@@ -178,7 +178,7 @@ def _frame_rate(tracks: list[AnimationTrack], options: ImportOptions, guesses: l
     steps = np.diff(densest)
     step, digit = float(np.median(steps)) if len(steps) else np.inf, _DIGIT
     if len(steps) and np.ptp(steps) < _EVEN * step:  # the mean of even steps is the surest
-        step, digit = float((densest[-1] - densest[0]) / len(steps)), _DIGIT / len(steps)
+        step, digit = float((densest[-1] - densest[0]) / len(steps)), max(_DIGIT, float(np.ptp(steps))) / len(steps)
     if step > _SPARSE:
         guesses.append(
             Guess("frame rate", f"{_USUAL_RATE:g} Hz", "The keys are too few to tell a rate.", Confidence.DOUBTFUL)

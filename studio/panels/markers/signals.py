@@ -120,8 +120,9 @@ class SignalPlot(QWidget):
     def _fill(self) -> None:
         trial = self._trial
         with QSignalBlocker(self.list):
-            plates = self._group("Force plates", bool(trial.plates))
-            for place, plate in enumerate(trial.plates):
+            measuring = [(place, plate) for place, plate in enumerate(trial.plates) if plate.channels]
+            plates = self._group("Force plates", bool(measuring))
+            for place, plate in measuring:
                 name = f"Plate {place + 1}"
                 unit = trial.analog.units[plate.channels[0]]
                 self._add(plates, name, partial(self._force, name, plate), unit, ticked=True)

@@ -213,10 +213,15 @@ def verdict(shown: RowContext, constraint_id: str) -> tuple[str, str]:
     found = [(shown.residual(constraint_id, body.performer_id), body.name) for body in bodies]
     missed = [(residual, name) for residual, name in found if residual is not None and not residual.held]
     if not missed:
+        if any(strip.yields for strip in strips if strip):
+            return "gives way to contacts", colours.TEXT_THIRD
+        acting = sum(residual is not None for residual, _ in found)
+        if not acting:
+            return "not active", colours.TEXT_THIRD
         eases = any(strip.misses for strip in strips if strip)
-        held = f"held{' on all characters' if len(strips) > 1 else ''}{' at full activation' if eases else ''}"
-        yields = any(strip.yields for strip in strips if strip)
-        return "gives way to contacts" if yields else held, colours.TEXT_THIRD
+        which = "all" if acting == len(strips) else f"{acting} of {len(strips)}"
+        on = f" on {which} characters" if len(strips) > 1 else ""
+        return f"held{on}{' at full activation' if eases else ''}", colours.TEXT_THIRD
     worst, name = max(missed, key=lambda each: each[0].weight)
     text = f"{name} {worst.words} at {shown.frame_words(worst.frame)}"
     colour = colours.PARTLY if worst.partly else colours.mixed(colours.NOT_REACHED, colours.TEXT, 0.25)

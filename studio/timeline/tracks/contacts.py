@@ -45,7 +45,7 @@ def row_of(point: ContactPoint | Touch) -> str:
 
 
 def lane(row: QRect, point: ContactPoint | Touch) -> QRectF:
-    """Height of a point's contacts in its row."""
+    """Rectangle of a contact point's bars within its ``row``, in pixels."""
     lanes, line = LANES[row_of(point)], THIN_LINE if is_folded(row) else CONTACT_LINE_PX
     middle = row.top() + row.height() / 2
     top = middle - line / 2 if len(lanes) == 1 else middle + 0.5 - (line + 1) * (1 - lanes.index(point))

@@ -1,11 +1,12 @@
 """Labels: named moments and ranges of the motion, as flags on a row of their own."""
 
+import math
 from collections.abc import Iterator
+from typing import NamedTuple
 
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPolygonF
 
-from studio.core.captures.annotations import Label
 from studio.document import colours
 from studio.timeline.shown import Hit, ItemPart, RowContext, label_area
 from studio.timeline.tracks.brush import font, paint_label, translucent
@@ -21,20 +22,35 @@ def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
     return [("labels", "", LABEL_ROW_HEIGHT)] if shown.project.labels_of(shown.subject.motion_id) else []
 
 
-def flag_area(shown: RowContext, row: QRect, label: Label) -> QRectF:
-    """Rectangle of a label's flag: its range from its first frame, at least as wide as its name."""
-    left, right = shown.x_of_frame(label.first), shown.x_of_frame(label.last)
-    width = QFontMetrics(font(PIXELS)).horizontalAdvance(label.name) + 2 * LABEL_MARGIN_PX + LABEL_POLE_PX
-    return QRectF(left, row.top() + 3.0, max(right - left, width), row.height() - 6.0)
+class Flag(NamedTuple):
+    """Rectangles of a label: from its first frame over range and name, and that of the name alone."""
+
+    area: QRectF
+    name: QRectF
+
+
+def flags(shown: RowContext, row: QRect) -> dict[str, Flag]:
+    """Flag of each label; its name ends where the next flag begins."""
+    labels = sorted(shown.project.labels_of(shown.subject.motion_id).items(), key=lambda each: each[1].first)
+    lefts = [shown.x_of_frame(label.first) for _, label in labels]
+    metrics, made = QFontMetrics(font(PIXELS)), {}
+    for (key, label), left, following in zip(labels, lefts, [*lefts[1:], math.inf], strict=True):
+        name = metrics.horizontalAdvance(label.name) + 2 * LABEL_MARGIN_PX + LABEL_POLE_PX
+        width, span = min(name, following - left), shown.x_of_frame(label.last) - left
+        area = QRectF(left, row.top() + 3.0, max(width, span), row.height() - 6.0)
+        made[key] = Flag(area, QRectF(left, area.top(), width, area.height()).adjusted(LABEL_MARGIN_PX, 0, 0, 0))
+    return made
 
 
 def paint_labels(painter: QPainter, row: QRect, shown: RowContext) -> None:
     """Draw a pole at the first frame of each label, its range as a band, and its name; the selected one is light."""
     painter.setFont(font(PIXELS))
-    for key, label in shown.project.labels_of(shown.subject.motion_id).items():
+    labels, metrics = shown.project.labels_of(shown.subject.motion_id), QFontMetrics(font(PIXELS))
+    for key, (area, name) in flags(shown, row).items():
+        label = labels[key]
         selected = shown.is_selected("labels", key)
         colour = colours.SELECTED_HANDLE if selected else colours.kind_colour("label")
-        area, end = flag_area(shown, row, label), shown.x_of_frame(label.last)
+        end = shown.x_of_frame(label.last)
         painter.fillRect(area, translucent(colour, 0.12))
         painter.fillRect(QRectF(area.left(), area.top(), end - area.left(), area.height()), translucent(colour, 0.25))
         painter.fillRect(
@@ -47,7 +63,7 @@ def paint_labels(painter: QPainter, row: QRect, shown: RowContext) -> None:
             painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
         painter.setPen(QColor(colours.TEXT))
         side = Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft
-        painter.drawText(area.adjusted(LABEL_POLE_PX + LABEL_MARGIN_PX / 2, 0.0, 0.0, 0.0), side, label.name)
+        painter.drawText(name, side, metrics.elidedText(label.name, Qt.TextElideMode.ElideRight, int(name.width())))
 
 
 def paint_labels_label(painter: QPainter, row: QRect) -> None:
@@ -63,8 +79,9 @@ def labels_hit(shown: RowContext, row: QRect, point: QPointF) -> Hit:
 
 def _parts(shown: RowContext, row: QRect, x: float) -> Iterator[tuple[float, str, ItemPart]]:
     """First frame, id and part of each label at the pixel ``x``."""
-    for key, label in shown.project.labels_of(shown.subject.motion_id).items():
-        area, end = flag_area(shown, row, label), shown.x_of_frame(label.last)
+    labels = shown.project.labels_of(shown.subject.motion_id)
+    for key, (area, _) in flags(shown, row).items():
+        label, end = labels[key], shown.x_of_frame(labels[key].last)
         if not area.left() - LABEL_GRIP_PX <= x <= max(area.right(), end + LABEL_GRIP_PX):
             continue
         part = ItemPart.BODY

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from studio.core.markers.force_plates import plate_force, plate_loads, plate_reactions, plates_height, sample_times
 from studio.core.markers.trial import METRES, AnalogSignals, ForcePlate
 from studio.io.c3d.reader import read_c3d
+from studio.io.c3d.writer import write_c3d
 from tests.io.trials import make_trial
 
 FloatArray = NDArray[np.float64]
@@ -109,3 +110,12 @@ def test_corners_in_another_unit_than_the_points_still_say_where_the_floor_is(un
     trial = replace(make_trial(), unit=said, plates=(ForcePlate(2, corners, np.zeros(3), tuple(range(6))),))
     assert trial.metres_of_plates == METRES[unit]
     assert plates_height(trial, np.eye(3), 0.52) == pytest.approx(0.5)
+
+
+def test_a_plate_without_signals_says_where_the_floor_is_and_pushes_nobody(tmp_path: Path) -> None:
+    trial = replace(make_trial(), plates=(ForcePlate(0, 1000.0 * CORNERS + [0.0, 0.0, 500.0], np.zeros(3), ()),))
+    write_c3d(tmp_path / "take.c3d", trial)
+    again = read_c3d(tmp_path / "take.c3d").trial
+    assert [plate.channels for plate in again.plates] == [()]
+    assert plates_height(again, np.eye(3), 0.52) == pytest.approx(0.5)
+    assert plate_loads(again, np.eye(3)) == ()

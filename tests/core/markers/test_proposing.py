@@ -17,6 +17,15 @@ from tests.core.markers.made import made_trial
         ("L.Knee.Medial", ("left", "inner_knee")),
         ("LKneeIn", ("left", "inner_knee")),
         ("left_ankle", ("left", "ankle")),
+        ("LKNE1", ("left", "knee")),
+        ("R_WRI_ULN", ("right", "outer_wrist")),
+        ("right med condyle", ("right", "inner_knee")),
+        ("genou_int_gauche", ("left", "inner_knee")),
+        ("cheville_ext_droite", ("right", "ankle")),
+        ("RCOUDE_INT", ("right", "inner_elbow")),
+        ("LSTYL_RAD", ("left", "wrist")),
+        ("LMETA5", ("left", "outer_toe")),
+        ("LHL", ("left", "heel")),
         ("RFWT", ("right", "front_hip")),
         ("R.ASIS", ("right", "front_hip")),
         ("LSHO", ("left", "shoulder")),
@@ -90,6 +99,32 @@ def test_of_two_markers_at_a_knee_the_outer_one_is_told_by_where_it_is() -> None
     assert proposed.markers["right_knee"] == ("RKNE_2",)
     assert proposed.markers["right_inner_knee"] == ("RKNE",)
     assert proposed.has_legs()
+
+
+def test_two_knees_of_a_set_that_numbers_them_are_its_sides() -> None:
+    names = LOWER | {
+        "left_knee": "LKNE1",
+        "left_inner_knee": "LKNE2",
+        "right_knee": "RKNE2",
+        "right_inner_knee": "RKNE1",
+    }
+    proposed = propose_map(_renamed(names))
+    assert proposed.markers["left_inner_knee"] == ("LKNE2",)
+    assert proposed.markers["right_knee"] == ("RKNE2",)
+
+
+def test_letters_of_gauche_and_droit_name_the_sides_of_a_whole_set() -> None:
+    french = {
+        "front_hip": "EAS", "back_hip": "EPS", "knee": "CL", "inner_knee": "CM", "ankle": "ML", "inner_ankle": "MM",
+        "heel": "CAL", "shoulder": "ACR", "elbow": "COU", "wrist": "RAD", "outer_wrist": "ULN",
+    }  # fmt: skip
+    names = {
+        f"{side}_{part}": f"{letter}{word}"
+        for side, letter in (("left", "G"), ("right", "D"))
+        for part, word in french.items()
+    }
+    proposed = propose_map(_renamed(names))
+    assert {role: own[0] for role, own in proposed.markers.items()} == names
 
 
 def test_initials_stand_for_the_first_place_that_no_other_label_names() -> None:

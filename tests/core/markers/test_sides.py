@@ -37,6 +37,19 @@ def test_a_body_that_lies_or_turns_is_sorted_by_itself() -> None:
     assert set(exchanged_places(turned, with_exchanged(marker_map, tuple(LEG)))) == LEG
 
 
+@pytest.mark.parametrize("names", [{"wrist", "outer_wrist"}, {"ankle", "inner_ankle", "heel", "toe"}])
+def test_ends_of_limbs_that_stand_still_are_found_though_the_others_are_nearer(names: set[str]) -> None:
+    """Limbs that are folded all the time have shorter bones than that."""
+    trial, marker_map = made_trial()
+    frame = trial.points[60:61].copy()
+    for name in ("wrist", "outerwrist"):
+        for side in ("left", "right"):
+            frame[:, trial.labels.index(f"{side}{name}"), 1] *= 0.4
+    still = replace(trial, points=np.tile(frame, (20, 1, 1)), residuals=trial.residuals[:20])
+    assert exchanged_places(still, marker_map) == ()
+    assert set(exchanged_places(still, with_exchanged(marker_map, tuple(names)))) == names
+
+
 def test_folded_arms_are_nobody_elses() -> None:
     """Each hand lies beside the other elbow all through the take."""
     trial, marker_map = made_trial()

@@ -22,6 +22,15 @@ def test_a_name_behind_a_label_or_without_a_sign_is_told_by_the_body_it_has(form
     assert with_subjects(labels) == (*(f"{name}:{marker}" for name in names for marker in BODY), "Prop")
 
 
+@pytest.mark.parametrize("form", ["Ben_{}", "Ben.{}", "{}_2", "{}-2", "{}.Ben"])
+@pytest.mark.parametrize("alternate", [False, True])
+def test_a_body_without_a_name_beside_a_named_one_is_the_first(form: str, alternate: bool) -> None:
+    name = form.replace("{}", "").strip("_.-")
+    whole = {marker: f"1:{marker}" for marker in BODY} | {form.format(marker): f"{name}:{marker}" for marker in BODY}
+    labels = [each for marker in BODY for each in (marker, form.format(marker))] if alternate else list(whole)
+    assert with_subjects([*labels, "Box1"]) == (*(whole[label] for label in labels), "Box1")
+
+
 @pytest.mark.parametrize(
     "labels",
     [
@@ -50,6 +59,7 @@ def test_a_name_behind_a_label_or_without_a_sign_is_told_by_the_body_it_has(form
             for place in ("ASI", "Toe", "TopOfHand", "Elbow", "Acromion")
         ),
         ("Ann:LASI", "Ben_LASI"),
+        (*BODY, *(f"{marker}_2" for marker in BODY if "Ankle" not in marker and "HEE" not in marker), "RHIP", "LHIP"),
         (),
     ],
 )

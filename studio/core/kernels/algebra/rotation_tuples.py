@@ -14,7 +14,7 @@ IDENTITY = 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0
 
 @small_kernel
 def rotation_from_quaternion(quaternions, first):
-    """Rotation of the unit quaternion (x, y, z, w) that begins at index ``first``."""
+    """Rotation tuple of the unit quaternion (x, y, z, w) that begins at index ``first`` of ``quaternions``."""
     x, y, z, w = quaternions[first], quaternions[first + 1], quaternions[first + 2], quaternions[first + 3]
     x2, y2, z2 = x + x, y + y, z + z
     xx, yy, zz = x * x2, y * y2, z * z2
@@ -142,10 +142,11 @@ def write_transformed_point(origin, rotation, x, y, z, out_point):
 
 @kernel
 def shortest_rotation(ax, ay, az, bx, by, bz):
-    """Shortest rotation from unit vector a to unit vector b, SA of METHOD (1); half a turn where they are opposite.
+    """Rotation tuple of the least rotation from unit vector a to unit vector b, METHOD (1); for opposite ones, half a
+    turn.
 
-    Where they are nearly opposite it is composed of two half turns, about a and about the middle h of both: 4 (h . a) h
-    a^T - 2 h h^T - 2 a a^T + I is a rotation however inexact h is. The usual form divides by 1 + a . b.
+    Nearly opposite vectors are joined by two half turns, about a and about the middle h of both: 4 (h . a) h a^T - 2 h
+    h^T - 2 a a^T + I is a rotation however inexact h is. The usual form divides by 1 + a . b.
     """
     cosine = ax * bx + ay * by + az * bz
     if cosine > -0.9:
@@ -200,10 +201,9 @@ def rotation_with_z_axis(x, y, z):
 
 @small_kernel
 def aim_z_axis(rotation, x, y, z):
-    """``rotation`` followed by the shortest rotation that brings its z axis to the unit vector (x, y, z).
+    """``rotation`` premultiplied by the least rotation that brings its z axis to the unit vector (x, y, z).
 
-    A reflection at the plane across the middle h of both z axes maps x to the x axis of SA in METHOD (1). From the
-    opposite direction the result is half a turn about x.
+    From the opposite direction the result is half a turn about x.
     """
     ax, ay, az = rotation[0], rotation[3], rotation[6]
     hx, hy, hz = rotation[2] + x, rotation[5] + y, rotation[8] + z

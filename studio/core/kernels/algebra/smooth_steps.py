@@ -11,9 +11,8 @@ def smoothstep(t):
 
 @kernel
 def smooth_penetration(height, margin):
-    """Height to add to ``height`` so that it stays above 0: twice continuously differentiable, 0 from ``margin`` on.
-
-    METHOD (7).
+    """Correction in metres to be added to ``height`` to keep it above 0: twice continuously differentiable, 0 from
+    ``margin`` metres on (METHOD (7)).
     """
     if height >= margin:
         return 0.0

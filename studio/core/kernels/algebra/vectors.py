@@ -23,7 +23,7 @@ def length(vector):
 
 @small_kernel
 def length_in_axes(vector, axes):
-    """Length of the horizontal part of a vector (3,), or of the whole vector where ``axes`` is 3."""
+    """Length of a vector (3,): of its horizontal components if ``axes`` is 2, of all three if it is 3."""
     return math.sqrt(vector[0] ** 2 + vector[1] ** 2 + (vector[2] ** 2 if axes > 2 else 0.0))
 
 

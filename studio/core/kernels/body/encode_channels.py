@@ -26,7 +26,7 @@ SHORTEST_HINGE = 1e-12
 
 
 class ActorSizes(NamedTuple):
-    """Measures of the captured actor that a motion without a body leaves out."""
+    """Proportions of the captured actor, which are removed from the normalised motion."""
 
     rests: Array
     """(3, 3, 3) rest rotations of neck and clavicles in the thorax."""
@@ -80,9 +80,10 @@ def encode_frames(points, rotations, yaw, actor, out_channels):
 
 @kernel
 def unwrap_channels(quaternion_columns, channels):
-    """Make quaternions at ``turn_columns``, and limb twists, continuous from frame to frame, in place.
+    """Make channels continuous from frame to frame, in place: signs of quaternions and multiples of 2 pi of limb
+    twists.
 
-    Each quaternion takes the sign nearer to the frame before, each twist the nearest multiple of 2 pi.
+    Each quaternion, from one of ``quaternion_columns`` on, takes the sign nearer to the frame before.
     """
     for frame in range(1, channels.shape[0]):
         before, now = channels[frame - 1], channels[frame]
@@ -135,7 +136,7 @@ def encode_trunk(pose, actor, scratch, out):
 
 @kernel
 def encode_hips(root, pelvis, actor, out_channel):
-    """Write the middle of the hips above the ankles' plane, in leg lengths."""
+    """Write the height of the hips' centre above the plane of the ankles, in leg lengths."""
     for axis in range(3):
         position = root[axis] - (actor.ankle_height if axis == 2 else 0.0)
         for column in range(3):
@@ -147,6 +148,8 @@ def encode_hips(root, pelvis, actor, out_channel):
 def encode_limb(limb, pose, length, scratch, out):
     """Write frame, slack, bend, twists and end rotation of one arm (limb 0, 1) or leg (2, 3) that is ``length`` metres
     long (METHOD 2, "limb encoding").
+
+    Its slack is ``length`` less the distance of its end from its root.
     """
     points, rotations = pose
     spine_count = rotations.shape[0] - SEGMENTS_BESIDE_SPINE
@@ -182,8 +185,8 @@ def encode_limb(limb, pose, length, scratch, out):
 
 @kernel
 def frame_of_hinge(arc, upper, zx, zy, zz, out_frame):
-    """Limb frame (3, 3): z towards the end of the limb, x as near as possible to the hinge of ``upper`` rotated by
-    ``arc``.
+    """Limb frame (3, 3): z along the unit vector (zx, zy, zz), x as near as possible to the hinge axis, the x axis of
+    ``upper`` rotated by ``arc``.
     """
     x = arc[0, 0] * upper[0, 0] + arc[0, 1] * upper[1, 0] + arc[0, 2] * upper[2, 0]
     y = arc[1, 0] * upper[0, 0] + arc[1, 1] * upper[1, 0] + arc[1, 2] * upper[2, 0]
@@ -220,7 +223,7 @@ def offset_along_axis(start, end, axes, column):
 
 @kernel
 def write_relative_quaternion(out_channel, column, parent, rotation, scratch):
-    """Write the quaternion of parent^T rotation."""
+    """Write the quaternion (x, y, z, w) of parent^T @ rotation into four channels from ``column`` on."""
     rotation_tuples.write_rotation(
         rotation_tuples.compose(
             rotation_tuples.inverse_rotation(rotation_tuples.rotation_from_matrix(parent)),

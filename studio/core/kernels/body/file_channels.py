@@ -32,7 +32,7 @@ def pose_joints(numbers, joints, deeds, axes, starts, offsets, out_rotations, ou
 
 @kernel
 def rotate_quaternion_about_axis(axis, half, quaternion):
-    """Multiply a quaternion (4,) by the rotation about one of its axes by twice ``half`` radians, in place."""
+    """Multiply a quaternion (4,) on its right by a rotation of 2 ``half`` radians about axis 0, 1 or 2, in place."""
     sine, cosine = math.sin(half), math.cos(half)
     i, j, k = axis, (axis + 1) % 3, (axis + 2) % 3
     a, b, c, w = quaternion[i], quaternion[j], quaternion[k], quaternion[3]
@@ -44,10 +44,10 @@ def rotate_quaternion_about_axis(axis, half, quaternion):
 
 @kernel
 def change_axes(rotations, translations, rotation, metres, out_rotations, out_translations):
-    """Rotations (N, J, 4) and translations (N, J, 3) in axes rotated by C ``rotation`` (3, 3): C R C^T and C t
-    ``metres``.
+    """Rotations C R C^T (N, J, 4) and translations C t ``metres`` (N, J, 3) after a change of basis by C ``rotation``
+    (3, 3).
 
-    The change rotates the axis of each quaternion.
+    ``metres`` are the metres in a unit. The change rotates the axis of each quaternion.
     """
     for frame in range(rotations.shape[0]):
         for joint in range(rotations.shape[1]):

@@ -119,7 +119,7 @@ def end_pose(limb, pose):
 
 @small_kernel
 def restore_end(limb, end, pose):
-    """Restore the world pose ``lifted`` of a hand, or of foot and toe, at the present wrist or ankle."""
+    """Write the world pose ``end`` of a hand, or of foot and toe, back at the present wrist or ankle."""
     positions, rotations = pose.positions, pose.rotations
     _, upper, root = limb_parts(limb, positions.shape[0] - POINTS_BESIDE_SPINE)
     joint = positions[root + 2]

@@ -76,7 +76,7 @@ def realize_frames(channels, positions, measures, actor, play, out_positions, ou
 
 @kernel
 def realize_each(channels, measures, actor, spine_from, spine_share, play, out_positions, out_rotations):
-    """Pose all frames with a sampled spine."""
+    """Pose all frames; ``spine_from`` and ``spine_share`` come from ``sample_spine``."""
     for frame in range(channels.shape[0]):
         row = measures[frame if measures.shape[0] > 1 else 0]
         pose = Pose(out_positions[frame], out_rotations[frame])
@@ -87,11 +87,11 @@ def realize_each(channels, measures, actor, spine_from, spine_share, play, out_p
 
 @allocating_kernel
 def sample_spine(positions, measures):
-    """Index (K,) of the motion's spine segment below each of a body's K spine segments, and the fraction (K,) to the
-    next.
+    """For each of a body's K spine segments, the index (K,) of the motion's segment at or below it and the
+    interpolation factor (K,) to the next.
 
     Pelvis maps to pelvis and thorax to thorax; segments between are sampled by their position along the trunk, so that
-    arms hang alike on any number of vertebrae. ``positions`` (K_motion,) run from 0 to 1.
+    arms hang in the same way on any number of vertebrae. ``positions`` (K_motion,) run from 0 to 1.
     """
     count, last = (measures.shape[0] - at.M_SPINE) // 3, positions.shape[0] - 1
     own, index, share = np.zeros(count), np.zeros(count, np.int64), np.zeros(count)
@@ -111,7 +111,7 @@ def sample_spine(positions, measures):
 
 @kernel
 def realize_frame(channels, measures, girdle, spine_from, spine_share, play, pose):
-    """Pose one frame; ``girdle`` are the FrameProportions of the actor."""
+    """Pose one frame; ``girdle`` are the actor's FrameProportions."""
     root, pelvis, neck_base, thorax = realize_trunk(channels, measures, girdle, spine_from, spine_share, pose)
     realize_head(channels, measures, play, neck_base, thorax, pose)
     for side in range(2):
@@ -121,11 +121,11 @@ def realize_frame(channels, measures, girdle, spine_from, spine_share, play, pos
 
 @small_kernel
 def realize_trunk(channels, measures, girdle, spine_from, spine_share, pose):
-    """Pose pelvis and spine (METHOD 3.1, 3.2); position and rotation of the pelvis and, at the neck base, of the
-    thorax.
+    """Pose pelvis and spine (METHOD 3.1, 3.2); returns position and rotation of the pelvis, then of the thorax at the
+    neck base.
 
-    The pelvis segment rotates less where hips are wider than the actor's (``girdle``), so that they stay as near over
-    standing feet; trunk and legs do not follow that rotation.
+    The pelvis segment rotates less where hips are wider than the actor's (``girdle``), which keeps them above the
+    planted feet; trunk and legs do not follow that rotation.
     """
     upright = pelvis_rotation(channels)
     pelvis = upright if girdle.hips == 1.0 else level_hips(upright, girdle.hips, girdle.line)
@@ -157,10 +157,10 @@ def realize_trunk(channels, measures, girdle, spine_from, spine_share, pose):
 
 @small_kernel
 def level_hips(pelvis, share, line):
-    """Pelvis rotation with the tilt and yaw of its hip line scaled by ``share`` relative to the level ``line`` (2,)
-    across its feet.
+    """Pelvis rotation whose hip axis is brought towards the direction ``line`` (2,) between the feet: its tilt and yaw
+    from there are multiplied by ``share``.
 
-    The scaling fades where the feet are turned away from it, or lie on their sides.
+    The scaling fades where the feet are turned away from the line, or lie on their sides.
     """
     own = 1.0 / max(math.hypot(line[0], line[1]), 1e-9)
     x, y = own * line[0], own * line[1]
@@ -219,8 +219,8 @@ def spine_rotation(channels, index, fraction):
 def realize_head(channels, measures, play, neck_base, thorax, pose):
     """Pose neck and head (METHOD 3.3).
 
-    The neck rotates from its own rest in the thorax, because bodies and captures draw it along different lines: the
-    motion carries the rotation over, and not the line. Clavicles likewise.
+    The neck is rotated from its own rest direction: rest directions differ between skeletons, and the motion carries
+    rotations only. Clavicles likewise.
     """
     neck, m = (measures.shape[0] - at.M_SPINE) // 3, at.M_NECK_REST
     parent = compose(thorax, rotation_from_quaternion(channels, at.NECK))
@@ -237,7 +237,7 @@ def realize_head(channels, measures, play, neck_base, thorax, pose):
 
 @small_kernel
 def scaled_rotation(channels, column, fraction):
-    """Rotation by ``fraction`` of the shorter angle of the quaternion in four columns of a frame."""
+    """Rotation of a quaternion in four channels from ``column`` on, with its angle multiplied by ``fraction``."""
     x, y, z, w = channels[column], channels[column + 1], channels[column + 2], channels[column + 3]
     size = math.sqrt(x * x + y * y + z * z)
     angle = fraction * math.atan2(size, abs(w))
@@ -344,7 +344,9 @@ def realize_limb(limb, channels, bones, fraction, parent, point, segment, pose):
 
 @small_kernel
 def write_hip(channels, measures, side, play, root, pelvis, out_hip):
-    """Write the hip joint (3,) and return it: its position in the pelvis and, for the actor, its shift from there."""
+    """Write the world position of a hip joint into ``out_hip`` (3,) and return it; with ``play`` 1 it includes the
+    actor's recorded offset.
+    """
     m, c, stray = at.M_HIP_OFFSET + 3 * side, at.HIP_SHIFT + 3 * side, play * mean_leg_length(measures)
     return write_transformed_point(
         root,

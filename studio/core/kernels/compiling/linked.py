@@ -65,7 +65,7 @@ class KernelPostProcessor(postproc.PostProcessor):
     """
 
     def run(self, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
-        """Update the order of the blocks; with ``emit_dels`` add the deletion of each variable after its last use."""
+        """Recompute the order of the blocks; with ``emit_dels`` add deletions of variables after their last use."""
         code = self.func_ir
         if code.is_generator or not isinstance(ConfigStack.top_or_none(), SharedFlags):
             super().run(emit_dels, extend_lifetimes)

@@ -28,8 +28,8 @@ from numba.extending import (
 
 
 class Packed(types.BaseTuple):
-    """The type of the address of a tuple of ``types``, named by ``fields`` where the tuple is; no tuple turns into one,
-    nor it into a tuple.
+    """Type of a pointer to a tuple of ``types``, with the names ``fields`` if it has names. Neither converts to the
+    other implicitly.
     """
 
     def __init__(self, types: tuple[Any, ...], fields: tuple[str, ...]) -> None:

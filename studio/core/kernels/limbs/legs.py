@@ -39,11 +39,10 @@ KNEE_TARGET_DISTANCE = 0.5
 
 @allocating_kernel
 def required_root_lowering(channels, measures, rotations, ankles, soft_thresholds, states, out_drops):
-    """Write the root lowering (F,) in metres that brings standing feet into reach (K05 section 7; METHOD (9)).
+    """Write the root lowering (F,) in metres that brings planted ankles into reach (K05 section 7; METHOD (9)).
 
-    These are the paper's heights h2, h3 against h1, the root of the motion. ``rotations`` (F, S, 3, 3); ``ankles`` (2,
-    F, 3) targets relative to the root; ``soft_thresholds`` (2, F) fraction of its length to which each leg extends
-    freely; ``states`` (2, F).
+    ``rotations`` (F, S, 3, 3); ``ankles`` (2, F, 3) targets relative to the root; ``soft_thresholds`` (2, F) fraction
+    of its length to which each leg extends freely; ``states`` (2, F).
     """
     hip, root = np.empty(3), np.zeros(3)
     for frame in range(channels.shape[0]):
@@ -101,7 +100,7 @@ def place_leg(side, measures, legs, pose):
 
 @small_kernel
 def aim_leg(side, measures, legs, pose):
-    """Place the hip on the pelvis; position of the hip, the leg's frame, and the leg's shape in that frame."""
+    """Place the hip on the pelvis; returns its position, the leg's frame, and the leg's ``LimbShape`` in that frame."""
     channels, ankle = legs.channels, legs.ankles[side]
     point = (measures.shape[0] - at.M_SPINE) // 3 + 13 + 5 * side
     pelvis = rotation_from_matrix(pose.rotations[0])
@@ -131,9 +130,8 @@ def place_leg_points(side, measures, legs, before, pose):
 
 @kernel
 def leg_frame(channels, measures, side, soft_threshold, ankle, hip, pelvis):
-    """(frame, reach in metres, knee offset from the plane) of a leg aimed from its ``hip`` (3,) at its ankle.
-
-    METHOD (4), (11).
+    """(frame, distance from hip to ankle, offset of the knee from the leg's plane) of a leg aimed from its ``hip`` (3,)
+    at its ankle, in metres (METHOD (4), (11)).
     """
     upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
     length = upper + lower
@@ -211,7 +209,9 @@ def write_knee_targets(channels, measures, side, soft_thresholds, angles, hips, 
 
 @small_kernel
 def unswivelled_knee(upper, lower, distance, off_plane):
-    """(x, y, radius) of a leg's knee in its frame without swivel, across the line of hip and ankle (METHOD (5))."""
+    """(x, y, radius) of a leg's knee without swivel, in the leg's frame: its position across the line from hip to ankle
+    and its distance from there (METHOD (5)).
+    """
     radius = knee_radius(upper, lower, distance)
     x = min(max(off_plane, -radius), radius)
     return x, math.sqrt(max(0.0, radius * radius - x * x)), radius
@@ -219,7 +219,7 @@ def unswivelled_knee(upper, lower, distance, off_plane):
 
 @kernel
 def is_placed(side, measures, legs, pose):
-    """True if ``place_leg`` would leave a realised leg where it is."""
+    """True if ``place_leg`` would not change the leg."""
     channels, ankle = legs.channels, legs.ankles[side]
     spine_count = (measures.shape[0] - at.M_SPINE) // 3
     point, segment = (

@@ -30,11 +30,12 @@ MAX_EXTENSION = 0.9999
 
 @small_kernel
 def place_limb(point, segment, frame, limb, pose):
-    """Write both segments of a limb, from ``segment`` on, and its end, from its root ``point`` and its ``frame`` (K05
+    """Write the pose of both bones of a limb and of its end, given its ``frame`` and the position of its root (K05
     section 8; METHOD 3.4, (5)).
 
-    ``frame`` is the rotation whose z axis points to the end; ``limb`` and ``pose`` as in ``kernels.records``. Returns
-    the position of the end and the rotation of the lower bone.
+    ``point`` and ``segment`` are the indices of the root and of the upper bone; the z axis of ``frame`` points to the
+    end; ``limb`` and ``pose`` as in ``kernels.records``. Returns the position of the end and the rotation of the lower
+    bone.
     """
     x, y, z, d = middle_joint(limb)
     position = pose.positions[point]
@@ -98,8 +99,10 @@ def soft_extension(needed, soft_threshold):
 
 @kernel
 def soft_flexion(reach, bones):
-    """Distance in metres of a limb's end from its root for a target distance d, ``reach``: with bones that differ by a
-    in length a (1 + exp(d / a - 2)) below 2 a, so that the middle joint never snaps shut (METHOD 3.4).
+    """Least distance in metres of a limb's end from its root, for a target at distance d, ``reach``.
+
+    With bones that differ by a it is a (1 + exp(d / a - 2)) below 2 a: softer than the difference of the bones, at
+    which the middle joint would fold in one frame (METHOD 3.4).
     """
     apart = abs(bones[0] - bones[1])
     if apart == 0.0 or reach >= 2.0 * apart:
@@ -109,8 +112,8 @@ def soft_flexion(reach, bones):
 
 @kernel
 def soft_least_reach(reach, bones):
-    """Distance in metres of a limb's end from its root for a target at ``reach``: below ``soft_flexion``'s least value
-    it approaches the difference of the bones softly.
+    """Distance in metres of a limb's end from its root for a target at ``reach``: nearer than the least of
+    ``soft_flexion`` it approaches the difference of the bones softly.
     """
     least, apart = soft_flexion(0.0, bones), abs(bones[0] - bones[1])
     if reach >= least:
@@ -120,11 +123,12 @@ def soft_least_reach(reach, bones):
 
 @small_kernel
 def match_bone_lines(frame, limb, fraction, reach):
-    """The ``frame`` of a ``limb``, rotated in the plane of its bones until they lie nearly as the actor's.
+    """Frame of a ``limb``, rotated in its bending plane to match the actor's bone directions despite another ratio of
+    its bones.
 
-    ``fraction`` is the actor's upper bone relative to the limb, ``reach`` its extension. Bones of another ratio lie
-    otherwise on the same line, and folded to the least the longer one lies on it: a raised knee would hang down. Beyond
-    some degrees the frame rotates instead of the bones.
+    ``fraction`` is the actor's upper bone relative to the limb, ``reach`` its extension. Without it the longer bone of
+    a folded limb would lie on the limb's line, so that a raised knee would hang down. The rotation is limited to some
+    degrees.
     """
     x, y, z, d = middle_joint(limb)
     across, length = math.sqrt(x * x + y * y), limb.bones[0] + limb.bones[1]

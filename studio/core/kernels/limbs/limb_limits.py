@@ -23,8 +23,10 @@ LEAST_LIMITED_STEP = 0.5 * PRIORITY_TOLERANCE
 
 @small_kernel
 def effective_point(row, end, goal, holds_end, pose):
-    """(point, goal) of the bend and aim of a limb, both (x, y, z): a task's own point and ``goal`` or, where hand or
-    foot keeps its world orientation, wrist or ankle displaced alike.
+    """(point, goal), both (x, y, z), at which a limb bends and aims.
+
+    They are the task's own point and ``goal``; if hand or foot keeps its world orientation, wrist or ankle, and the
+    goal moved by the same vector.
     """
     _, upper, root = limb_parts(row.limbs[end], pose.positions.shape[0] - POINTS_BESIDE_SPINE)
     point, tip = end_position(row, end, pose), pose.positions[root + 2]
@@ -36,10 +38,8 @@ def effective_point(row, end, goal, holds_end, pose):
 
 @kernel
 def allowed_reach(row, end, span):
-    """Distance of a limb's end from its root for a target at ``span`` metres: the agreed reach of an assisted limb, or
-    ``soft_extension``.
-
-    METHOD (11).
+    """Distance of a limb's end from its root for a target at ``span`` metres: the reach agreed with the trunk
+    (``update_reaches``), or else ``soft_extension`` (METHOD (11)).
     """
     if row.assisted:
         return min(span, row.goal_reaches[end])
@@ -49,10 +49,9 @@ def allowed_reach(row, end, span):
 
 @kernel
 def limit_limb(limb, problem):
-    """Bring a limb back within its limits.
+    """Clamp a limb to its joint limits, then slide it along active limits to the least residual of its primary task.
 
-    A limb whose primary task leaves a swivel is then moved along its limits to the least residual. The limits of an
-    assisted limb are those that its first placement found.
+    A limb that other joints help keeps the active limits of its first placement.
     """
     state, limits = problem.search.limbs[limb], problem.body.limits
     rotations, limit = problem.pose.rotations, limits[limb]
@@ -99,7 +98,9 @@ def step_along_limits(limb, problem):
 
 @kernel
 def clamp_limb_joints(limb, anew, noting, problem):
-    """Clamp all joints of a limb to their limits (``clamp_joint``); True if any was beyond."""
+    """Clamp all joints of a limb to their limits; True if any was beyond. ``anew`` and ``noting`` as in
+    ``clamp_joint``.
+    """
     pose, limits, state = problem.pose, problem.body.limits, problem.search.limbs[limb]
     drawn = False
     if anew or not is_well_within(limb, 0, limits, pose.rotations):

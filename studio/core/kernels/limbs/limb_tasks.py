@@ -34,8 +34,10 @@ KEEPS_BLEND = 1
 
 @kernel
 def find_end_tasks(level, tasks, spine_count, out_ends):
-    """Write the task down to ``level`` that holds the orientation of each limb's end, (4,), -1 for none; bits of the
-    limbs with another task than before.
+    """Write the index (4,) of the task of levels 0 to ``level`` that holds the orientation of each limb's end, -1 for
+    none.
+
+    Returns a bit mask of the limbs whose task has changed.
     """
     changed = 0
     for limb in range(4):
@@ -93,9 +95,9 @@ def reach_range(limb, segment, holds_end, point, limits, pose):
 
 @kernel
 def solve_limb(limb, level, problem):
-    """Solve all tasks of one limb down to ``level``, in order of priority, then its joint limits.
+    """Solve all tasks of one limb of levels 0 to ``level`` in order of priority, then clamp its joints.
 
-    A limb that ``kernels.time.activation_blend`` keeps is within its limits: it bends and aims from its present pose.
+    A limb of ``kernels.time.activation_blend`` is within its limits already: it bends and aims from its present pose.
     """
     tasks, limits, state = problem.tasks, problem.body.limits, problem.search.limbs[limb]
     reset_limb(limb, problem)

@@ -33,9 +33,10 @@ COS_HYPEREXTENDED = math.cos(HYPEREXTENDED)
 
 @small_kernel
 def distance_terms(root, middle, hinge, point):
-    """(c0, c1 cos, c1 sin) of the distance root-point as a function of the bend, METHOD (15), at the present angle.
+    """Coefficients (c0, c1 cos b, c1 sin b) of the squared distance from root to point, c0 - 2 c1 cos b, at the present
+    bend b (METHOD (15)).
 
-    ``hinge`` (3,) is the unit axis through ``middle`` about which ``point`` rotates. The angle is 0 when the point is
+    ``hinge`` (3,) is the unit axis through ``middle`` about which ``point`` rotates. The bend is 0 when the point is
     folded over the root and pi when stretched away from it.
     """
     hx, hy, hz = hinge[0], hinge[1], hinge[2]
@@ -51,7 +52,9 @@ def distance_terms(root, middle, hinge, point):
 
 @kernel
 def bend_range(root, middle, hinge, point):
-    """(c0, c1, present angle, side) of METHOD (15): d^2 = c0 - 2 c1 cos(angle); side is -1 for a backward bend."""
+    """Coefficients (c0, c1), present bend b and side of METHOD (15): d^2 = c0 - 2 c1 cos b; the side is -1 for a
+    backward bend.
+    """
     c0, cosine, sine = distance_terms(root, middle, hinge, point)
     angle = math.atan2(sine, cosine)
     side = -1.0 if -HYPEREXTENDED < angle < 0.0 else 1.0

@@ -74,8 +74,8 @@ def limited_leg_task(level, problem):
 
 @kernel
 def move_root_back(residual, row, root, problem):
-    """Move the root horizontally by ``residual`` metres, away from the target of ``row`` and across its residual,
-    within the reach of planted feet.
+    """Move the root horizontally by ``residual`` metres, away from the target of ``row`` and perpendicular to its
+    residual, within the reach of planted feet.
     """
     body, search, start, pose = problem.body, problem.search, problem.start, problem.pose
     point, goal = end_position(row, 0, pose), row.goal_positions[0]

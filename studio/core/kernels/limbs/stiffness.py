@@ -95,8 +95,8 @@ def stiff_reach(row, end, now, goal):
 
 @kernel
 def limit_rotation(fraction, most, segment, pivot, before, pose):
-    """Reduce the rotation that ``segment`` has made since ``before`` to ``fraction``, at most ``most`` radians; its
-    angle.
+    """Reduce the rotation of ``segment`` since ``before`` to ``fraction`` of it, and to ``most`` radians; returns the
+    angle in radians.
     """
     x, y, z = rotation_vector(compose(rotation_from_matrix(pose.rotations[segment]), inverse_rotation(before)))
     angle = length((x, y, z))

@@ -22,10 +22,10 @@ from studio.core.kernels.tasks.task import INACTIVE
 
 @kernel
 def follow_contacts(level, problem):
-    """Move the wrists of arms without task down to ``level`` to where their contacts have them in the unsolved pose.
+    """Restore the hand contacts of arms without a task of levels 0 to ``level`` as in the unsolved pose.
 
-    A wrist moves in the thorax as the other one does, by the weight of their contact; with the segment under the hand,
-    by the weight of that.
+    A wrist keeps its offset in the thorax from the other wrist, or from the segment under the hand, each by the weight
+    of that contact.
     """
     tasks, start, pose = problem.tasks, problem.start, problem.pose
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
@@ -83,8 +83,8 @@ def carried_point(point, segment, origin, start, pose):
 def extend_softly(side, own, target, pose):
     """Bend and aim an arm until its wrist meets a target; one that is too short extends softly.
 
-    It extends up to its soft-IK threshold unless its ``own`` extension in metres is more: the elbow of a straight arm
-    whirls.
+    It extends up to its soft-IK threshold, or to its ``own`` extension in metres if that is more, since the swivel of a
+    straight arm is ill-conditioned.
     """
     _, upper, shoulder = limb_parts(side, pose.positions.shape[0] - POINTS_BESIDE_SPINE)
     root, wrist = pose.positions[shoulder], pose.positions[shoulder + 2]

@@ -215,8 +215,9 @@ def arm_step(side, near, frame, fractions, clearance, clearing, positions, out_s
     """Write the step (7,) of wrist (metres), hand and swivel (radians) that gives each probe its distance; False if it
     is zero.
 
-    Probe after probe takes its own least step, weighted by the costs, from where the steps before have brought it. The
-    nearer to the body than the actor's probe, the earlier it decelerates, unless it is to stop within ``near`` metres.
+    Probe after probe takes its own least step, weighted by the costs, after the steps before. The nearer to the body
+    than the actor's probe, the earlier it decelerates, unless it is to stop within ``near`` metres (``touch`` of
+    ``push_arm_out``).
     """
     required, own, directions = (
         clearing.required_distances,
@@ -283,9 +284,9 @@ def add_probe_step(short, follows, fractions, probe, step):
 
 @kernel
 def stretched_line(shoulder, positions):
-    """Vector (3,) along shoulder-wrist whose length is the extension of the arm, 1 where it is straight.
+    """Vector (3,) from shoulder to wrist with the arm's extension for its length, 1 for a straight arm.
 
-    Along that line a straight arm gains little by bending its elbow far, so it swings instead.
+    Steps along it cost a straight arm more: it would have to bend its elbow far, so it swings aside instead.
     """
     root, elbow, wrist = positions[shoulder], positions[shoulder + 1], positions[shoulder + 2]
     whole, line = distance(root, elbow) + distance(elbow, wrist), offset_between(root, wrist)
@@ -303,8 +304,8 @@ def blend_actor_direction(distance, actor_distance, actor_direction, entry, dire
     """Blend the actor's outward direction into ``direction`` (3,), in place: deep in the body, and near a capsule's
     axis.
 
-    An arm leaves on the actor's side, as far as the actor is outside its own body. Where the actor is inside, a hand
-    leaves where it came in, along ``entry`` (3,), the wrist's direction.
+    It counts in proportion to the actor's own clearance. Where the actor is inside its body, a hand leaves along
+    ``entry`` (3,), the direction in which the wrist came in.
     """
     depth = min(actor_distance, 0.0)
     outside = (

@@ -48,10 +48,11 @@ def make_kept_tier(clearance, constraints, joints):
 
 @kernel
 def next_tier(tier, frame, clip):
-    """First tier from ``tier`` on to be solved at this frame, past the last where there is none.
+    """First tier from ``tier`` on to be solved at this frame, or the number of tiers.
 
-    It has an active task, and an active self-collision constraint above it or in it. Without any active self-collision
-    constraint it is the last tier, with all active tasks.
+    A tier is the levels between two self-collision constraints. It is solved if it has an active task and an active
+    self-collision constraint of its own or above. Without any active self-collision constraint all active tasks are in
+    the last one.
     """
     fractions, tiers, activations = clip.clearance.activations, clip.clearance.tiers, clip.constraints.activations
     count, last, first = fractions.shape[0], activations.shape[0] - 1, activations.shape[0]
@@ -136,7 +137,7 @@ def save_endpoints(frame, clip, problem):
 
 @kernel
 def pose_tier_fraction(fraction, tier, frame, clip, problem):
-    """Pose the body at ``fraction`` of a tier's step, and report all residuals; the priority violation."""
+    """Pose the body at ``fraction`` of a tier's step and report all residuals; returns the priority violation."""
     search, start, pose = problem.search, problem.start, problem.pose
     blend_states(1.0 - fraction, search)
     for limb in range(4):
@@ -181,8 +182,9 @@ def measure_frame_penetration(frame, clip, pose):
 
 @kernel
 def blend_residual(fraction, residual, there, here):
-    """Reported residual of a task in transition at ``fraction`` of the way from ``there``, NaN where it was inactive,
-    to ``here``.
+    """Residual reported for a task in transition: at ``fraction`` between those of two poses, ``there`` and ``here``.
+
+    If the task is inactive in the first pose, NaN, the measured ``residual`` fades in.
     """
     if math.isnan(there):
         return here + (1.0 - fraction) * residual

@@ -123,7 +123,9 @@ def soft_clamp_both(fraction, own, free, most):
 
 @kernel
 def half_turn_certainty(angle, edge):
-    """1 where an angle beyond a limit at ``edge`` is far from half a turn, fading to 0 there."""
+    """Weight that fades to 0 as an angle beyond its limit ``edge`` comes near half a turn, where the nearer limit is
+    ambiguous.
+    """
     fraction = min(max(math.pi - angle, 0.0) / max(min(HALF_TURN_FADE, math.pi - edge), 1e-6), 1.0)
     return fraction * fraction * (3.0 - 2.0 * fraction)
 
@@ -181,9 +183,8 @@ def is_well_within(limb, joint, limits, rotations):
 
 @kernel
 def update_caps(row, joint, swing):
-    """Update the caps of a joint for a requested ``swing``: as far as that up to ``SOFT_LIMIT``, then softly.
-
-    METHOD (27).
+    """Update the soft upper bounds (caps) of a joint for a requested ``swing``: the swing itself up to ``SOFT_LIMIT``,
+    then softly less (METHOD (27)).
     """
     own, own_turn = (
         row.own_fractions[joint],
@@ -198,10 +199,11 @@ def update_caps(row, joint, swing):
 
 @kernel
 def untwisted(row, joint, swing):
-    """(swing x, swing y, twist) with the twist within its range, and nearer to the motion's own the further out it is.
+    """(swing x, swing y, twist) with the twist clamped to its range, and blended to the source motion's the further out
+    it is.
 
-    Opposite to the middle of its range a twist could return by either way round, and so could any twist of a bone
-    opposite to the middle of its swings: in both places the motion's own twist is used.
+    Opposite to the middle of its range a twist could return in either direction, and so could any twist of a bone
+    opposite to the middle of its swings: in both places the source motion's twist is used, which never flips.
     """
     x, y, twist = swing
     middle, half = row.twists[joint, 0], row.twists[joint, 1]
@@ -229,7 +231,7 @@ def fade_out(fraction):
 
 @kernel
 def clamped_to_caps(row, joint, swing):
-    """(swing x, swing y, twist, certainty) clamped to the caps."""
+    """(swing x, swing y, twist) clamped to the caps, and the weight of ``half_turn_certainty``."""
     x, y, twist = swing
     own_x, own_y, own_part = row.own_swings[joint, 0], row.own_swings[joint, 1], row.own_fractions[joint]
     fraction = swing_fraction(row.radii[joint], x, y)
@@ -281,8 +283,10 @@ def damped_swivel(row, parent, upper, ax, ay, az, desired):
 
 @kernel
 def remaining_freedom(fraction, own):
-    """Fraction of a rotation towards a limit that damping leaves: 1 up to ``SWIVEL_SOFT_LIMIT``, 0 from
+    """Damping factor of a rotation towards a limit at ``fraction`` of its range: 1 up to ``SWIVEL_SOFT_LIMIT``, 0 from
     ``SWIVEL_LIMIT`` on.
+
+    Both are at least ``own``, the fraction at which the source motion is.
     """
     free, most = max(SWIVEL_SOFT_LIMIT, own), max(SWIVEL_LIMIT, own)
     return min(max((most - fraction) / max(most - free, 1e-3), 0.0), 1.0)
@@ -293,7 +297,7 @@ def clamp_joint(limb, joint, anew, noting, limits, pose):
     """Clamp shoulder or hip (``joint`` 0), or wrist or ankle (1) unless its end is planted, to its limits; True if it
     moved.
 
-    ``anew`` where a task has moved it; ``noting`` updates its caps.
+    ``anew`` is true if a task has moved the joint since it was clamped; ``noting`` updates its caps.
     """
     positions, rotations = pose
     row, fraction = limits[limb], 1.0

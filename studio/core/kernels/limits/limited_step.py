@@ -91,10 +91,8 @@ def limited_limb_step(fraction, limit, parts, moved, goal, spans, pose):
 
 @kernel
 def radial_error(e, r):
-    """Error ``e`` of a point at ``r`` from the root of its limb, with its part across r scaled to what a rotation of r
-    removes.
-
-    METHOD (28).
+    """Error ``e`` of a point at ``r`` from the root of its limb, its component perpendicular to r reduced to what a
+    rotation about the root removes (METHOD (28)).
     """
     squared = max(dot_product(r, r), 1e-12)
     far = dot_product(r, r) + 2.0 * dot_product(r, e) + dot_product(e, e)
@@ -118,7 +116,10 @@ def bend_margins(root, middle, hinge, point, spans):
 
 @kernel
 def hildreth_step(limit, r, c, e, h, z, bends):
-    """(x, y, z, bend) with least |J x - e|^2 + k |x|^2 within the margins of the limits (METHOD (28))."""
+    """Damped least-squares step (x, y, z, bend), a rotation vector and the bend of a limb, within its joint limits.
+
+    Least |J x - e|^2 + k |x|^2 under the linear inequalities of the limits, by Hildreth's method (METHOD (28)).
+    """
     sx, sy, twist = swing_and_twist(h, z)
     fraction, half = swing_fraction(limit.radii[0], sx, sy), limit.twists[0, 1]
     rotation = range_fraction(limit.twists[0, 0], half, twist)
@@ -152,14 +153,14 @@ def hildreth_step(limit, r, c, e, h, z, bends):
 
 @small_kernel
 def subtract_scaled(x, fraction, y):
-    """x - share y."""
+    """x - ``fraction`` y."""
     return x[0] - fraction * y[0], x[1] - fraction * y[1], x[2] - fraction * y[2]
 
 
 @kernel
 def bound_multiplier(push, value, least, most, give):
-    """Multiplier of a bound with the present ``push`` and ``value``, whose unit changes the value by ``give`` (METHOD
-    (28)).
+    """Updated Lagrange multiplier of a bound, from its present multiplier ``push``, the constraint's ``value``, and
+    ``give``, the response of the value to a unit multiplier (METHOD (28)).
     """
     above, below = push + (value - most) / give, push + (value - least) / give
     return above if above > 0.0 else min(below, 0.0)
@@ -167,7 +168,7 @@ def bound_multiplier(push, value, least, most, give):
 
 @kernel
 def damped_inverse(r, c, damping):
-    """Symmetric (J J^T + k 1)^-1 as nine numbers, J x = x_turn x r + x_bend c."""
+    """Symmetric (J J^T + k 1)^-1 as nine numbers, for J (rotation, bend) = rotation × r + bend c and the damping k."""
     squared = dot_product(r, r) + damping
     xx, yy, zz = (
         squared - r[0] * r[0] + c[0] * c[0],
@@ -184,8 +185,10 @@ def damped_inverse(r, c, damping):
 
 @kernel
 def response_to_bound(rotation, bend, r, c, a, damping):
-    """Response (rotation, bend) to a unit multiplier of the bound (rotation, bend): (1 - J^T (J J^T + k 1)^-1 J) / k
-    times it.
+    """Change (rotation, bend) of the damped least-squares step per unit multiplier of a bound whose gradient is
+    (rotation, bend).
+
+    It is (1 - J^T (J J^T + k 1)^-1 J) / k times the gradient, ``a`` being the inverse of ``damped_inverse``.
     """
     vx, vy, vz = cross_product(rotation, r)
     y = rotate_vector(a, vx + bend * c[0], vy + bend * c[1], vz + bend * c[2])

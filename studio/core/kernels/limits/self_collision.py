@@ -76,7 +76,7 @@ def clear_before_tasks(frame, is_clear, clip, pose):
 
 @kernel
 def measure_side_distances(side, clip, pose):
-    """Write the signed distances of one arm; its body's capsules are placed."""
+    """Write the signed distances of one arm; the capsules of its body have to be placed before."""
     clearing = clip.clearing
     measure_arm_distances(
         side, clip.clearance.volume, clearing.capsules, pose.positions, clearing.distances[side], clearing.directions

@@ -29,7 +29,9 @@ def swing_and_twist(x, z):
 
 @kernel
 def swing_fraction(radii, x, y):
-    """Swing relative to its limit: 1 on a curve of four quarters of ellipses (26)."""
+    """Swing relative to its limit: 1 on the cone whose section is a quarter of an ellipse in each quadrant (METHOD
+    (26)).
+    """
     along, across = x / radii[0 if x >= 0.0 else 1], y / radii[2 if y >= 0.0 else 3]
     return math.sqrt(along * along + across * across)
 
@@ -48,7 +50,7 @@ def range_fraction(middle, half, angle):
 
 @kernel
 def bend_slant_turn(upper, lower):
-    """(bend, slant, turn) of elbow or knee: R_upper^T R_lower = Rx(bend) Ry(slant) Rz(turn)."""
+    """(flexion, carrying angle, twist) of elbow or knee: R_upper^T R_lower = Rx(flexion) Ry(carrying) Rz(twist)."""
     xx = yx = zx = zy = zz = 0.0
     for axis in range(3):
         xx += upper[axis, 0] * lower[axis, 0]

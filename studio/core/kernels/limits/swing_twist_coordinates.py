@@ -32,7 +32,7 @@ def write_limb_rotations(parents, segments, rotations, out_rotations):
 
 @kernel
 def write_limb_angles(limbs, rotations, limits, out_angles):
-    """Write the angles of rotations."""
+    """Write the swing-twist coordinates of the joints of limbs."""
     for frame in range(rotations.shape[0]):
         for limb in range(4):
             for joint in range(4 * limb, 4 * limb + 4):
@@ -42,7 +42,7 @@ def write_limb_angles(limbs, rotations, limits, out_angles):
 
 @kernel
 def write_joint_angles(joint, rotation, row, out_angles):
-    """Write the angles (3,) of one joint."""
+    """Write the swing-twist coordinates (3,) of one joint."""
     if joint == 3:
         copy_point(rotation_vector(rotation_from_matrix(rotation)), out_angles)
     else:
@@ -51,7 +51,7 @@ def write_joint_angles(joint, rotation, row, out_angles):
 
 @kernel
 def limited_angles(joint, rotation, row):
-    """Three angles of a joint with limits."""
+    """Swing-twist coordinates (3 numbers) of a joint with limits."""
     if joint == 1:
         bend, slant = math.atan2(-rotation[5], rotation[8]), math.asin(min(max(rotation[2], -1.0), 1.0))
         bend -= 0.5 * (row.bends[0] + row.bends[1])
@@ -63,7 +63,7 @@ def limited_angles(joint, rotation, row):
 
 @kernel
 def write_rotations_from_angles(limbs, angles, limits, out_rotations):
-    """Write the rotations of angles."""
+    """Write the rotations of the joints of limbs from their swing-twist coordinates."""
     for frame in range(angles.shape[0]):
         for limb in range(4):
             for joint in range(4 * limb, 4 * limb + 4):

@@ -52,7 +52,9 @@ def with_pose(problem, pose):
 
 @kernel
 def pose_body(problem):
-    """Pose the whole body from the joints' state: trunk in one pass, arms on their clavicles, legs on their ankles."""
+    """Pose the whole body from the joints' state: the trunk, arms on their clavicles, and legs by inverse kinematics to
+    their ankle targets.
+    """
     chain, search, start, pose = problem.chain, problem.search, problem.start, problem.pose
     pose_trunk(search.state, chain.joint_of_segment, start, search.segment_rotations, pose)
     for limb in range(4):
@@ -98,7 +100,7 @@ def reset_limb_pose(limb, problem):
 
 @kernel
 def pose_limb_points(limb, problem):
-    """Pose the points of a limb that affects only the centre of mass."""
+    """Pose the points of a limb, without its rotations, because it matters for the centre of mass only."""
     body, start, pose, segment_rotations = problem.body, problem.start, problem.pose, problem.search.segment_rotations
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     if limb < 2:
@@ -157,7 +159,7 @@ def copy_leg(side, start, pose):
 
 @kernel
 def solve_limbs(level, problem):
-    """Solve every limb with a task down to ``level``, from the pose of the body, then raise limbs out of the ground."""
+    """Solve every limb with a task of levels 0 to ``level``, from the pose of the body; raise limbs out of the ground."""
     tasks, idle, busy = problem.tasks, problem.search.idle_limbs, 0
     for c in range(tasks.shape[0]):
         row = tasks[c]
@@ -175,9 +177,9 @@ def solve_limbs(level, problem):
 
 @kernel
 def solve_limb_tasks(busy, level, problem):
-    """Solve the limbs with tasks down to ``level``, the ``busy`` (bits).
+    """Solve the limbs with tasks of levels 0 to ``level``, the ``busy`` (bits).
 
-    The solution is repeated where a point ends in a forbidden area, or a distance is not shared well.
+    The solution is repeated where a point ends in a forbidden area, or the two ends of a distance divide it badly.
     """
     tasks, search, start, pose = problem.tasks, problem.search, problem.start, problem.pose
     stiff, moving = 0, False
@@ -231,7 +233,7 @@ def has_unshared_residual(level, problem):
 
 @kernel
 def engage_areas(level, problem):
-    """Engage areas whose points are inside them after all else was solved; True if there are new ones."""
+    """Activate area constraints whose points are inside after all else was solved; True if there are new ones."""
     tasks = problem.tasks
     found = False
     for c in range(tasks.shape[0]):

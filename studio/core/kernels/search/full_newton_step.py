@@ -32,8 +32,8 @@ LIMIT_BARRIER = 5e-4
 
 @kernel
 def full_newton_step(count, rows, chain, segment_rotations, state, step, damped, positions):
-    """Write the Newton step over all joints into ``step`` (N, 3), for problems without equality rows; the gradient
-    along it.
+    """Write the Newton step over all joints into ``step`` (N, 3), for problems without equality rows; returns the
+    directional derivative along it.
 
     Records are as ``kernels.search.null_space_step`` leaves them, with damped rows; ``segment_rotations`` and ``state``
     are those of the search, ``damped`` is scratch. METHOD (24).
@@ -72,7 +72,7 @@ def write_joint_weights(count, weight_rows, weights, out_own):
 
 @kernel
 def add_hessian(count, rows, chain, damped, positions):
-    """Add the second derivatives of all objective rows; the root of the sum of squared errors."""
+    """Add the second derivatives of all objective rows; returns the root of the sum of squared errors."""
     errors, weight_rows, point_errors = rows.errors, rows.weight_rows, rows.point_errors
     squared = 0.0
     for q in range(count):
@@ -156,7 +156,8 @@ def add_link_hessians(x, y, z, joints, levers, system):
 
 @small_kernel
 def positive_link_hessian(ex, ey, ez, dx, dy, dz):
-    """(e . d) 1 - (d e^T + e d^T) / 2 as (k, b, a, s, t) of k 1 - b s s^T + a t t^T.
+    """Positive part of a link's Hessian (e . d) 1 - (d e^T + e d^T) / 2, as the coefficients (k, b, a, s, t) of k 1 - b
+    s s^T + a t t^T.
 
     At an angle of cosine c it has the eigenvalues c across both, (c + 1) / 2 along t = d/|d| - e/|e| and (c - 1) / 2
     along s = d/|d| + e/|e|, times |d||e|. Below c = 0 the first is dropped and the last fades.
@@ -277,8 +278,8 @@ def add_limit_barrier(softness, damping, state, chain, damped):
 
 @kernel
 def solve_damped(damping, spring, damped):
-    """Solve for the step in units of the joints' weights, into ``damped.step`` (METHOD (24)); its product with the
-    right side.
+    """Solve for the step in units of the joints' weights, into ``damped.step`` (METHOD (24)); returns its product with
+    the right side.
 
     Modified Cholesky elimination: pivots stay positive and factors bounded, whatever the curvature (Gill, Murray and
     Wright 1981, 4.4.2.2).

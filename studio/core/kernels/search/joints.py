@@ -51,7 +51,7 @@ def may_rotate(row, segment, chain):
 
 @kernel
 def pivot_point(segment, spine_count):
-    """Point about which ``segment`` rotates."""
+    """Index of the point about which ``segment`` rotates."""
     if segment < spine_count + 2:
         return segment
     chain, bone = (segment - spine_count - 2) // 4, (segment - spine_count - 2) % 4
@@ -87,7 +87,9 @@ def joint_table(segments, spine_count):
 
 @kernel
 def add_point_jacobian(point, vx, vy, vz, segment, joints, positions, row):
-    """Add to ``row`` (N, 3) the derivative (p - o) x v by each joint of a point of ``segment`` along a direction v."""
+    """Add the Jacobian row of a point of ``segment`` along the direction v to ``row`` (N, 3): (p - o) × v for each
+    joint at o.
+    """
     for joint in range(joints.shape[0]):
         if joints[joint].segment == ROOT_TRANSLATION:
             row[joint, 0] += vx

@@ -38,10 +38,11 @@ as much to be taken, and twice that to be taken whole.
 
 @kernel
 def take_level_step(level, restoring, all_joints, is_late, root_stays, damping, problem):
-    """Take one step of all joints for this level with the levels above held, or, ``restoring``, of those above alone;
-    the displacement in metres.
+    """Take one step of all joints for this level, or, ``restoring``, for the levels above alone; returns the
+    displacement in metres.
 
-    ``root_stays`` where the root does not move, so that feet need no rows; ``damping`` is the fraction of the damping.
+    The levels above are held. With ``root_stays`` the root does not move, so that planted feet need no rows;
+    ``damping`` is the fraction of the damping.
     """
     tasks, chain, search = problem.tasks, problem.chain, problem.search
     rows, past = search.rows, search.last_step[0]
@@ -117,7 +118,7 @@ def greatest_error(first, past, rows):
 
 @kernel
 def late_step_length(residual, before):
-    """Length of a late step for a residual of ``residual`` metres, which was ``before`` ahead of the last step."""
+    """Step length near convergence, from the ``residual`` in metres and the one ``before`` the last step."""
     near, gained = (
         (NO_LATE_STEP_ERROR - residual) / (NO_LATE_STEP_ERROR - NEARLY_MET),
         1.0,

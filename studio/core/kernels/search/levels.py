@@ -225,9 +225,10 @@ def restart_level(level, problem):
 
 @kernel
 def drop_conflicting_tasks(level, problem):
-    """Drop tasks of this level on limbs whose rotation task above their limits do not permit beside it; True if any.
+    """Drop tasks of this level on limbs whose joint limits cannot satisfy them together with a higher orientation task;
+    True if any.
 
-    No joint of the trunk could restore that rotation.
+    No joint of the trunk could restore that orientation.
     """
     tasks = problem.tasks
     found = False
@@ -270,7 +271,7 @@ def restore_feasibility(level, most, both_ways, problem):
 
 @kernel
 def frees_root(level, tasks, chain):
-    """True if any task of this level may move the root: others that do must not change how it is solved."""
+    """True if any task of this level may move the root."""
     root = chain.joint_of_segment[-1]
     frees = False
     for c in range(tasks.shape[0]):
@@ -334,9 +335,9 @@ def priority_violation(level, both_ways, problem):
 
 @kernel
 def save_task_results(first, level, problem):
-    """Save the results of the tasks above this level, which it has to keep.
+    """Save the results of the higher-priority tasks, which this level has to keep.
 
-    Those above ``first``, the level solved last, keep their earlier residuals: changes do not add up.
+    Those above ``first``, the level solved last, keep their earlier residuals, so that errors do not accumulate.
     """
     tasks, pose = problem.tasks, problem.pose
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
@@ -384,10 +385,11 @@ def update_reaches(level, changed, problem):
 
 @kernel
 def update_reach(c, end, own, problem):
-    """Update the reaches of one end of a task; of a level's ``own`` from the limb's present root.
+    """Update least, greatest and agreed reach of one end of a task; those of the ``own`` level from the limb's present
+    root.
 
     Beyond its soft-IK threshold (or the extension of the motion) the limb extends softly, so that its extension is
-    smooth in time and the trunk does the rest without error (METHOD 8, "reach sharing").
+    smooth in time and the trunk covers the rest without error (METHOD 8, "reach sharing").
     """
     body, start, row = problem.body, problem.start, problem.tasks[c]
     limb, origin = row.limbs[end], row.root_positions[end]

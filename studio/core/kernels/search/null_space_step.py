@@ -69,7 +69,9 @@ def null_space_step(equality_count, count, damping, rows, chain, equations, posi
 
 @summing_kernel
 def multiply_rows(count, jacobian, weight_rows, joint_weights, weighted, gram):
-    """Write rows (R, 3 N) times joint weights into ``weighted``, and M (R, R) with M_qr = J_q . w_r J_r."""
+    """Write rows (R, 3 N) times joint weights into ``weighted``, and the Gram matrix (R, R) of elements J_q . w_r J_r,
+    with the weights of row r.
+    """
     for i in range(count):
         weights, row, out_row = joint_weights[weight_rows[i]], jacobian[i], weighted[i]
         for k in range(weights.shape[0]):
@@ -96,7 +98,9 @@ def multiply_rows(count, jacobian, weight_rows, joint_weights, weighted, gram):
 
 @kernel
 def damp_jacobian(count, jacobian, damping):
-    """Scale rows by the damping of joints near their limits: its root here, the root again in the step."""
+    """Multiply the columns of rows by the square root of the joints' damping near their limits; the step is multiplied
+    by it again.
+    """
     for k in range(damping.shape[0]):
         if damping[k].fraction < 1.0:
             for row in range(count):
@@ -226,8 +230,8 @@ def project_direction(equality_count, j, active_count, system, active, weighted,
 
 @kernel
 def solve_objective(equality_count, count, active_count, damping, rows, chain, equations, positions):
-    """Newton step among the directions of the objective rows, into ``coefficients`` (METHOD (23)); the gradient along
-    it.
+    """Write the Newton step in the span of the projected objective rows into ``coefficients`` (METHOD (23)); returns
+    the directional derivative along it.
     """
     errors, joints, limits = rows.errors, chain.joints, chain.limits
     gram, system, normal, active = equations.gram, equations.equalities, equations.normal, equations.active
@@ -264,9 +268,9 @@ def solve_objective(equality_count, count, active_count, damping, rows, chain, e
 
 @kernel
 def add_limit_curvature(far_off, equality_count, count, rows, limits, directions, normal):
-    """Add the curvature push / angle of limits to joints that are pressed against them (24).
+    """Add the curvature, multiplier / remaining angle, of limits to joints that are pressed against them (METHOD (24)).
 
-    Without it a joint at its limit sways along it from step to step; near the goal it is left out.
+    Far from the goal it prevents steps from oscillating along the limit; near the goal it is left out.
     """
     jacobian, errors, damping = rows.jacobian, rows.errors, rows.damping
     for k in range(damping.shape[0]):
@@ -401,7 +405,7 @@ def longest_displacement(joints, direction):
 
 @kernel
 def apply_step(least, step_scale, fraction, problem):
-    """Apply the equality step and ``fraction`` of the objective step, within the reach of planted feet; the
+    """Apply the equality step and ``fraction`` of the objective step, within the reach of planted feet; returns the
     displacement in metres.
 
     ``step_scale`` scales both. Nothing moves if the displacement would be ``least`` or less.

@@ -61,7 +61,9 @@ def has_single_joint(c, segment, chain):
 
 @kernel
 def root_travel(x, y, z, body, pose):
-    """Approximate travel of the root in metres along the unit (x, y, z) that its legs permit."""
+    """Approximate distance in metres that the root can move along the unit (x, y, z) before a planted leg is out of
+    reach.
+    """
     ankles, total = body.legs.ankles, 0.0
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     for side in range(2):

@@ -105,8 +105,8 @@ def may_rotate_limbs(row, chain):
 
 @kernel
 def reachable_mass_travel(row, mass, weights, problem):
-    """Travel (metres squared) of the centre of ``mass`` (3,) towards its target, times that distance, with each helping
-    joint rotated to its limit.
+    """Dot product (square metres) of the vector from the centre of ``mass`` (3,) to its target with the displacement of
+    that centre when every helping joint is rotated to its limit.
     """
     chain, masses, search, positions = problem.chain, problem.body.masses, problem.search, problem.pose.positions
     jacobian, total = search.rows.jacobian, 0.0

@@ -121,7 +121,7 @@ def write_lever(start, scratch):
 
 @kernel
 def settling_step(stiffness, centre, move, normal):
-    """Take the step of the ``normal`` equations; its greatest component."""
+    """Take the Gauss-Newton step of the ``normal`` equations; returns its greatest component."""
     for axis in range(6):
         normal[axis, axis] += stiffness
         normal[axis, 6] += stiffness * (centre[axis] - move[axis]) * (1.0 if axis < 3 else METRES_PER_RADIAN)

@@ -116,9 +116,9 @@ def level_toes(feet, toes, states, pitches, reach, out_toes):
     """Write toe rotations (F, 3, 3): level with the foot's heading while the toe stands, interpolated between (METHOD
     (6)).
 
-    ``pitches`` (F,) in radians lower toes that stand on their tips. A foot that stands steeply on tucked toes takes the
-    heading of its instep; one that lies on its instep keeps its toes, and one on its side has only its tip lowered.
-    ``feet`` (F, 3, 3) corrected, ``toes`` (F, 3, 3) relative to the foot; the result is in the world.
+    ``pitches`` (F,) in radians lower toes that stand on their tips. A steep foot on tucked toes takes its heading from
+    the instep; a foot that lies on its instep keeps its toes, and one on its side has only its tip lowered. ``feet``
+    (F, 3, 3) corrected, ``toes`` (F, 3, 3) relative to the foot; the result is in the world.
     """
     count = states.shape[0]
     corrections = np.zeros((count, 3))

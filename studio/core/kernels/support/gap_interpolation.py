@@ -77,8 +77,8 @@ def interpolate_gaps_smoothly(values, known, reach):
 
 @small_kernel
 def is_inside_run(frame, known):
-    """True if two frames before and after are ``known`` (F,), so that ``interpolate_gaps_smoothly`` does not read this
-    one.
+    """True if ``known`` (F,) is true for the two frames before and the two after: ``interpolate_gaps_smoothly`` does
+    not read such a frame.
     """
     return (
         1 < frame < known.shape[0] - 2

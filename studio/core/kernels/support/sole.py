@@ -33,7 +33,7 @@ def ball_above_heel(rotation, sole):
 
 @kernel
 def set_heading(matrix, along, across):
-    """Write the level rotation (3, 3) with a horizontal x axis along (along, across)."""
+    """Write the level rotation (3, 3) whose x axis has the horizontal direction (along, across)."""
     length = math.sqrt(along * along + across * across)
     c, s = (along / length, across / length) if length > 1e-9 else (1.0, 0.0)
     matrix[0, 0], matrix[0, 1], matrix[0, 2] = c, -s, 0.0
@@ -43,14 +43,14 @@ def set_heading(matrix, along, across):
 
 @kernel
 def lying_aside(rotation):
-    """0 for a foot or toe (3, 3) with its sole down, however it rolls, 1 for one that lies on its side."""
+    """Fraction to which a foot or toe (3, 3) lies on its side: 0 with its sole down at any pitch, 1 on its side."""
     rolled = smoothstep(min(max(abs(rotation[2, 1]) / LYING_ASIDE - 1.0, 0.0), 1.0))
     return rolled * smoothstep(min(max((SOLE_DOWN - rotation[2, 2]) / LYING_ASIDE, 0.0), 1.0))
 
 
 @kernel
 def sole_down_fraction(rotation):
-    """1 for a foot (3, 3) with its sole down, 0 for one that lies on its instep, sole up."""
+    """Fraction to which the sole of a foot (3, 3) points down: 1 flat, 0 on its instep."""
     return smoothstep(min(max(1.0 + 2.0 * rotation[2, 2], 0.0), 1.0))
 
 
@@ -106,7 +106,7 @@ def stance_offsets(rotation, sole, out_offsets):
 
 @small_kernel
 def tip_rise(sole, pitch):
-    """Rise of the ball over its height in a flat foot, for a toe that points down by ``pitch``."""
+    """Height in metres that the ball gains over a flat foot when the toe points down by ``pitch`` radians."""
     return sole[TOE_LENGTH] * math.sin(pitch) - (sole[ANKLE_HEIGHT] + sole[TOE_Z]) * (1.0 - math.cos(pitch))
 
 

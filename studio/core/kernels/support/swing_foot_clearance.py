@@ -119,7 +119,7 @@ def raise_ankles(soles, states, ground, weights, ankles, feet, toes):
 
 @kernel
 def clearance_weights(states, bits, frame_rate, out_weights):
-    """Write the weights (F,) of the clearance: 0 where ``bits`` of ``states`` stand, fading in and out."""
+    """Write the weights (F,) of the clearance: 0 in frames in contact (``states & bits``), fading to 1 in the air."""
     count, reach = states.shape[0], SWING_FADE * frame_rate
     gap = reach
     for frame in range(count):

@@ -35,7 +35,7 @@ AREA_ENGAGED = 1e-6
 
 @kernel
 def set_area_goal(row, area, centre, rotation):
-    """Set the pose of an ``area`` at this frame."""
+    """Set centre and rotation of an ``area`` at this frame."""
     row.goal_distance = row.activation
     copy_matrix(rotation, row.goal_rotation)
     place_area(area, centre, row.goal_rotation)
@@ -131,9 +131,9 @@ def nearest_on_shape(area, x, y, z, inside):
 
 @kernel
 def share_to_margin(area, x, y, z, nx, ny, nz):
-    """Fraction of the way from (x, y, z) to (nx, ny, nz), which is allowed, at which an area's margin ends.
+    """Fraction of the path from (x, y, z) to the allowed position (nx, ny, nz) at which the area's margin is reached.
 
-    The margin is rounded at edges and corners, where (nx, ny, nz) lies on planes that meet.
+    The margin is rounded at edges and corners.
     """
     if distance_to_shape(area, x, y, z) >= area[AREA_MARGIN]:
         return 0.0
@@ -224,7 +224,7 @@ def nearest_on_box(x, y, z, a, b, h, inside, upwards):
 
 @kernel
 def nearest_on_table(x, y, z, a, b, h):
-    """Position out of a table: straight up, near its edge increasingly outwards, away from the opposite inner point.
+    """Position to which a point inside a table is pushed: up in the middle, increasingly outwards near the edges.
 
     It is continuous inside, and at the top and sides, where a point stays.
     """

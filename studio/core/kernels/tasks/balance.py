@@ -28,8 +28,8 @@ ARM_MEETS_GOAL = 0.005
 
 @kernel
 def set_balance_goal(row, target, mass_fractions, start):
-    """Set the goal between the centre of mass in ``start`` and the ``target``, by activation; NaN axes of the target
-    stay.
+    """Set the goal by activation between the centre of mass in ``start`` and the ``target``; axes that are NaN in the
+    target are unconstrained.
     """
     copy_point(centre_of_mass(mass_fractions, start.positions), row.start_position)
     for axis in range(3):
@@ -71,7 +71,8 @@ def centre_of_mass(mass_fractions, positions):
 
 @kernel
 def accumulate_masses(masses, positions, out_sums):
-    """Write the cumulative moments and masses of all segments, (S + 1, 4), whose differences are those of ranges.
+    """Write the prefix sums (S + 1, 4) of moments and masses; the difference of two rows is that of the segments
+    between.
 
     ``masses`` (S, 2): fraction of the body's mass, position along the segment. The last row is the centre of mass, and
     1.

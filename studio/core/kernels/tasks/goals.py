@@ -18,7 +18,7 @@ RADIAN_LENGTH = 0.3
 
 @small_kernel
 def is_considered(row):
-    """True if a task is active or dropped: its present residual is its own in both cases."""
+    """True if the residual of a task has to be measured: it is active or dropped."""
     return row.status == ACTIVE or row.status == DROPPED
 
 

@@ -102,7 +102,9 @@ def add_reach_rows(c, row, end, weight_row, is_held, count, problem):
 
 @kernel
 def add_link_row(link, slack, weight_row, count, problem):
-    """Add an objective row for the root of a limb that is too far from its goal, or too near, less a ``slack``."""
+    """Add an objective row for the root of a limb whose goal is beyond its reach or too near, by more than ``slack``
+    metres.
+    """
     chain, positions, task_rows = problem.chain, problem.pose.positions, problem.search.rows
     error = link.span - min(max(link.span, link.fold + min(slack, 0.0)), link.reach + max(slack, 0.0))
     if error == 0.0:
@@ -210,8 +212,8 @@ def primary_task_of(c, tasks):
 
 @kernel
 def add_secondary_row(c, weight_row, count, problem):
-    """Add a row for a limb's secondary task at elbow or knee: the root nears its goal by what the upper bone does not
-    span.
+    """Add a row that moves a limb's root until the goal of its secondary task, at elbow or knee, is at the length of
+    the upper bone.
 
     The goal is the nearest position at the bone's length from the primary task's point: the swivel (16) does the rest.
     """
@@ -280,9 +282,9 @@ def add_swivel_row(c, end, weight_row, count, problem):
 
 @kernel
 def add_limited_row(row, end, weight_row, is_held, count, aim, problem):
-    """Add a row that moves a limb at a limit along its residual (29), to first order rigidly.
+    """Add a row that moves a limb at a joint limit along its residual, to first order as a rigid body (METHOD (29)).
 
-    Held, it keeps its residual. ``aim`` as from ``effective_point``.
+    With ``is_held`` the residual is kept. ``aim`` is the result of ``effective_point``.
     """
     chain, pose, task_rows = problem.chain, problem.pose, problem.search.rows
     (point, goal), kept = aim, 0.0

@@ -71,8 +71,8 @@ def signed_distance(p, triangle, corners, normals):
 
 @allocating_kernel
 def measure_near(corners, normals, origin, cell, band, out_distances, out_owners):
-    """Write signed distances at the nodes of a grid (X, Y, Z) within ``band`` cells of each triangle, and their
-    triangles.
+    """Write signed distances at the nodes of a grid (X, Y, Z) within ``band`` cells of each triangle, and the index of
+    the nearest triangle.
 
     ``corners`` (T, 3, 3), ``normals`` (T, 7, 3); nodes further away keep their values.
     """

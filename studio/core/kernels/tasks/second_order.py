@@ -24,7 +24,8 @@ LEAST_CURVATURE = 0.3
 def set_point_error(point_error, x, y, z, span, point, segment):
     """Set an error (x, y, z) of a ``point`` (3,) of ``segment``, or of a limb of length ``span`` from there.
 
-    ``span`` is 0 for a point, negative for a limb that has to be longer; ``segment`` is -1 for none.
+    ``span`` is 0 for a point, positive for a limb that has to shorten, negative for one that has to extend; ``segment``
+    is -1 for none.
     """
     point_error.error[0], point_error.error[1], point_error.error[2], point_error.span = x, y, z, span
     point_error.point[0], point_error.point[1], point_error.point[2], point_error.segment = (
@@ -126,7 +127,7 @@ def add_projected_hessian(weight, stretch, unit, own, scratch, normal):
 
 @small_kernel
 def moves_joint(joint, equality_count, count, directions):
-    """True if any direction moves a joint: a joint of lower levels does not divide a link."""
+    """True if any of the ``directions`` moves the joint."""
     for i in range(equality_count, count):
         if directions[i, joint, 0] != 0.0 or directions[i, joint, 1] != 0.0 or directions[i, joint, 2] != 0.0:
             return True
@@ -211,7 +212,7 @@ def optimal_step_length(equality_count, count, slope, roles, point_errors, step,
 
 @kernel
 def begin_row(task_rows, count, weight_row, error):
-    """Start an objective row with a zero Jacobian."""
+    """Start an objective row and set its Jacobian to zero."""
     set_row(task_rows, count, weight_row, error)
     row = task_rows.jacobian[count]
     for joint in range(row.shape[0]):
@@ -220,7 +221,7 @@ def begin_row(task_rows, count, weight_row, error):
 
 @small_kernel
 def set_row(task_rows, count, weight_row, error):
-    """Start an objective row; the caller writes its Jacobian."""
+    """Set error and weights of an objective row; the caller writes its Jacobian."""
     task_rows.point_errors[count].segment, task_rows.point_errors[count].weight = -1, 1.0
     task_rows.errors[count], task_rows.weight_rows[count] = error, weight_row
     task_rows.roles[count], task_rows.margins[count] = OBJECTIVE_ROW, 0.0

@@ -12,10 +12,10 @@ for a search ends when its weighted errors are small.
 
 @kernel
 def set_goals(least, frame, activations, targets, problem):
-    """Set all goals at this frame, between the unsolved pose and the targets by activation; False if no task is active.
+    """Set all goals at this frame, by activation between the unsolved pose and the targets; False if no task is active.
 
-    A task whose transitions are blended (``kernels.time.activation_blend``) has full activation, or none below
-    ``least``.
+    A task whose transitions are blended (``kernels.time.activation_blend``) has full activation, or none if its
+    activation is below ``least``.
     """
     tasks, acts = problem.tasks, False
     for c in range(tasks.shape[0]):

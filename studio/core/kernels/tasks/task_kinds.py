@@ -113,7 +113,7 @@ def residual_of(c, problem):
 
 @kernel
 def pin_goal(c, above):
-    """Pin a task to its result in the pose ``above``."""
+    """Freeze the goal of a task at its result in the pose ``above`` of the higher levels."""
     row, pose = above.tasks[c], above.pose
     if row.kind == DISTANCE_TASK:
         row.goal_distance = length_between(row, pose)

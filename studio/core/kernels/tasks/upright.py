@@ -63,7 +63,9 @@ def axis_lean(row, pose):
 
 @kernel
 def set_upright_goal(row, direction, cone, start):
-    """Set the greatest lean at this frame: between that of the unsolved pose ``start`` and the cone, by activation."""
+    """Set the allowed tilt at this frame: by activation between the tilt in the unsolved pose ``start`` and the angle
+    of the cone.
+    """
     copy_point(direction, row.goal_positions[1])
     lean, _ = axis_lean(row, start)
     row.goal_distance = cone + (1.0 - row.activation) * max(lean - cone, 0.0)
@@ -85,9 +87,7 @@ def follow_upright(row, pose):
 
 @kernel
 def add_upright_rows(row, weight_row, is_held, count, problem):
-    """Add one row that rotates a segment of the trunk back; held, an inequality at the cone, or, at its
-    tip, two rows.
-    """
+    """Add a row that tilts a segment of the trunk back; if held, an inequality at the cone, or two rows at its apex."""
     rows, pose = problem.search.rows, problem.pose
     lean, (x, y, z) = axis_lean(row, pose)
     residual = row.kept_residual if is_held else 0.0

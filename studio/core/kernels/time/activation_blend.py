@@ -74,7 +74,7 @@ def next_activation(least, frame, tasks, activations):
 
 @kernel
 def save_solution(first, problem):
-    """Save a pose to be blended with the next; residuals of the ``first``."""
+    """Save a pose to be blended with the next one, and its residuals if it is the ``first``."""
     tasks, search, pose = problem.tasks, problem.search, problem.pose
     copy_points(search.state, search.kept_state)
     write_limb_joint_rotations(search.kept_rotations, pose)
@@ -271,7 +271,7 @@ def hold_blended_task(row, problem):
 
 @kernel
 def update_blended_reach(row, end, holds_end, pose):
-    """Update the reach of a blended limb for its goal: the straighter it is, the less it extends.
+    """Limit the extension of a blended limb near full stretch: the straighter it is, the less it extends to its goal.
 
     With d of its length to spare in the blend, and w at its goal, it keeps d s(w) / s(d) (``soft_positive``); the
     difference to w is left to the trunk (METHOD (31)).

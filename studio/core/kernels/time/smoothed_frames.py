@@ -32,9 +32,10 @@ SMOOTHING_VIOLATION = 0.75 * PRIORITY_TOLERANCE
 
 @kernel
 def pose_smoothed(frame, waited, clip, problem):
-    """Pose a frame as it was smoothed, hold the levels above at their final poses, and report all residuals.
+    """Apply the smoothed state of a frame, solve the higher levels again to their final poses, and report all
+    residuals.
 
-    ``waited`` if self-collision constraints wait for tasks.
+    ``waited`` is true if self-collision constraints wait for tasks.
     """
     easing, chain, search = clip.easing, problem.chain, problem.search
     level, changes = easing.level[0], easing.violations
@@ -96,7 +97,7 @@ def back_track_smoothing(violation, frame, waited, clip, problem, above):
 
 @kernel
 def pose_from_higher_levels(frame, clip, problem, above):
-    """Pose the body as the levels above have it; the priority violation."""
+    """Pose the body as the higher levels solved it; returns the priority violation."""
     copy_points(clip.easing.above.states[frame], problem.search.state)
     copy_pose(above.pose, problem.pose)
     if clip.clearance.required_distances.shape[0] > 0:

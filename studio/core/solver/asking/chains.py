@@ -29,7 +29,8 @@ SHOULDER_LIMIT, HIP_LIMIT = 0.7, 0.4
 
 @dataclass(frozen=True, eq=False)
 class ChainJoints:
-    """Joints that any of some chains frees, for ``kernels.search.joints``.
+    """Joints with a weight in at least one chain, the input of ``kernels.search.joints``: N joints, C chains, L levels,
+    S segments.
 
     ``weights`` (C + L, N) of each chain, then of each level with all above it; ``joints`` (N,); ``joint_of_segment`` (S
     + 1,); ``limits`` (N,) the tangent of half the greatest angle. ``recruited`` (n,) are the indices of shoulders and

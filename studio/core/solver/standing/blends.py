@@ -82,6 +82,8 @@ def smooth_drops(drops: FloatArray, frame_rate: float) -> FloatArray:
 
 
 def smooth_penetrations(heights: FloatArray, margin: float | FloatArray) -> FloatArray:
-    """Heights (F,) to add to ``heights`` (F,) so that they stay above 0: METHOD (7)."""
+    """Corrections (F,) in metres that keep ``heights`` (F,) above 0 (METHOD (7)): twice continuously differentiable, 0
+    for heights of ``margin`` metres or more.
+    """
     fraction = np.clip(heights / margin, -1.0, 1.0)
     return np.asarray(margin * (1.0 - fraction) ** 3 * (3.0 + fraction) / 16.0 + np.maximum(-heights - margin, 0.0))

@@ -17,7 +17,9 @@ FloatArray = NDArray[np.float64]
 
 
 def write(rows: TaskRecords, c: int, constraint: DistanceConstraint) -> None:
-    """Write both ends; two free ends divide the displacement."""
+    """Write the task record ``c`` of a distance constraint: both ends and the distance; if both ends may move, each
+    takes a part of the correction.
+    """
     row = rows.tasks[c]
     rows.distances[c] = rows.targets.numbers(constraint.distance)
     if isinstance(constraint.other, BodyPoint):
