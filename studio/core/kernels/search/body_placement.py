@@ -159,7 +159,7 @@ def copy_leg(side, start, pose):
 
 @kernel
 def solve_limbs(level, problem):
-    """Solve every limb with a task of levels 0 to ``level``, from the pose of the body; raise limbs out of the ground."""
+    """Solve every limb with a task of levels 0 to ``level``, from the pose of the body, out of the ground."""
     tasks, idle, busy = problem.tasks, problem.search.idle_limbs, 0
     for c in range(tasks.shape[0]):
         row = tasks[c]
