@@ -1,8 +1,8 @@
-"""Spoilt files, and a monkey: ``make soak``, or ``python -m tests.soak [--count N] [--kind KIND...] [--keep FOLDER]``.
+"""Spoilt files, and a monkey: ``make soak``, or ``python -m tests.soak``, with ``--help`` for its options.
 
 Every kind of file that the studio reads, and every surface of ``tests.surfaces``, each in a process of its own with
 limits of memory and time. Whatever is neither read nor refused in a sentence (another exception, a process that dies,
-more than five seconds of the processor or a minute by the clock) is kept in a folder, with the seed that makes it
+more than five seconds of the processor or ten minutes by the clock) is kept in a folder, with the seed that makes it
 again; the exit code is then 1.
 """
 
@@ -27,9 +27,9 @@ from studio.startup.process import prepare_process
 
 COUNT, COUNTS = (
     100_000,
-    {".fbx": 5_000, "catalogue": 5_000, "clips": 5_000, "commands": 5_000, "kills": 2_000},
+    dict.fromkeys((".fbx", "catalogue", "clips", "commands", "stages", "words"), 5_000) | {"kills": 2_000},
 )  # these take longer
-SECONDS, STILL, START = 5.0, 60.0, 600.0
+SECONDS, STILL, START = 5.0, 600.0, 600.0
 """Seconds of the processor for a file; by the clock, however busy the machine is; and by the clock for the first, for
 which kernels may have to be compiled."""
 TELLS = 30.0
@@ -43,9 +43,11 @@ def spoil(suffix: str, first: int, count: int, now: "Synchronized[int]", keep: P
     """Read one spoilt file after another; ``now`` is the seed under way. What is wrong is kept with its stack."""
     prepare_process()
     from studio.core.errors import StudioError
+    from tests.io.forked_readers import fork_readers
     from tests.io.seeds import SEEDS, read, spoiled
     from tests.surfaces import SURFACES
 
+    fork_readers()
     kept = 0
     with tempfile.TemporaryDirectory() as folder:
         path, trial = Path(folder).resolve() / f"take{suffix}", SURFACES.get(suffix)
@@ -82,10 +84,10 @@ def limit_memory(size: int) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 
-def watch(suffix: str, count: int, keep: Path) -> str:
-    """Spoil ``count`` files of one kind; a process that dies or hangs is told and another goes on behind it."""
+def watch(suffix: str, first: int, count: int, keep: Path) -> str:
+    """Spoil files of one kind by seeds ``first`` to ``count``; after one that dies or hangs another process goes on."""
     context = multiprocessing.get_context("spawn")
-    start, lost, seed = time.monotonic(), 0, 0
+    start, lost, seed = time.monotonic(), 0, first
     while seed < count and lost < MOST_KEPT:
         now = context.Value("q", seed - 1)
         process = context.Process(target=spoil, args=(suffix, seed, count, now, keep), daemon=True)
@@ -97,7 +99,7 @@ def watch(suffix: str, count: int, keep: Path) -> str:
         lost += 1
         (keep / f"{now.value}{suffix}.txt").write_text(reason)
     wrong = len(list(keep.glob(f"*{suffix}.txt")))
-    return f"{suffix:14} {min(seed, count):>9,} files, {wrong} wrong, {time.monotonic() - start:.0f} s"
+    return f"{suffix:14} {min(seed, count) - first:>9,} files, {wrong} wrong, {time.monotonic() - start:.0f} s"
 
 
 def _until_it_ends_or_hangs(
@@ -142,6 +144,7 @@ def main() -> int:
     from tests.surfaces import SURFACES
 
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--first", type=int, default=0, help="first seed; runs that begin elsewhere spoil other files")
     parser.add_argument("--count", type=int, help=f"files of each kind; {COUNT:,} by default, of what takes long 5,000")
     parser.add_argument(
         "--kind", nargs="+", default=[*SEEDS, *SURFACES], choices=[*SEEDS, *SURFACES], help="all by default"
@@ -152,11 +155,12 @@ def main() -> int:
     )
     arguments = parser.parse_args()
     arguments.keep.mkdir(parents=True, exist_ok=True)
+    counts = {kind: arguments.count or COUNTS.get(kind, COUNT) for kind in arguments.kind}
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         monkey = pool.submit(let_a_monkey_in, arguments.count or COUNT, arguments.keep) if arguments.monkey else None
         jobs = [
-            pool.submit(watch, suffix, arguments.count or COUNTS.get(suffix, COUNT), arguments.keep)
-            for suffix in arguments.kind
+            pool.submit(watch, suffix, arguments.first, arguments.first + count, arguments.keep)
+            for suffix, count in counts.items()
         ]
         for job in jobs:
             print(job.result(), flush=True)

@@ -1,4 +1,4 @@
-"""Surfaces that a soak tries by seeds instead of spoilt files: a catalogue, a recording, a body, short clips, kills.
+"""Surfaces that a soak tries by seeds instead of spoilt files: a catalogue, a recording, a stage, command lines, kills.
 
 Each trial raises where something is lost or goes wrong.
 """
@@ -11,7 +11,9 @@ from random import Random
 from studio.core.errors import StudioError
 from studio.live.osc import LARGEST_PACKET
 from studio.live.recording import read_recording, write_recording
+from tests.cli import odd_words
 from tests.document.killed import CHECKS
+from tests.io import spoilt_stages
 from tests.io.test_fuzz import bytes_changed
 from tests.library.damaged_catalogue import damage, make_catalogue, use
 from tests.live import clip_commands, hostile_bones, short_clips
@@ -63,6 +65,8 @@ SURFACES: dict[str, Trial] = {
     "recording": try_recording,
     "bones": lambda seed, _folder: hostile_bones.play(seed),
     "clips": lambda seed, _folder: short_clips.play(seed, live=seed % 8 == 0),
+    "stages": spoilt_stages.play,
+    "words": odd_words.play,
     "kills": try_kill,
     "commands": lambda seed, _folder: clip_commands.play(seed, live=seed % 8 == 0),
 }

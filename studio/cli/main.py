@@ -1,5 +1,6 @@
 """Command line: one file for each verb, imported only when it runs."""
 
+import errno
 import json
 import os
 import sys
@@ -35,6 +36,8 @@ VERBS = {
 }
 WORK_FAILED, NOBODY_READS = 1, 141
 """Exit codes: the work failed; the reader of a pipe has closed it."""
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""Errors of a full disk: writers of files report them themselves, so they are of the standard output."""
 LONGEST_SHOWN = 300
 """Characters of a path that a message shows."""
 
@@ -58,8 +61,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if sys.stdout is not None:
                 sys.stdout.flush()
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left is written there as Python ends
+        _discard_output()
         return NOBODY_READS
+    except OSError as error:
+        if error.errno not in NO_ROOM:
+            raise
+        _discard_output()
+        report(
+            StudioError(f"The output could not be written: {error.strerror}. Make room or choose another disk."), False
+        )
+        return WORK_FAILED
+
+
+def _discard_output() -> None:
+    """Let what is left of the output go nowhere as Python ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _run(given: Sequence[str]) -> int:

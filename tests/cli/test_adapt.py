@@ -396,6 +396,25 @@ def test_residuals_of_a_circle_of_followers_are_those_of_the_written_files(capsy
         assert sum(asked["kept_by"].values()) == asked["frames_asked"] - asked["frames_held"]
 
 
+def test_every_frame_in_which_followers_miss_each_other_has_a_cause(capsys, tmp_path):
+    """Null was the cause where the solver's part and the followed one's were each within the tolerance."""
+    point, always = {"part": "right_forearm", "at_end": True}, {"start": -1, "full": -1, "full_end": 99, "end": 99}
+    asked = [
+        {
+            **WRIST, "name": f"Meet {other}", "point": point, "activation": always, "chain": {"trunk": 1, "root": 1},
+            "target": {"kind": "follow_performer", "performer_id": other, "point": point},
+            "scope": {"performer_id": who},
+        }
+        for who, other in (("adult_woman", "child"), ("child", "adult_woman"))
+    ]  # fmt: skip
+    arguments = ["--character", "adult_woman", "child", "--constraints", constraint_file(tmp_path, *asked)]
+    punch = example_captures_folder() / "straight_punch.bvh"
+    _, report = adapt(capsys, punch, tmp_path / "out", *arguments, "--place", "child", "0.9", "0.3", "180")
+    causes = [each["kept_by"] for character in report["characters"] for each in character["constraints"]]
+    assert any(causes)
+    assert not any("null" in each for each in causes), causes
+
+
 def test_characters_follow_props_of_the_file_joints_of_the_capture_and_each_other(capsys, kick, tmp_path):
     always = {"start": -1, "full": -1, "full_end": 99, "end": 99}
     chain = {"trunk": 1, "root": 1}

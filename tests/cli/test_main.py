@@ -4,6 +4,7 @@ import shutil
 import subprocess
 import sys
 from importlib.metadata import entry_points
+from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
 import pytest
@@ -131,6 +132,18 @@ def test_a_reader_that_has_seen_enough_is_no_fault():
     with os.fdopen(writing, "wb") as closed:
         done = subprocess.run([sys.executable, "-c", start], stdout=closed, stderr=subprocess.PIPE, text=True)
     assert (done.returncode, done.stderr) == (141, "")
+
+
+@pytest.mark.parametrize("arguments", [["formats"], ["formats", "--json"]])
+def test_an_output_without_room_is_a_sentence(arguments):
+    if not Path("/dev/full").exists():
+        pytest.skip("this system has no /dev/full")
+    start = f"import sys; from studio.cli.main import main; sys.exit(main({arguments}))"
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run([sys.executable, "-c", start], stdout=full, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 1
+    [sentence] = done.stderr.splitlines()
+    assert sentence.startswith("morpho-studio: The output could not be written: No space left on device.")
 
 
 @pytest.mark.parametrize(

@@ -126,3 +126,14 @@ def test_a_take_in_which_nobody_stands_is_told_as_doubtful() -> None:
     odd = with_zero_pose(lying, axes)
     assert odd.body_map is not None
     assert "never stands" in find_reference_pose(odd.skeleton, odd.poses, odd.body_map).reason
+
+
+def test_frames_in_which_all_joints_lie_in_one_place_decide_nothing() -> None:
+    """Scales of zero in a few frames of a file: widths divided by each other were no numbers, and the eigenvalues."""
+    calm = swaying(1, frames=120, amplitude=0.15, hinged=True)
+    axes = np.swapaxes(_axes(1, calm.skeleton.joint_count), 1, 2)
+    take = with_zero_pose(calm, axes)
+    moves = np.array(take.poses.local_translations)
+    moves[30:40, 1:] = 0.0
+    flat = replace(take, poses=replace(take.poses, local_translations=moves))
+    assert max(_errors(flat, axes).values()) < WITHIN

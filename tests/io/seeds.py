@@ -58,7 +58,7 @@ SEEDS: dict[str, Write] = {
     ".glb": lambda path: path.write_bytes(Gltf().moving().glb()),
     ".gltf": lambda path: path.write_bytes(Gltf().moving().gltf()),
     ".vrm": lambda path: path.write_bytes(Gltf(vrm=1).glb()),
-    ".vrma": lambda path: path.write_bytes(Gltf().moving().glb()),
+    ".vrma": lambda path: write_capture(make_capture(frames=6), path),
     ".x3d": _text(x3d),
     ".wrl": _text(vrml),
     ".vrml": _text(vrml),

@@ -197,6 +197,51 @@ def test_the_map_of_a_vrm_animation_is_read_and_joints_without_keys_stay(tmp_pat
         assert expected.names[capture.body_map[part]] == root["nodes"][bones[bone]["node"]]["name"]
 
 
+@pytest.mark.parametrize("member", ["scale", "matrix"])
+@pytest.mark.parametrize("axis", range(3))
+def test_a_body_below_a_node_that_mirrors_is_mirrored(tmp_path, member, axis):
+    """The mirroring was dropped in silence, and with a matrix the rotation too."""
+    signs = np.where(np.arange(3) == axis, -1.0, 1.0)
+
+    def change(root):
+        values = {"scale": signs.tolist(), "matrix": np.diag([*signs, 1.0]).ravel().tolist()}
+        above = set(range(len(root["nodes"]))) - {child for node in root["nodes"] for child in node.get("children", ())}
+        root["nodes"].append({"name": "Mirror", member: values[member], "children": sorted(above)})
+        root["scenes"] = [{"nodes": [len(root["nodes"]) - 1]}]
+
+    plain = load_capture(with_animation(tmp_path, lambda root: None))
+    options = ImportOptions(up_axis="Y", floor=plain.floor)
+    mirrored = load_capture(with_animation(tmp_path, change), options)
+    order = [mirrored.skeleton.index(name) for name in plain.skeleton.names]
+    reflection = turn_to_world("Y") @ np.diag(signs) @ turn_to_world("Y").T
+    positions, rotations = joint_world(plain.skeleton, plain.poses)
+    found_positions, found_rotations = joint_world(mirrored.skeleton, mirrored.poses)
+    assert np.abs(found_positions[:, order] - positions @ reflection).max() < TENTH_OF_A_MILLIMETRE
+    assert np.abs(found_rotations[:, order] - reflection @ rotations @ reflection).max() < 1e-5
+    assert not mirrored.repairs
+
+
+def test_a_scale_that_mirrors_a_joint_for_a_while_is_repaired_and_told(tmp_path):
+    def change(root):
+        hips = next(place for place, node in enumerate(root["nodes"]) if node.get("name") == "Hips")
+        scales = np.array([[1, 1, 1], [-1, 1, 1], [-1, 1, 1], [1, 1, 1]], "<f4")
+        data = "data:application/octet-stream;base64," + base64.b64encode(scales.tobytes()).decode()
+        root["buffers"].append({"byteLength": scales.nbytes, "uri": data})
+        root["bufferViews"].append({"buffer": len(root["buffers"]) - 1, "byteLength": scales.nbytes})
+        view = {"bufferView": len(root["bufferViews"]) - 1, "count": 4, "type": "VEC3", "componentType": 5126}
+        root["accessors"].append(view)
+        [animation] = root["animations"]
+        animation["samplers"].append(
+            {"input": animation["samplers"][0]["input"], "output": len(root["accessors"]) - 1, "interpolation": "STEP"}
+        )
+        target = {"node": hips, "path": "scale"}
+        animation["channels"].append({"sampler": len(animation["samplers"]) - 1, "target": target})
+
+    capture = load_capture(with_animation(tmp_path, change))
+    [repair] = capture.repairs
+    assert repair.startswith("In 2 frames scales mirror or flatten Hips")
+
+
 def with_animation(tmp_path, change):
     """The file of a capture, its JSON changed."""
     path = tmp_path / "walk.gltf"

@@ -1,5 +1,6 @@
 """USD of an adapted motion, opened again with usd-core: the same joints, and a skin that is carried by them."""
 
+import subprocess
 import sys
 from dataclasses import replace
 
@@ -146,6 +147,29 @@ def test_pictures_lie_beside_the_file_under_its_name_or_are_not_there(captures, 
     with pytest.raises(KeyboardInterrupt):
         write_take(take, tmp_path / "next.usd", stop)
     assert {each.name for each in tmp_path.iterdir()} == written
+
+
+@pytest.mark.parametrize("module", ["pxr.Sdf", "pxr.Vt", "pxr.UsdSkel"])
+def test_ctrl_c_while_usd_is_loaded_ends_the_export_and_nothing_is_written(tmp_path, module):
+    """Its modules swallowed it: the export went on, or ended in an error of a module that was half loaded."""
+    script = f"""
+import os, signal, sys
+from pathlib import Path
+from studio.io.export import write_capture
+from tests.builders import make_capture
+class Presser:
+    def find_spec(self, name, *_):
+        if name == {module!r}:
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Presser())
+try:
+    write_capture(make_capture(frames=4), Path({str(tmp_path / "walk.usda")!r}))
+except KeyboardInterrupt:
+    print("stopped")
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("stopped\n", "")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_without_usd_core_a_sentence_says_what_to_install(tmp_path, monkeypatch):

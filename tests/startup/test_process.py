@@ -45,6 +45,26 @@ def test_a_home_that_cannot_be_written_still_gets_a_kernel_cache(tmp_path, monke
     assert [each.name for each in tmp_path.iterdir() if each.is_dir()] == [cache.parent.name]
 
 
+def test_kernels_that_cannot_be_stored_are_used_and_that_is_said_once(tmp_path):
+    """A full disk ended every verb with a traceback of numba."""
+    pytest.importorskip("resource")
+    script = """
+import resource
+resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
+import numpy as np
+from studio.io.numbers import table
+for lines in [b"1 2"], [b"1 x"]:
+    try:
+        print(table(lines, np.array([2]), "take.bvh", 1, lambda _share: None).tolist())
+    except Exception as error:
+        print(type(error).__name__)
+"""
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True)
+    assert done.stdout.splitlines() == ["[1.0, 2.0]", "StudioError"]
+    assert done.stderr.count("cannot be stored") == 1
+
+
 @pytest.mark.parametrize("taken", ["open to others", "a link"])
 def test_a_temporary_cache_that_others_may_write_to_is_not_used(tmp_path, monkeypatch, taken):
     """numba runs what it finds there."""

@@ -20,6 +20,8 @@ _NEVER_STOOD = 2.0
 """Worst fault of a take's best frame from which no frame of it stands at ease."""
 _HARDLY_HUMAN, _SURE_HEAD = 0.8, 15.0
 """Worst fault of a zero pose, and degrees of doubt about the head, up to which nothing is doubtful."""
+_NO_WIDTH = 1e-9
+"""Distance in metres of joints that lie in one place."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,8 @@ def faults(points: FloatArray, body_map: BodyMap) -> FloatArray:
     terms = [_angle(shoulders - hips, -down) / 20.0, _angle(across_hips, across_shoulders) / 25.0]
     if BodyPart.HEAD in body_map.parts:
         terms.append(_angle(points[:, body_map[BodyPart.HEAD]] - shoulders, -down) / 60.0)
-    width = np.linalg.norm(across_shoulders, axis=-1) / np.linalg.norm(across_hips, axis=-1)
+    hip_width = np.maximum(np.linalg.norm(across_hips, axis=-1), _NO_WIDTH)
+    width = np.linalg.norm(across_shoulders, axis=-1) / hip_width
     terms.append(0.8 / np.maximum(width, 1e-3))
     mirror = normalized(across_hips)
     arms = []

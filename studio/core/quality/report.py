@@ -110,8 +110,9 @@ def _misses_and_blockers(
     solved_misses, corrected = problem.misses(solved), problem.misses(adapted)
     misses = replace(problem, tracks={**request.tracks, **request.final_tracks}).misses(adapted)
     blockers = _BlockerSearch(problem, solved, solved_misses, request.eased).winners()
-    added = np.nan_to_num(np.stack([solved_misses, corrected - solved_misses, misses - corrected]))
     limits = np.array([MET_BY_UNIT[each.unit] for each in request.constraints]).reshape(-1, 1)
+    added = np.nan_to_num(np.stack([solved_misses, corrected - solved_misses, misses - corrected]))
+    added[0, blockers == BLOCKED_BY_NOTHING] = -np.inf  # the solver met it
     full = fully_active(request.constraints, request.motion.times[window])
     most = np.where(full & (misses > limits), added.argmax(axis=0), 0)
     blockers = np.choose(most, [blockers, BLOCKED_BY_CORRECTIONS, BLOCKED_BY_FOLLOWED])

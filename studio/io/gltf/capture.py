@@ -26,11 +26,12 @@ from studio.io.figure.body_maps import find_body, loose_feet, loose_hands
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.animation import AnimationTrack, read_tracks
 from studio.io.gltf.container import GltfFile, read_gltf
-from studio.io.gltf.nodes import Nodes, read_nodes
+from studio.io.gltf.nodes import Nodes, node_parts, orthogonal_axes, read_nodes
 from studio.io.gltf.vrm import vrm_bones
 from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_and_trunk
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
+from studio.io.scene.proper_rotations import proper_rotations
 from studio.io.up_axis import BodyPoints, axis_called, guess_up_axis, said_axis, turn_to_world
 
 FloatArray = NDArray[np.float64]
@@ -98,7 +99,9 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
     rest_places, rest_turns = _world(nodes, figure, [], times[:1], to_world, lambda share, text: None)
     progress(0.7, f"Finding the body in {path.name}")
     looked_at = np.unique(np.linspace(0, len(times) - 1, _LOOKED_AT).astype(int))
-    skeleton, poses = _joint_motion(figure, rest_places[0], rest_turns[0], places, turns)
+    relative, mirrored = proper_rotations(list(figure.names), turns @ np.swapaxes(rest_turns, -1, -2))
+    repairs += mirrored
+    skeleton, poses = _joint_motion(figure, rest_places[0], places, relative)
     rest = rest_places[0]
     feet, hands = loose_feet(skeleton), loose_hands(skeleton)
     if feet or hands:
@@ -221,19 +224,15 @@ def _world(
             above = matrices.get(nodes.parents[node])
             matrices[node] = local if above is None else above @ local
             places[piece, joint] = matrices[node][:, :3, 3]
-            turns[piece, joint] = _without_scale(matrices[node][:, :3, :3])
+            turns[piece, joint] = orthogonal_axes(matrices[node][:, :3, :3])
     return places @ axes.T, axes @ turns @ axes.T
 
 
 def _local(nodes: Nodes, node: int, tracks: list[AnimationTrack], times: FloatArray) -> FloatArray:
     """(F, 4, 4) node to parent; properties without a track as in the file."""
-    still = nodes.local[node]
-    scale = np.linalg.norm(still[:3, :3], axis=0)
-    turn, move = (
-        np.tile(_without_scale(still[None, :3, :3]), (len(times), 1, 1)),
-        np.tile(still[:3, 3], (len(times), 1)),
-    )
-    scales = np.tile(scale, (len(times), 1))
+    if not tracks:
+        return np.tile(nodes.local[node], (len(times), 1, 1))
+    move, turn, scales = (np.tile(part, (len(times), *[1] * part.ndim)) for part in node_parts(nodes.records[node]))
     for track in tracks:
         values = track.at(times)
         match track.path:
@@ -249,20 +248,10 @@ def _local(nodes: Nodes, node: int, tracks: list[AnimationTrack], times: FloatAr
     return local
 
 
-def _without_scale(matrices: FloatArray) -> FloatArray:
-    """(F, 3, 3) rotations of matrices that include scale; the identity for singular ones."""
-    lengths = np.linalg.norm(matrices, axis=1, keepdims=True)
-    turned = matrices / np.where(lengths > 1e-9, lengths, 1.0)
-    flat = np.linalg.det(turned) < 1e-6
-    turned[flat] = np.eye(3)
-    return to_matrix(from_matrix(turned))
-
-
 def _joint_motion(
-    figure: _Figure, rest_places: FloatArray, rest_turns: FloatArray, places: FloatArray, turns: FloatArray
+    figure: _Figure, rest_places: FloatArray, places: FloatArray, world: FloatArray
 ) -> tuple[Skeleton, PoseSequence]:
-    """Joints whose zero pose is the rest pose, and their motion."""
-    world = turns @ np.swapaxes(rest_turns, 1, 2)
+    """Joints whose zero pose is the rest pose, and their motion: rotations ``world`` (F, J, 3, 3) relative to it."""
     offsets, moves = rest_places.copy(), places.copy()
     local = world.copy()
     for joint, parent in enumerate(figure.parents):

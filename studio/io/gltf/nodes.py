@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.rotations import to_matrix
+from studio.core.rotations import from_matrix, to_matrix
 from studio.io.json_record import Record
+from studio.io.scene.proper_rotations import FLAT_DETERMINANT
 
 FloatArray = NDArray[np.float64]
 
@@ -79,13 +80,38 @@ def read_nodes(root: Record) -> Nodes:
 
 def _local(record: Record) -> FloatArray:
     if "matrix" in record:
-        identity = tuple(np.eye(4).ravel().tolist())
-        return np.array(record.numbers("matrix", identity)).reshape(4, 4).T
+        return _matrix(record)
+    move, turn, scale = node_parts(record)
+    matrix = np.eye(4)
+    matrix[:3, :3] = turn * scale
+    matrix[:3, 3] = move
+    return matrix
+
+
+def node_parts(record: Record) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Translation (3,), rotation (3, 3) and scale (3,) of a node to its parent; a mirroring matrix scales by -1."""
+    if "matrix" in record:
+        matrix = _matrix(record)
+        turn = orthogonal_axes(matrix[None, :3, :3])[0]
+        side = -1.0 if np.linalg.det(turn) < 0.0 else 1.0
+        return matrix[:3, 3], side * turn, side * np.linalg.norm(matrix[:3, :3], axis=0)
     turn = np.array(record.numbers("rotation", (0.0, 0.0, 0.0, 1.0)))
     length = float(np.linalg.norm(turn))
     if length < 1e-6:
         raise record.wrong("rotation", "a rotation, and not zero")
-    matrix = np.eye(4)
-    matrix[:3, :3] = to_matrix(turn / length) * np.array(record.numbers("scale", (1.0, 1.0, 1.0)))
-    matrix[:3, 3] = record.numbers("translation", (0.0, 0.0, 0.0))
-    return matrix
+    move, scale = record.numbers("translation", (0.0, 0.0, 0.0)), record.numbers("scale", (1.0, 1.0, 1.0))
+    return np.array(move), to_matrix(turn / length), np.array(scale)
+
+
+def orthogonal_axes(matrices: FloatArray) -> FloatArray:
+    """(N, 3, 3) rotations of matrices that include scale, mirrored where these mirror; zero for singular ones."""
+    lengths = np.linalg.norm(matrices, axis=1, keepdims=True)
+    axes = matrices / np.where(lengths > 1e-9, lengths, 1.0)
+    determinants = np.linalg.det(axes)
+    flat = np.abs(determinants) < FLAT_DETERMINANT
+    sides = np.where(flat, 0.0, np.sign(determinants))[:, None, None]
+    return sides * to_matrix(from_matrix(np.where(flat[:, None, None], np.eye(3), sides * axes)))
+
+
+def _matrix(record: Record) -> FloatArray:
+    return np.array(record.numbers("matrix", tuple(np.eye(4).ravel().tolist()))).reshape(4, 4).T

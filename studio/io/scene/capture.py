@@ -11,12 +11,12 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.core.names import counted
 from studio.core.rotations import from_matrix, normalized, sign_continuous, to_matrix
 from studio.io.bvh.capture import capture_of
 from studio.io.guessing import Scale, said_unit
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
+from studio.io.scene.proper_rotations import proper_rotations
 from studio.io.scene.scene_reader import SCENE_ADVICE, Arrays
 
 FloatArray = NDArray[np.float64]
@@ -24,9 +24,6 @@ FloatArray = NDArray[np.float64]
 _DIGIT = 1e-6
 """Seconds to which programs round the time of a frame."""
 _SMALLEST_SCALE = 1e-9
-_FLAT = 1e-6
-"""Determinant of a matrix of unit columns below which it flattens, or mirrors."""
-_NAMED = 3
 _TURN = slice(3, 7)
 _PARTS = slice(0, 3), _TURN, slice(7, 10)
 """Place, turn and scale among the ten numbers of a joint."""
@@ -114,7 +111,7 @@ def _rigid(
         places, turns = _world(parents, frames)
     if not all(np.isfinite(numbers).all() for numbers in (rest_places, rest_turns, places, turns)):
         raise StudioError(f"{path.name}: its joints lie farther away than can be told. {SCENE_ADVICE}")
-    turns, mirrored = _upright(names, turns @ np.swapaxes(rest_turns, -1, -2))
+    turns, mirrored = proper_rotations(names, turns @ np.swapaxes(rest_turns, -1, -2))
     above = np.maximum(parents, 0)
     carrier = np.where((parents < 0)[:, None, None], np.eye(3), turns[:, above])
     offsets = rest_places[0] - np.where((parents < 0)[:, None], 0.0, rest_places[0, above])
@@ -132,20 +129,6 @@ def _rigid(
         said_unit(metres),
         str(about["up_axis"]),
         (*repairs, *mirrored),
-    )
-
-
-def _upright(names: list[str], turns: FloatArray) -> tuple[FloatArray, tuple[str, ...]]:
-    """Rotations (F, J, 3, 3) relative to the rest pose, and the repairs of mirrored or singular ones."""
-    wrong = np.linalg.det(turns) < _FLAT
-    if not wrong.any():
-        return turns, ()
-    turns = np.where(wrong[..., None, None], np.eye(3), turns)
-    joints = [name for name, is_wrong in zip(names, wrong.any(axis=0), strict=True) if is_wrong]
-    shown = ", ".join(joints[:_NAMED]) + (f" and {len(joints) - _NAMED} more" if len(joints) > _NAMED else "")
-    frames = int(wrong.any(axis=1).sum())
-    return turns, (
-        f"In {counted(frames, 'frame')} scales mirror or flatten {shown}; there the joint is turned as at rest.",
     )
 
 

@@ -20,6 +20,7 @@ from studio.core.rotations import to_matrix
 from studio.core.stage.saved_camera import CAMERA_ASPECT, FARTHEST_SEEN, NEAREST_SEEN, VIEW_ANGLE, SavedCamera
 from studio.io.atomic_write import replacing_all
 from studio.io.export import Take, plain_material, skin_of
+from studio.io.interrupts import deferred_interrupt
 from studio.io.registry import Progress
 from studio.io.takes.exported_stage import ExportedProp, ExportedStage
 from studio.io.usd.materials import bind_materials, identifiers
@@ -80,7 +81,8 @@ def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
 def _write(path: Path, fill: Callable[[Any], dict[str, bytes]], progress: Progress) -> None:
     """Write what ``fill`` puts on a stage, with the pictures that it returns by name."""
     try:
-        from pxr import Tf, Usd
+        with deferred_interrupt():
+            from pxr import Tf, Usd, UsdGeom, UsdShade, UsdSkel  # noqa: F401 - all that is imported on the way
     except ImportError as error:
         raise StudioError("USD needs the package usd-core. Install it with: pip install usd-core") from error
     try:

@@ -10,6 +10,7 @@ SUPPORTED_NUMBA = "0.68."
 USES_NUMBA_INTERNALS = numba.__version__.startswith(SUPPORTED_NUMBA)
 if USES_NUMBA_INTERNALS:
     import_module("studio.core.kernels.compiling.no_blas")
+    import_module("studio.core.kernels.compiling.unstored")
 compiled: Any = import_module(f"studio.core.kernels.compiling.{'linked' if USES_NUMBA_INTERNALS else 'plain'}").compiled
 pack: Any = import_module(f"studio.core.kernels.compiling.{'packed' if USES_NUMBA_INTERNALS else 'plain'}").pack
 """``pack(values)``: a tuple of arrays passed to other kernels as one address."""

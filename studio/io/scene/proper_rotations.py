@@ -1,0 +1,29 @@
+"""Rotations of joints whose scales mirror or flatten them in some frames."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.names import counted
+
+FloatArray = NDArray[np.float64]
+
+FLAT_DETERMINANT = 1e-6
+"""Determinant of a matrix of unit columns below which it flattens, or mirrors."""
+_NAMED = 3
+
+
+def proper_rotations(names: list[str], relative: FloatArray) -> tuple[FloatArray, tuple[str, ...]]:
+    """Rotations (F, J, 3, 3) relative to the rest pose without mirroring, and a sentence on the joints repaired.
+
+    A joint that is mirrored in the rest pose too is none of them: relative to that it only rotates.
+    """
+    wrong = np.linalg.det(relative) < FLAT_DETERMINANT
+    if not wrong.any():
+        return relative, ()
+    relative = np.where(wrong[..., None, None], np.eye(3), relative)
+    joints = [name for name, is_wrong in zip(names, wrong.any(axis=0), strict=True) if is_wrong]
+    shown = ", ".join(joints[:_NAMED]) + (f" and {len(joints) - _NAMED} more" if len(joints) > _NAMED else "")
+    frames = int(wrong.any(axis=1).sum())
+    return relative, (
+        f"In {counted(frames, 'frame')} scales mirror or flatten {shown}; there the joint is turned as at rest.",
+    )
