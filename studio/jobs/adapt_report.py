@@ -19,6 +19,7 @@ from studio.core.quality.report import (
     BLOCKED_BY_CONTACTS,
     BLOCKED_BY_CORRECTIONS,
     BLOCKED_BY_FOLLOWED,
+    BLOCKED_BY_GROUND,
     BLOCKED_BY_LIMITS,
     BLOCKED_BY_NOTHING,
     BLOCKED_BY_REACH,
@@ -52,6 +53,7 @@ OTHERS = {
     BLOCKED_BY_TOLERANCE: "tolerance",
     BLOCKED_BY_CORRECTIONS: "corrections",
     BLOCKED_BY_FOLLOWED: "followed character",
+    BLOCKED_BY_GROUND: "ground",
 }
 """Causes other than another constraint that keep a constraint from being met, by code; None for no cause."""
 

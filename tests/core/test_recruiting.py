@@ -317,7 +317,8 @@ class _PosedBody:
         legs = LegTargets(KICK.channels[frame], *(np.ascontiguousarray(part[:, frame]) for part in parts))
         self.masses, self.shares = segment_masses(body.layout), point_masses(body.layout)
         free, none = np.full(2, np.inf), np.zeros(2, HAND_CONTACT)
-        self.body = FrameBody(body.rows[0], self.masses, free, legs, limits_of(body)[:0], self.shares, none)
+        ground = np.zeros((4, 3))
+        self.body = FrameBody(body.rows[0], self.masses, free, legs, limits_of(body)[:0], self.shares, none, ground)
         self.search = make_search(1, len(self.chain.joints), len(self.start.positions))
 
     def pose(self, joint: int, turn: np.ndarray) -> Pose:

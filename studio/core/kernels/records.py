@@ -121,6 +121,8 @@ class BodyFrames(NamedTuple):
     """(P,) of ``kernels.tasks.balance``."""
     hand_contacts: Array
     """(2, F) records of ``HAND_CONTACT``, or (2, 1) of none."""
+    ground: Array
+    """(4, F or 1, 3) as in ``FrameBody``."""
 
 
 class FrameBody(NamedTuple):
@@ -139,6 +141,8 @@ class FrameBody(NamedTuple):
     """(P,) of ``kernels.tasks.balance``."""
     hand_contacts: Array
     """(2,) records of ``HAND_CONTACT``."""
+    ground: Array
+    """(4, 3) plane z = a + b x + c y of the ground under the unsolved end of each limb, metres."""
 
 
 class RedundancyGroups(NamedTuple):

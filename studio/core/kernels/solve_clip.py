@@ -192,7 +192,10 @@ def body_at(frame, body, legs):
     """The body at one frame, with its packed leg targets."""
     row = body.measures[frame if body.measures.shape[0] > 1 else 0]
     contacts = body.hand_contacts[:, frame if body.hand_contacts.shape[1] > 1 else 0]
-    return FrameBody(row, body.masses, body.root_reaches[:, frame], legs, body.limits, body.mass_fractions, contacts)
+    ground = body.ground[:, frame if body.ground.shape[1] > 1 else 0]
+    return FrameBody(
+        row, body.masses, body.root_reaches[:, frame], legs, body.limits, body.mass_fractions, contacts, ground
+    )
 
 
 @small_kernel

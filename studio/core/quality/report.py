@@ -36,10 +36,10 @@ Mask = NDArray[np.bool_]
 
 BLOCKED_BY_NOTHING, BLOCKED_BY_CONTACTS, BLOCKED_BY_LIMITS, BLOCKED_BY_REACH, BLOCKED_BY_SMOOTHING = -1, -2, -3, -4, -5
 BLOCKED_BY_TOUCHES, BLOCKED_BY_CLEARANCE, BLOCKED_BY_TOLERANCE = -6, -7, -8
-BLOCKED_BY_CORRECTIONS, BLOCKED_BY_FOLLOWED = -9, -10
+BLOCKED_BY_CORRECTIONS, BLOCKED_BY_FOLLOWED, BLOCKED_BY_GROUND = -9, -10, -11
 """Blockers of a constraint other than the row of another one: none (met, or inactive), contacts with the ground, joint
 limits, the reach of body and chain, smoothing in time, hands that touch, arms that stay out of the body, the solver's
-own tolerance, manual corrections above it, and characters who follow this one in turn.
+own tolerance, manual corrections above it, characters who follow this one in turn, and the ground over its target.
 """
 MET_BY_UNIT = {"m": PRIORITY_TOLERANCE, "rad": float(np.radians(0.1))}
 """Greatest residual of a constraint that counts as met, by unit."""
@@ -203,6 +203,7 @@ class _BlockerSearch:
         acting, always = np.isfinite(self._residuals), always[: len(self._frames)]
         self._weigh(BLOCKED_BY_CONTACTS, every, every, always, SolverLimits(by_contacts=False))
         self._weigh(BLOCKED_BY_LIMITS, every, every, always, SolverLimits(by_limits=False))
+        self._weigh(BLOCKED_BY_GROUND, every, every, always, SolverLimits(by_ground=False))
         for row in every.tolist():
             others = every[every != row]
             self._weigh(row, others, others[self._ranks[others] >= self._ranks[row]], acting[row])

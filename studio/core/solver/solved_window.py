@@ -24,6 +24,7 @@ from studio.core.runs import runs_of
 from studio.core.solver.asking.chains import joints_of_chains, point_masses, relevant_chain, segment_masses
 from studio.core.solver.asking.clearance import activations_by_tier, lowest_first, pack_clearance
 from studio.core.solver.asking.contact_constraints import contact_constraints, release_hands, write_contact_targets
+from studio.core.solver.asking.ground_limit import ground_planes, target_above_ground
 from studio.core.solver.asking.kinds.known import ENTERING_KINDS
 from studio.core.solver.asking.limb_availability import arm_availability, leg_availability, limb_availability
 from studio.core.solver.asking.packing import pack_tasks, priority_order
@@ -56,6 +57,7 @@ class SolverLimits:
 
     by_contacts: bool = True
     by_limits: bool = True
+    by_ground: bool = True
 
 
 BOUND = SolverLimits()
@@ -91,6 +93,7 @@ class SolvedWindow:
             stands = np.array([each.standing[window] for each in held])
             acts = np.concatenate([stands & (activations[:, window] > 0.0).any(axis=0), acts])
         self._activations = np.ascontiguousarray(acts)
+        self._sunk = np.zeros(acts.shape)
         self._shares, self._targets = self._lead(asked)
         joints = joints_of_chains(tuple(map(relevant_chain, everything)), self._rows.levels, body.layout)
         self._joints = joints if bound.by_limits else joints.without_limits
@@ -111,7 +114,8 @@ class SolvedWindow:
         masses, fractions = segment_masses(body.layout), point_masses(body.layout)
         measures = at_frames(body.rows, window)
         contacts = self._hand_contacts(window)
-        self._body = BodyFrames(measures, masses, self._root_reach, self._legs, limits, fractions, contacts)
+        ground = ground_planes(standing, window)
+        self._body = BodyFrames(measures, masses, self._root_reach, self._legs, limits, fractions, contacts, ground)
 
     def _hand_contacts(self, window: slice) -> NDArray[np.void]:
         """Contacts of hands (2, F), or (2, 1) of none, for ``kernels.limbs.touching_arms``."""
@@ -125,7 +129,11 @@ class SolvedWindow:
         for c, constraint in enumerate(asked, self._held):
             if is_ramped(constraint):
                 fractions[c] = free[c - self._held]
-                places[c] = ramped_target(constraint, places[c], fractions[c], self.standing, self.window)
+                below = ramped_target(constraint, places[c], fractions[c], self.standing, self.window)
+                places[c] = below
+                if self._asked[-1].by_ground:
+                    places[c] = target_above_ground(constraint, below, self.standing, self.window)
+                    self._sunk[c] = places[c][:, 2] - below[:, 2]
         return fractions, replace(self._rows, positions=places).stacked_targets
 
     def _find_freedoms(self, activations: FloatArray) -> FloatArray:
@@ -326,9 +334,14 @@ class SolvedWindow:
 
     @property
     def residuals(self) -> FloatArray:
-        """Residuals (C, F), metres or radians, in the given order of constraints."""
+        """Residuals (C, F), metres or radians, in the given order of constraints.
+
+        The depth by which a target was raised counts at right angles to what is left to the raised target: only that
+        is held against lower constraints, not the distance to the target in the ground.
+        """
         residuals = np.empty((len(self._order) + len(self._clear), len(self._positions)))
         residuals[self._order + self._clear] = self._missed[self._held :]
+        residuals[self._order] = np.hypot(residuals[self._order], (self._activations * self._sunk)[self._held :])
         return residuals
 
 

@@ -31,10 +31,10 @@ def follow_contacts(level, problem):
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     chest = spine_count - 1
     for side in range(2):
+        if not follows_contact(side, level, problem):
+            continue
         contact, other = problem.body.hand_contacts[side], limb_parts(1 - side, spine_count)[2] + 2
         together = contact.together if has_task(1 - side, level, tasks) else 0.0
-        if together + contact.resting == 0.0 or has_task(side, level, tasks):
-            continue
         wrist = limb_parts(side, spine_count)[2] + 2
         x, y, z = carried_point(wrist, chest, chest, start, pose)
         far, there = pose.positions[other], carried_point(other, chest, chest, start, pose)
@@ -48,6 +48,14 @@ def follow_contacts(level, problem):
         lifted = end_pose(side, pose)
         extend_softly(side, distance(start.positions[wrist], start.positions[wrist - 2]), goal, pose)
         restore_end(side, lifted, pose)
+
+
+@kernel
+def follows_contact(side, level, problem):
+    """True if an arm without task down to ``level`` follows the other hand, or the part of the body under its hand."""
+    contact, tasks = problem.body.hand_contacts[side], problem.tasks
+    together = contact.together if has_task(1 - side, level, tasks) else 0.0
+    return together + contact.resting > 0.0 and not has_task(side, level, tasks)
 
 
 @kernel

@@ -21,8 +21,9 @@ from studio.core.kernels.body_indices import (
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.legs import place_leg, place_leg_points
 from studio.core.kernels.limbs.limb_tasks import KEEPS_BLEND, NEGLIGIBLE_ERROR, solve_limb
+from studio.core.kernels.limbs.limbs_above_ground import GROUND_MARGIN, end_rise, middle_rise, raise_limb
 from studio.core.kernels.limbs.stiffness import carry_leg
-from studio.core.kernels.limbs.touching_arms import follow_contacts
+from studio.core.kernels.limbs.touching_arms import follow_contacts, follows_contact
 from studio.core.kernels.limits.limb_joint_limits import clamp_joint, is_well_within
 from studio.core.kernels.records import FrameProblem
 from studio.core.kernels.search.joints import pose_arm, pose_limb, pose_point, pose_trunk
@@ -158,12 +159,30 @@ def copy_leg(side, start, pose):
 
 @kernel
 def solve_limbs(level, problem):
-    """Solve every limb with a task of levels 0 to ``level``, from the pose of the body.
+    """Solve every limb with a task of levels 0 to ``level``, from the pose of the body, out of the ground."""
+    tasks, idle, busy = problem.tasks, problem.search.idle_limbs, 0
+    for c in range(tasks.shape[0]):
+        row = tasks[c]
+        for end in range(2):
+            if row.status == ACTIVE and row.level <= level and row.limbs[end] >= 0:
+                busy |= 1 << row.limbs[end]
+    solve_limb_tasks(busy, level, problem)
+    for limb in range(4):
+        if idle[limb] and end_rise(limb, GROUND_MARGIN, problem) + middle_rise(limb, GROUND_MARGIN, problem) > 0.0:
+            idle[limb] = 0
+            reset_limb_pose(limb, problem)
+        if limb >= 2 or not follows_contact(limb, level, problem):
+            raise_limb(limb, busy >> limb & 1, level, problem)
+
+
+@kernel
+def solve_limb_tasks(busy, level, problem):
+    """Solve the limbs with tasks of levels 0 to ``level``, the ``busy`` (bits).
 
     The solution is repeated where a point ends in a forbidden area, or the two ends of a distance divide it badly.
     """
     tasks, search, start, pose = problem.tasks, problem.search, problem.start, problem.pose
-    busy, stiff, moving = 0, 0, False
+    stiff, moving = 0, False
     for c in range(tasks.shape[0]):
         row = tasks[c]
         if is_considered(row) and row.level <= level:
@@ -171,7 +190,6 @@ def solve_limbs(level, problem):
             row.engaged = 0
             for end in range(2):
                 if row.limbs[end] >= 0 and row.status == ACTIVE:
-                    busy |= 1 << row.limbs[end]
                     stiff |= row.stiff << row.limbs[end]
     for attempt in range(1 + LIMB_REPEATS):
         if moving:

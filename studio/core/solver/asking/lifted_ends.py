@@ -28,7 +28,7 @@ END_MARGIN = 0.05
 """Greatest height above the ground, in metres, below which a foot or hand begins to rise; 3/16 of it is kept."""
 END_TOLERANCE = 1e-4
 """Depth in metres that is left to a foot or hand which touches the ground before the constraints."""
-NEGLIGIBLE_RISE = 1e-6
+NEGLIGIBLE_END_RISE = 1e-6
 """Metres up to which a rise is left out: a limb that stays has them by rounding."""
 END_ROTATIONS = 2
 """Iterations of the rotation of an end segment: its points rise less as it comes level."""
@@ -98,7 +98,7 @@ def _rises(heights: FloatArray, before: FloatArray, free: FloatArray) -> FloatAr
 
 def risen(rises: FloatArray) -> FloatArray:
     """``rises`` (..., F) in metres, zero for those that are negligible."""
-    return np.where(rises > NEGLIGIBLE_RISE, rises, 0.0)
+    return np.where(rises > NEGLIGIBLE_END_RISE, rises, 0.0)
 
 
 class LimbEnd(NamedTuple):
