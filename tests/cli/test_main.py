@@ -122,7 +122,7 @@ def test_files_named_without_a_verb_are_opened_in_the_window(monkeypatch):
 def test_files_cannot_be_opened_without_a_display_and_that_is_said(monkeypatch, capsys):
     monkeypatch.setattr(command_line, "has_display", lambda: False)
     assert command_line.main(["walk.bvh"]) == 1
-    assert "no display to open walk.bvh" in capsys.readouterr().err
+    assert "No display is available to open walk.bvh" in capsys.readouterr().err
 
 
 def test_a_reader_that_has_seen_enough_is_no_fault():
