@@ -54,5 +54,5 @@ def test_a_save_that_fails_leaves_the_document_as_it_was(qtbot: Any, runner: Tas
 
 
 def test_a_project_without_a_file_asks_for_one(qapp: Any, runner: TaskRunner) -> None:
-    with pytest.raises(StudioError, match="Save As"):
+    with pytest.raises(StudioError, match="Save as"):
         save_in_background(Document(make_project()), runner)
