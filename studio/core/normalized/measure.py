@@ -3,11 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.canonical import BodyLayout
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactPoint, contact_mask
 from studio.core.normalized.landmarks import Landmarks, spread
-from studio.core.rotations import normalized
 
 FloatArray = NDArray[np.float64]
 
@@ -15,9 +13,6 @@ SHORTEST_BONE = 1e-3
 """Metres given to a bone that a capture draws without length, so that it keeps a direction."""
 USUAL_ANKLE = 0.045
 """Ankle joint above the sole, as a part of stature's half below the hip, where no contact tells it."""
-HANGING_POWER, LEAST_WEIGHT = 6, 1e-3
-"""Power of the cosine between an upper arm and the trunk's down by which a frame counts for the shoulders (a half at 27
-degrees), and the weight of frames with raised arms, for takes in which they never hang."""
 HEEL_LENGTH = 0.3
 """The heel behind the ankle, as a part of the foot from ankle to ball."""
 
@@ -70,7 +65,7 @@ def measure_actor(
         toe_height=toe_height,
         heel_length=HEEL_LENGTH * np.linalg.norm(feet[:, :2], axis=1),
         neck_rest=_rest_direction(marks, alignments, layout.neck_base),
-        clavicle_rest=_shoulders_at_rest(points[moving], rotations[moving], layout),
+        clavicle_rest=np.array([_at_ease(rotations[moving], thorax, layout.clavicle(s)) for s in (0, 1)]),
     )
 
 
@@ -80,22 +75,13 @@ def _rest_direction(marks: Landmarks, alignments: FloatArray, segment: int) -> F
     return np.asarray(reference[marks.layout.spine_count - 1].T @ reference[segment][:, 2])
 
 
-def _shoulders_at_rest(points: FloatArray, rotations: FloatArray, layout: BodyLayout) -> FloatArray:
-    """Mean z axes (2, 3) of the clavicles in the thorax's axes, mirror-symmetric, of frames whose arms hang.
+def _at_ease(rotations: FloatArray, thorax: int, clavicle: int) -> FloatArray:
+    """Mean z axis (3,) of a clavicle in the thorax's axes, over ``rotations`` (F, S, 3, 3).
 
-    ``points`` (F, P, 3), ``rotations`` (F, S, 3, 3) canonical. Raised arms take the shoulders with them: in the mean of
-    a take that lifts a box overhead, or in a reference pose with raised arms, other bodies' shoulders would be sunk.
+    A reference pose has its arms raised or hanging: taken from it, other bodies' shoulders would be raised or sunk.
     """
-    up = normalized(points[:, layout.neck_base] - points[:, 0])
-    thorax, mean = rotations[:, layout.spine_count - 1], np.zeros(3)
-    for side, mirror in ((0, 1.0), (1, -1.0)):
-        shoulder = layout.collar(side) + 1
-        down = -np.sum(normalized(points[:, shoulder + 1] - points[:, shoulder]) * up, axis=1)
-        weights = np.maximum(down, 0.0) ** HANGING_POWER + LEAST_WEIGHT
-        axis = np.einsum("f,fji,fj->i", weights, thorax, rotations[:, layout.clavicle(side), :, 2]) / weights.sum()
-        mean += axis * [1.0, mirror, 1.0]
-    mean /= max(float(np.linalg.norm(mean)), 1e-9)
-    return np.array([mean, mean * [1.0, -1.0, 1.0]])
+    lies = np.einsum("fji,fj->i", rotations[:, thorax], rotations[:, clavicle, :, 2])
+    return np.asarray(lies / max(float(np.linalg.norm(lies)), 1e-9))
 
 
 def _head_length(marks: Landmarks, points: FloatArray) -> float:
