@@ -17,26 +17,25 @@ def _columns(image: QImage, colour: str, width: int) -> np.ndarray:
     return np.array([x for x, _ in found])
 
 
-def test_the_body_is_seen_from_the_front_with_its_left_at_the_right(qtbot: QtBot) -> None:
+@pytest.fixture
+def image(qtbot: QtBot) -> QImage:
+    """The figure of a body, 400 pixels wide and 160 high."""
     capture = make_capture()
     assert capture.body_map is not None
     figure = ReferenceFigure(capture, capture.body_map)
     qtbot.addWidget(figure)
     figure.resize(400, 160)
-    image = figure.grab().toImage()
+    return figure.grab().toImage()
+
+
+def test_the_body_is_seen_from_the_front_with_its_left_at_the_right(image: QImage) -> None:
     left, right = (_columns(image, colour, 200) for colour in (LEFT, RIGHT))
     assert len(left)
     assert len(right)
     assert left.mean() > right.mean() + 20
 
 
-def test_the_body_stands_on_a_line_and_the_way_up_is_named(qtbot: QtBot) -> None:
-    capture = make_capture()
-    assert capture.body_map is not None
-    figure = ReferenceFigure(capture, capture.body_map)
-    qtbot.addWidget(figure)
-    figure.resize(400, 160)
-    image = figure.grab().toImage()
+def test_the_body_stands_on_a_line_and_the_way_up_is_named(image: QImage) -> None:
     background = image.pixel(1, 1)
     drawn = np.array([[image.pixel(x, y) != background for x in range(200)] for y in range(160)])
     floor = np.flatnonzero(drawn[:, 20:180].sum(axis=1) > 140)

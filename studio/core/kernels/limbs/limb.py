@@ -99,10 +99,10 @@ def soft_extension(needed, soft_threshold):
 
 @kernel
 def soft_flexion(reach, bones):
-    """Least distance in metres of a limb's end from its root, for a target at distance d, ``reach``.
+    """Distance in metres of a limb's end from its root for a target at distance d, ``reach``.
 
-    With bones that differ by a it is a (1 + exp(d / a - 2)) below 2 a: softer than the difference of the bones, at
-    which the middle joint would fold in one frame (METHOD 3.4).
+    With bones that differ by a in length it is a (1 + exp(d / a - 2)) below 2 a: above their difference, at which the
+    middle joint would fold in one frame (METHOD 3.4).
     """
     apart = abs(bones[0] - bones[1])
     if apart == 0.0 or reach >= 2.0 * apart:

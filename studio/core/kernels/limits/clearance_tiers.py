@@ -50,9 +50,8 @@ def make_kept_tier(clearance, constraints, joints):
 def next_tier(tier, frame, clip):
     """First tier from ``tier`` on to be solved at this frame, or the number of tiers.
 
-    A tier is the levels between two self-collision constraints. It is solved if it has an active task and an active
-    self-collision constraint of its own or above. Without any active self-collision constraint all active tasks are in
-    the last one.
+    It has an active task, and an active self-collision constraint of its own or above. Without any active
+    self-collision constraint it is the last tier, with all active tasks.
     """
     fractions, tiers, activations = clip.clearance.activations, clip.clearance.tiers, clip.constraints.activations
     count, last, first = fractions.shape[0], activations.shape[0] - 1, activations.shape[0]
@@ -184,7 +183,7 @@ def measure_frame_penetration(frame, clip, pose):
 def blend_residual(fraction, residual, there, here):
     """Residual reported for a task in transition: at ``fraction`` between those of two poses, ``there`` and ``here``.
 
-    If the task is inactive in the first pose, NaN, the measured ``residual`` fades in.
+    If the task is inactive in the first pose, NaN, its measured ``residual`` fades out instead.
     """
     if math.isnan(there):
         return here + (1.0 - fraction) * residual
