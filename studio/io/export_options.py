@@ -86,7 +86,7 @@ class ExportOptions:
     def _on_joints(self, take: Take, path: Path) -> Take:
         """Take on the chosen joints, frame by frame as adapted."""
         if not self.joint_names and path.suffix.lower() in JOINTED and has_own_rig(take):
-            return on_own_rig(take, path.suffix.lower())
+            return on_own_rig(take, path.suffix.lower(), Placement() if self.at_origin else take.place)
         return take
 
     def _shaped(self, take: Take, path: Path) -> Take:
@@ -95,7 +95,7 @@ class ExportOptions:
             take = placed(take)
         take = self._from_rest_pose(take, path)
         if self.root == "floor":
-            capture, bound, rest = with_root_joint(take.capture), take.bound, take.rest_rotations
+            capture, bound, rest = with_root_joint(take.capture, _lowest_bone(take)), take.bound, take.rest_rotations
             if capture.skeleton.joint_count > take.skeleton.joint_count:
                 bound = skin_of(take).with_joint_above() if take.character else None
                 rest = None if rest is None else np.concatenate([IDENTITY_QUATERNION[None], rest])
@@ -143,6 +143,13 @@ class ExportOptions:
             capture = with_zero_pose(take.capture, skin.bind_rotations)
             return replace(take, capture=capture, bound=skin.counted_from(skin.bind_rotations))
         return take
+
+
+def _lowest_bone(take: Take) -> int:
+    """First bone on the way to the hips: nodes above it only carry the skeleton."""
+    hips = take.capture.body_map.spine[0] if take.capture.body_map else 0
+    bones = None if take.bound is None else take.bound.bones
+    return next((each for each in take.skeleton.path(0, hips) if bones is None or bones[each]), hips)
 
 
 def sampled(take: Take, seconds: FloatArray, frame_rate: float) -> Take:

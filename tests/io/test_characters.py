@@ -12,6 +12,7 @@ import pytest
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
 from studio.core.mesh.skin import bound_pose
+from studio.io.export import take_of_standing, write_take
 from studio.io.importing import ImportOptions, load_character
 from studio.io.project.character_file import read_character, write_character
 from studio.io.registry import ReadCharacter
@@ -76,9 +77,9 @@ def test_joints_without_names_are_found_by_the_shape_of_the_body(tmp_path: Path)
     for node in made.root["nodes"]:
         node.pop("name", None)
     found = read(tmp_path, made.glb())
-    assert found.joints["left_hand"] == "node 7"
-    assert found.joints["right_foot"] == "node 17"
-    assert found.joints["head"] == "node 4"
+    assert found.joints["left_hand"] == "Node_7"
+    assert found.joints["right_foot"] == "Node_17"
+    assert found.joints["head"] == "Node_4"
     assert any("by shape" in guess.value for guess in found.guesses)
 
 
@@ -273,3 +274,34 @@ def test_a_texture_may_be_moved_and_may_cut_holes(tmp_path: Path):
     assert look.materials[0].cut_out
     # Scaled to (0.5, 0.5), turned to (0.5, -0.5), moved to (0.6, -0.3); upwards from the lower left 1.3.
     assert look.coordinates[0] == pytest.approx([0.6, 1.3], abs=1e-6)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".fbx", ".usdz"])
+def test_materials_go_out_as_they_came_and_a_picture_once(tmp_path: Path, suffix: str):
+    made = Gltf()
+    slot = {"baseColorTexture": {"index": 0}}
+    made.root["images"] *= 2
+    made.root["textures"] = [{"source": 0}, {"source": 1}]
+    other = {"baseColorTexture": {"index": 1}}
+    made.root["materials"] = [
+        {"name": "skin", "pbrMetallicRoughness": slot},
+        {"name": "lashes", "pbrMetallicRoughness": other, "alphaMode": "MASK", "doubleSided": True},
+        {"name": "skin", "pbrMetallicRoughness": other},
+    ]
+    [primitive] = made.root["meshes"][0]["primitives"]
+    made.root["meshes"][0]["primitives"] = [primitive | {"material": material} for material in range(3)]
+    character = read(tmp_path, made.glb()).character
+    look = character.skin.appearance
+    assert look is not None
+    assert [each.name for each in look.materials] == ["skin", "lashes"]
+    path = tmp_path / f"out{suffix}"
+    write_take(take_of_standing(character), path)
+    assert path.read_bytes().count(PIXEL) == 1
+    back = load_character(path).character.skin.appearance
+    assert back is not None
+    for mine, theirs in zip(back.materials, look.materials, strict=True):
+        assert mine.name == theirs.name
+        assert mine.texture is not None
+        assert mine.texture.tobytes() == PIXEL
+        if suffix == ".glb":
+            assert (mine.two_sided, mine.cut_out) == (theirs.two_sided, theirs.cut_out)

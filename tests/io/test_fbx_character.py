@@ -10,7 +10,8 @@ from studio.core.errors import StudioError
 from studio.core.rigs.embodiment import measured
 from studio.io.importing import load_capture, load_character, read_file
 from studio.io.registry import ReadCapture, ReadCharacter
-from tests.io.fbx_skin import skinned_fbx
+from tests.io.character_files import PIXEL
+from tests.io.fbx_skin import CLOTH, skinned_fbx
 from tests.io.fbx_text import fbx_text
 
 
@@ -63,3 +64,27 @@ def test_a_motion_whose_joint_is_called_as_a_skin_is_in_the_file_stays_a_motion(
     read = read_file(written(tmp_path, text))
     assert isinstance(read, ReadCapture)
     assert "Cluster" in read.capture.skeleton.names
+
+
+PICTURE = 520
+"""Number of the object of a texture."""
+
+
+@pytest.mark.parametrize("place", ["skin.png", "art/skin.png", "hero.fbm/skin.png", "textures/skin.png"])
+def test_a_picture_is_found_where_programs_put_it(tmp_path: Path, place: str) -> None:
+    textured = f"""Texture: {PICTURE}, "Texture::skin", "" {{ Type: "TextureVideoClip"
+Version: 202
+FileName: "D:\\\\jobs\\\\hero\\\\art\\\\skin.png"
+RelativeFilename: "art\\\\skin.png" }}
+}}
+Connections: {{
+C: "OP",{PICTURE},{CLOTH}, "DiffuseColor"
+"""
+    (tmp_path / place).parent.mkdir(exist_ok=True)
+    (tmp_path / place).write_bytes(PIXEL)
+    text = skinned_fbx().replace("}\nConnections: {\n", textured.replace("\\\\", "\\"), 1)
+    read = load_character(written(tmp_path, text))
+    look = read.character.skin.appearance
+    assert look is not None
+    assert look.materials[0].texture is not None, read.repairs
+    assert look.materials[0].texture.tobytes() == PIXEL

@@ -29,7 +29,7 @@ class Material:
         if not _COLOUR.fullmatch(self.colour):
             raise ValueError(f"colour: expected #RRGGBB, got '{self.colour}'.")
         if self.texture is not None:
-            texture = _frozen(self.texture, np.uint8)
+            texture = self.texture if _is_frozen(self.texture) else _frozen(self.texture, np.uint8)
             if texture.ndim != 1 or not len(texture):
                 raise ValueError("texture: expected the bytes of a picture.")
             object.__setattr__(self, "texture", texture)
@@ -66,6 +66,11 @@ class Appearance:
         indices = self.triangle_materials
         if len(indices) and (indices.min() < 0 or indices.max() >= len(self.materials)):
             raise ValueError("appearance: a triangle names a material that is not there.")
+
+
+def _is_frozen(array: NDArray[Any]) -> bool:
+    """True for bytes that nobody can change: one picture may be shared by materials."""
+    return array.dtype == np.uint8 and array.base is None and not array.flags.writeable
 
 
 def _frozen(array: Any, kind: type) -> NDArray[Any]:

@@ -39,6 +39,21 @@ class JointSkin:
     bind_positions: FloatArray
     bind_rotations: FloatArray
     appearance: Appearance | None = None
+    bind_scales: FloatArray | None = None
+    """(J,) units of the file in a unit of each joint's own axes, None where all have the file's."""
+    bones: NDArray[np.bool_] | None = None
+    """(J,) False for a node that only carries bones, None where all are bones."""
+
+    def local_scales(self, parents: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+        """(J,) scale of each joint in its parent, and of the axes in which its position counts."""
+        world = np.ones(len(parents)) if self.bind_scales is None else self.bind_scales
+        above = np.where(parents < 0, 1.0, world[parents])
+        return world / above, above
+
+    def carrier(self) -> int | None:
+        """Lowest node that only carries bones, None without one."""
+        carriers = [] if self.bones is None else np.flatnonzero(~self.bones).tolist()
+        return carriers[-1] if carriers else None
 
     def with_joint_above(self) -> "JointSkin":
         """Copy for a skeleton with a new first joint at the origin, without influence."""
@@ -47,6 +62,8 @@ class JointSkin:
             joints=np.where(self.weights > 0.0, self.joints + 1, 0).astype(np.int32),
             bind_positions=np.concatenate([np.zeros((1, 3)), self.bind_positions]),
             bind_rotations=np.concatenate([np.eye(3)[None], self.bind_rotations]),
+            bind_scales=None if self.bind_scales is None else np.concatenate([[1.0], self.bind_scales]),
+            bones=None if self.bones is None else np.concatenate([[True], self.bones]),
         )
 
     def counted_from(self, rotations: FloatArray) -> "JointSkin":

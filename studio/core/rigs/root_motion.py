@@ -11,7 +11,7 @@ from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
-from studio.core.rotations import IDENTITY_QUATERNION, inverse, multiply, rotate
+from studio.core.rotations import IDENTITY_QUATERNION, from_matrix, inverse, multiply, rotate
 
 FloatArray = NDArray[np.float64]
 
@@ -19,15 +19,15 @@ ROOT_JOINT = "root"
 """The name of the joint that is added."""
 
 
-def with_root_joint(capture: Capture) -> Capture:
+def with_root_joint(capture: Capture, root: int = 0) -> Capture:
     """Copy whose root joint is on the floor below the hips and has their heading.
 
-    It is the root of the hips, or a new joint above all others that is at the origin at rest. Without a body map it
-    keeps its heading.
+    It is ``root`` if that is above the hips, or a new joint above all others that is at the origin at rest. Without a
+    body map it keeps its heading.
     """
     skeleton, poses = capture.skeleton, capture.poses
-    if capture.body_map and capture.body_map.spine[0] > 0:
-        return _with_moving_root(capture)
+    if capture.body_map and capture.body_map.spine[0] != root:
+        return _with_moving_root(capture, root)
     name = ROOT_JOINT
     while name in skeleton.names:
         name += "_"
@@ -52,41 +52,46 @@ def with_root_joint(capture: Capture) -> Capture:
     )
 
 
-def _with_moving_root(capture: Capture) -> Capture:
-    """Copy whose own root moves with the hips, while all other joints keep their world positions."""
+def _with_moving_root(capture: Capture, root: int) -> Capture:
+    """Copy whose own ``root`` moves with the hips, while all other joints keep their world positions."""
     rotations, translations = np.array(capture.poses.local_rotations), np.array(capture.poses.local_translations)
-    root, turned = (each[:, 0].copy() for each in (translations, rotations))
-    rotations[:, 0] = multiply(_headings(capture), capture.reference_rotations[0])
-    translations[:, 0] = _travel(capture)
-    back = inverse(rotations[:, 0])
-    for child in capture.skeleton.children[0]:
-        place = root + rotate(turned, translations[:, child]) - translations[:, 0]
+    away, above = _carrier(capture, root)
+    moved, turned = (each[:, root].copy() for each in (translations, rotations))
+    standing = rest_poses(capture.skeleton, capture.reference_rotations)
+    at_rest = from_matrix(joint_world(capture.skeleton, standing)[1][0, root])
+    rotations[:, root] = multiply(inverse(above), multiply(_headings(capture), at_rest))
+    translations[:, root] = rotate(inverse(above), _travel(capture) - away)
+    back = inverse(rotations[:, root])
+    for child in capture.skeleton.children[root]:
+        place = moved + rotate(turned, translations[:, child]) - translations[:, root]
         translations[:, child] = rotate(back, place)
         rotations[:, child] = multiply(multiply(back, turned), rotations[:, child])
     return replace(capture, poses=PoseSequence(rotations, translations))
 
 
 def in_place(capture: Capture) -> Capture:
-    """Copy of the motion whose hips stay above the point where they begin."""
+    """Copy of the motion whose hips stay above the point where they begin; joints above the hips rest."""
     translations = np.array(capture.poses.local_translations)
-    travel = _travel(capture)
-    translations[:, 0] -= travel - travel[0]
+    travel, hips = _travel(capture), capture.body_map.spine[0] if capture.body_map else 0
+    translations[:, hips] -= rotate(inverse(_carrier(capture, hips)[1]), travel - travel[0])
     return replace(capture, poses=PoseSequence(capture.poses.local_rotations, translations))
+
+
+def _carrier(capture: Capture, joint: int) -> tuple[FloatArray, FloatArray]:
+    """World positions (F, 3) and rotations (F, 4) of the parent of ``joint``; the world's own without one."""
+    chain = list(capture.skeleton.path(0, joint)[:-1])
+    places, turns = np.zeros((capture.frame_count, 3)), np.tile(IDENTITY_QUATERNION, (capture.frame_count, 1))
+    for each in chain:
+        places = places + rotate(turns, capture.poses.local_translations[:, each])
+        turns = multiply(turns, capture.poses.local_rotations[:, each])
+    return places, turns
 
 
 def _travel(capture: Capture) -> FloatArray:
     """(F, 3) floor position below the hips, or below the root if there are no hips; metres."""
     joint = capture.body_map.spine[0] if capture.body_map else 0
-    chain = capture.skeleton.path(0, joint)
-    above = Skeleton(
-        tuple(capture.skeleton.names[each] for each in chain),
-        np.arange(-1, len(chain) - 1),
-        capture.skeleton.offsets[list(chain)],
-        np.zeros(len(chain), dtype=bool),
-    )
-    rows = list(chain)
-    poses = PoseSequence(capture.poses.local_rotations[:, rows], capture.poses.local_translations[:, rows])
-    travel = joint_world(above, poses)[0][:, -1].copy()
+    away, above = _carrier(capture, joint)
+    travel = away + rotate(above, capture.poses.local_translations[:, joint])
     travel[:, 2] = capture.floor
     return travel
 

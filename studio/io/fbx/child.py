@@ -99,6 +99,8 @@ def _write_figure(target: str, scene: Any, everything: list[Any], nodes: list[An
         "up_axis": _axis(keep(settings.axes).up.name),
         "moves": bool(len(keep(scene.anim_curves))),
         "meshes": meshes,
+        "kind": "FBX",
+        "bones": [keep(node.bone) is not None for node in nodes],
     }
     arrays["world"] = np.array([matrix_of(node.node_to_world) for node in nodes])
     np.savez(target, about=np.frombuffer(json.dumps(about).encode(), dtype=np.uint8), **arrays)  # type: ignore[arg-type]

@@ -100,6 +100,8 @@ class FbxDocument:
         self.key_times = np.round(np.arange(frame_count) * (TICKS / frame_rate)).astype(np.int64)
         self._objects: list[FbxElement] = []
         self._connections: list[FbxElement] = []
+        self.pictures: dict[str, Int64] = {}
+        """Textures by the names of their files."""
         span = [moment(f"{which}{end}", time) for which in ("Local", "Reference")
                 for end, time in (("Start", 0.0), ("Stop", self._last))]  # fmt: skip
         self._animation = name

@@ -42,6 +42,8 @@ _DETACHED = 2e-6
 """Metres, a fifth of the accuracy of the file."""
 CURVES_PROGRESS = 0.8
 """The share of the work after which all curves are made."""
+_EVEN = 1e-6
+"""Relative difference of a scale that is one."""
 _LINEAR = 4
 """The flag of keys that are interpolated linearly."""
 _PIECE = 1 << 20
@@ -74,12 +76,15 @@ def _reported(elements: Sequence[FbxElement], report: Callable[[], None]) -> Ite
 
 def put_take(document: FbxDocument, take: Take, parent: Int64, progress: Share) -> None:
     """Add the joints, curves and skin of ``take`` below ``parent``, 0 for the scene itself."""
-    joints = _put_joints(document, take, parent, progress)
     skin = skin_of(take)
+    joints = _put_joints(document, take, skin, parent, progress)
+    axes = _turned(skin.bind_rotations)
+    if skin.bind_scales is not None:
+        axes = axes * skin.bind_scales[:, None, None]
     stands = [
         (joint, _placed(position, rotation))
         for joint, position, rotation in zip(
-            joints, positions_in_file(_detached(take, skin.bind_positions)), _turned(skin.bind_rotations), strict=True
+            joints, positions_in_file(_detached(take, skin.bind_positions)), axes, strict=True
         )
     ]
     if len(skin.triangles):
@@ -94,10 +99,11 @@ def put_take(document: FbxDocument, take: Take, parent: Int64, progress: Share) 
     document.add("Pose", take.name, "BindPose", [*about, *nodes])
 
 
-def _put_joints(document: FbxDocument, take: Take, parent: Int64, progress: Share) -> list[Int64]:
-    """Add the joints in the skeleton's zero pose, and their curves."""
+def _put_joints(document: FbxDocument, take: Take, skin: JointSkin, parent: Int64, progress: Share) -> list[Int64]:
+    """Add the joints in the skeleton's zero pose, and their curves; nodes that carry bones are empties."""
     skeleton, poses = take.skeleton, take.poses
-    offsets = positions_in_file(skeleton.offsets)
+    scales, units = skin.local_scales(skeleton.parents)
+    offsets = positions_in_file(skeleton.offsets) / units[:, None]
     travels = _travelling(take)
     rests = (
         take.rest_rotations
@@ -109,15 +115,20 @@ def _put_joints(document: FbxDocument, take: Take, parent: Int64, progress: Shar
         progress(joint / skeleton.joint_count)
         order, angles = euler_curves(np.vstack([rests[joint], poses.local_rotations[:, joint]])[:, [*WORLD_TO_FILE, 3]])
         above = int(skeleton.parents[joint])
-        stands = animated("Lcl Translation", offsets[joint]), animated("Lcl Rotation", angles[0])
-        parts = node(*stands, order=order)
-        key = document.add("Model", name, "LimbNode", parts, within=joints[above] if above >= 0 else parent)
-        attribute = [element("TypeFlags", "Skeleton"), properties(number("Size", 1.0))]
-        document.add("NodeAttribute", name, "LimbNode", attribute, within=key)
-        if not skeleton.end_sites[joint] or joint == 0:
+        stands = [animated("Lcl Translation", offsets[joint]), animated("Lcl Rotation", angles[0])]
+        if not np.isclose(scales[joint], 1.0, rtol=_EVEN, atol=0.0):
+            stands.append(animated("Lcl Scaling", [float(scales[joint])] * 3))
+        is_bone = skin.bones is None or bool(skin.bones[joint])
+        kind, flags = ("LimbNode", "Skeleton") if is_bone else ("Null", "Null")
+        within = joints[above] if above >= 0 else parent
+        key = document.add("Model", name, kind, node(*stands, order=order), within=within)
+        attribute = [element("TypeFlags", flags), *([properties(number("Size", 1.0))] if is_bone else [])]
+        document.add("NodeAttribute", name, kind, attribute, within=key)
+        if is_bone and (not skeleton.end_sites[joint] or joint == 0):
             put_curves(document, key, "Lcl Rotation", "R", angles[1:])
-        if travels[joint] or joint == 0:
-            put_curves(document, key, "Lcl Translation", "T", positions_in_file(poses.local_translations[:, joint]))
+        if travels[joint] or (is_bone and joint == 0):
+            places = positions_in_file(poses.local_translations[:, joint]) / units[joint]
+            put_curves(document, key, "Lcl Translation", "T", places)
         joints.append(key)
     return joints
 
@@ -200,12 +211,13 @@ def put_material(document: FbxDocument, material: Material, mesh: Int64) -> None
     content = material.texture.tobytes()
     suffix = "png" if content.startswith(b"\x89PNG") else "jpg"
     name = f"{hashlib.sha256(content).hexdigest()[:16]}.{suffix}"
-    path = [element("FileName", name), element("RelativeFilename", name)]
-    texture = [element("Type", "TextureVideoClip"), element("Version", 202), element("Media", name), *path]
-    picture = document.add("Texture", name, "", texture)
-    document.connect(picture, key, "DiffuseColor")
-    clip = [element("Type", "Clip"), element("UseMipMap", 0), *path, element("Content", content)]
-    document.add("Video", name, "Clip", clip, within=picture)
+    if name not in document.pictures:
+        path = [element("FileName", name), element("RelativeFilename", name)]
+        texture = [element("Type", "TextureVideoClip"), element("Version", 202), element("Media", name), *path]
+        document.pictures[name] = document.add("Texture", name, "", texture)
+        clip = [element("Type", "Clip"), element("UseMipMap", 0), *path, element("Content", content)]
+        document.add("Video", name, "Clip", clip, within=document.pictures[name])
+    document.connect(document.pictures[name], key, "DiffuseColor")
 
 
 def _geometry(skin: JointSkin) -> list[FbxElement]:
@@ -263,7 +275,9 @@ def _mapped(mapping: str, reference: str) -> list[FbxElement]:
 def _put_skin(
     document: FbxDocument, name: str, skin: JointSkin, geometry: Int64, stands: Sequence[tuple[Int64, FloatArray]]
 ) -> None:
-    """Add a cluster for each joint: its vertices, and its bind pose."""
+    """Add a cluster for each joint: its vertices, its bind pose, and that of the node that carries the skeleton."""
+    carrier = skin.carrier()
+    associated = [] if carrier is None else [element("TransformAssociateModel", matrix(stands[carrier][1]))]
     about = [element("Version", 101), element("Link_DeformAcuracy", 50.0)]
     deformer = document.add("Deformer", name, "Skin", about, within=geometry)
     for joint, (key, stand) in enumerate(stands):
@@ -275,6 +289,7 @@ def _put_skin(
             element("Weights", skin.weights[vertices, columns].astype(np.float64)),
             element("Transform", matrix(np.asarray(np.linalg.inv(stand), np.float64))),
             element("TransformLink", matrix(stand)),
+            *associated,
         ]
         cluster = document.add("Deformer", name, "Cluster", parts, within=deformer, own_class="SubDeformer")
         document.connect(key, cluster)

@@ -19,7 +19,7 @@ from studio.core.captures.reference_pose import faults
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Appearance, Material
 from studio.core.mesh.character import Character
-from studio.core.mesh.rig import NO_SEGMENT, Rig
+from studio.core.mesh.rig import NO_SEGMENT, Rig, RigFile
 from studio.core.rigs.embodiment import (
     bound_mesh,
     measured,
@@ -42,6 +42,8 @@ IntArray = NDArray[np.int64]
 PLAIN_COLOUR = "#B4BEC8"
 MOST_INFLUENCES = 8
 """Joints from which a vertex of a rig hangs."""
+FBX_UNIT = 0.01
+"""Metres."""
 _LIMB_DEPTH = 3
 """Joints above an ankle at least: a root, a hip and a knee."""
 _HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
@@ -107,10 +109,15 @@ def remapped(character: Character, names: Mapping[str, str]) -> Character:
     )
     figure = Figure(
         character.name, character.name, rig.names, tuple(rig.parents.tolist()), rig.positions, rig.rotations, (piece,),
-        names, "Z",
+        names, "Z", to_studio=np.eye(3),
     )  # fmt: skip
     read = character_of([figure], ImportOptions(unit="m")).character
-    return replace(character, build=read.build, skin=replace(read.skin, appearance=skin.appearance))
+    fitted = read.skin.rig
+    if fitted is not None and fitted.file is not None and rig.file is not None:
+        moved, turned = fitted.file.position, fitted.file.rotation
+        placed = replace(rig.file, rotation=turned @ rig.file.rotation, position=turned @ rig.file.position + moved)
+        fitted = replace(fitted, file=placed)
+    return replace(character, build=read.build, skin=replace(read.skin, appearance=skin.appearance, rig=fitted))
 
 
 def _body(figure: Figure, options: ImportOptions) -> _Body:
@@ -149,6 +156,8 @@ def _rehung(figure: Figure, new: Rehanging) -> Figure:
         parents=tuple(new.parents.tolist()),
         positions=figure.positions[new.order],
         rotations=None if figure.rotations is None else figure.rotations[new.order],
+        scales=None if figure.scales is None else figure.scales[new.order],
+        bones=None if figure.bones is None else figure.bones[new.order],
         pieces=pieces,
     )
 
@@ -179,6 +188,8 @@ def _rooted(figure: Figure) -> Figure:
         parents=(-1, *(parent + 1 for parent in figure.parents)),
         positions=np.vstack([np.zeros(3), figure.positions]),
         rotations=None if figure.rotations is None else np.concatenate([np.eye(3)[None], figure.rotations]),
+        scales=None if figure.scales is None else np.concatenate([[1.0], figure.scales]),
+        bones=None if figure.bones is None else np.concatenate([[False], figure.bones]),
         pieces=pieces,
     )
 
@@ -333,7 +344,26 @@ def _rig(
         own[place].astype(np.int32),
         order[np.take_along_axis(joints, strongest, axis=1)].astype(np.int32),
         (kept / kept.sum(axis=1, keepdims=True)).astype(np.float32),
+        _rig_file(body, turn, away, order[joints[weights > 0.0]]),
     )
+
+
+def _rig_file(body: _Body, turn: FloatArray, away: FloatArray, used: IntArray) -> RigFile | None:
+    """Rest of the figure as its own joints hang, ``turn`` (3, 3) and ``away`` (3,) from its own world.
+
+    Joints from which the skin hangs (``used``) are bones.
+    """
+    hung, count = body.hung, len(body.hung.joint_names)
+    if hung.to_studio is None:
+        return None
+    unit_length = FBX_UNIT if hung.kind == "FBX" else 1.0
+    metres = np.cbrt(np.linalg.det(body.to_world))
+    scales = np.full(count, unit_length) if hung.scales is None else metres * hung.scales
+    bones = np.ones(count, bool) if hung.bones is None else np.array(hung.bones)
+    bones[used] = True
+    for joint, parent in enumerate(hung.parents):
+        bones[joint] |= parent >= 0 and bones[parent]
+    return RigFile(hung.kind, turn @ hung.to_studio.T, away, scales / unit_length, bones)
 
 
 def _worn(figure: Figure, segments: IntArray, spine_count: int, repairs: list[str]) -> list[MeshPiece]:
@@ -386,19 +416,22 @@ def _grounded(body: _Body, vertices: FloatArray, shares: FloatArray) -> tuple[Sk
 
 
 def _appearance(pieces: Sequence[MeshPiece]) -> Appearance | None:
-    materials: list[Material] = []
-    place: dict[int, int] = {}
+    """Materials of the pieces, each once although every mesh of a file may have its own copy; the same for pictures."""
+    materials: dict[tuple[object, ...], Material] = {}
+    pictures: dict[bytes, NDArray[np.uint8]] = {}
     indices = []
     if all(piece.material is None for piece in pieces):
         return None
     for piece in pieces:
         material = piece.material or Material("", PLAIN_COLOUR)
-        if id(piece.material) not in place:
-            place[id(piece.material)] = len(materials)
-            materials.append(material)
-        indices.append(np.full(len(piece.triangles), place[id(piece.material)]))
+        content = None if material.texture is None else material.texture.tobytes()
+        if content is not None:
+            material = replace(material, texture=pictures.setdefault(content, material.texture))
+        key = (material.name, material.colour, material.two_sided, material.cut_out, content)
+        materials.setdefault(key, material)
+        indices.append(np.full(len(piece.triangles), list(materials).index(key)))
     coordinates = np.concatenate([piece.coordinates for piece in pieces])
-    return Appearance(tuple(materials), np.concatenate(indices), np.clip(coordinates, -1e6, 1e6))
+    return Appearance(tuple(materials.values()), np.concatenate(indices), np.clip(coordinates, -1e6, 1e6))
 
 
 def _colour(appearance: Appearance | None) -> str:

@@ -14,6 +14,8 @@ IntArray = NDArray[np.int64]
 
 MOST_VERTICES = 500_000
 MOST_FIGURE_JOINTS = 5_000
+Y_UP = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+"""(3, 3) axes of a file with Y up that faces +Z in the world of the studio."""
 NO_SKELETON = "has no skeleton (bones), so its mesh cannot move. Rig it first, and export it with its skeleton."
 
 
@@ -49,6 +51,13 @@ def rotations_of(matrices: FloatArray) -> FloatArray | None:
     return to_matrix(from_matrix(axes))
 
 
+def scales_of(matrices: FloatArray) -> FloatArray:
+    """(J,) scale of joints at (J, 4, 4); 1 for all where one is not scaled evenly."""
+    lengths = np.linalg.norm(matrices[:, :3, :3], axis=1)
+    even = lengths.mean(axis=1)
+    return even if np.allclose(lengths, even[:, None], rtol=1e-4, atol=0.0) else np.ones(len(lengths))
+
+
 @dataclass(frozen=True, eq=False)
 class Figure:
     """Joints in their bind pose, in the file's own axes and unit, and what is drawn around them."""
@@ -72,3 +81,11 @@ class Figure:
     moves: bool = False
     """True if the file holds a motion of it too."""
     repairs: tuple[str, ...] = ()
+    kind: str = ""
+    """Name of its format."""
+    to_studio: FloatArray | None = None
+    """(3, 3) rotation of the file's axes to those in which the studio writes its kind, None where it is unknown."""
+    scales: FloatArray | None = None
+    """(J,) length in the file of a unit of each joint's axes, None where all have the file's."""
+    bones: NDArray[np.bool_] | None = None
+    """(J,) False for a node that only carries bones, None where all are bones."""

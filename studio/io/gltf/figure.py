@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.names import readable
-from studio.io.figure.figure import MOST_FIGURE_JOINTS, NO_SKELETON, Figure, rotations_of
+from studio.io.figure.figure import MOST_FIGURE_JOINTS, NO_SKELETON, Y_UP, Figure, rotations_of, scales_of
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import GltfFile
 from studio.io.gltf.meshes import MeshReader
@@ -43,11 +43,18 @@ def figures_in(file: GltfFile) -> list[Figure]:
     if skins and not bones:
         poses.insert(0, _bind_world(nodes, skins))
     reader = MeshReader(file, accessors, nodes, [(skin.joints, skin.inverse_binds) for skin in skins])
-    return [_figure(file, nodes, joints, world, bones, reader) for world in poses]
+    skinned = {node for skin in skins for node in skin.joints} or set(joints)
+    return [_figure(file, nodes, joints, world, bones, skinned, reader) for world in poses]
 
 
 def _figure(
-    file: GltfFile, nodes: Nodes, joints: list[int], world: FloatArray, bones: dict[str, int], reader: MeshReader
+    file: GltfFile,
+    nodes: Nodes,
+    joints: list[int],
+    world: FloatArray,
+    bones: dict[str, int],
+    skinned: set[int],
+    reader: MeshReader,
 ) -> Figure:
     places = {node: place for place, node in enumerate(joints)}
     names = nodes.names()
@@ -63,6 +70,10 @@ def _figure(
         parts={part: names[node] for part, node in bones.items()},
         moves=bool(file.root.records("animations")),
         repairs=tuple(dict.fromkeys(reader.repairs)),
+        kind="glTF",
+        to_studio=Y_UP,
+        scales=scales_of(world[joints]),
+        bones=np.array([node in skinned for node in joints]),
     )
 
 

@@ -32,7 +32,7 @@ class Nodes:
         names: list[str] = []
         taken: dict[str, int] = {}
         for place, record in enumerate(self.records):
-            name = record.text("name") or f"node {place}"
+            name = record.text("name") or f"Node_{place}"
             taken[name] = taken.get(name, 0) + 1
             if taken[name] > 1:
                 name = f"{name} ({place})"

@@ -26,6 +26,8 @@ FloatArray = NDArray[np.float64]
 _WORLD_TO_FILE = [1, 2, 0]
 """Y up, facing +Z: file x is world Y (left), y is Z (up), z is X (forward)."""
 _TRAVELS = 1e-7
+_EVEN = 1e-6
+"""Relative difference of a scale that is one."""
 _PIECE = 3 << 18
 """Bytes that are written between two reports of progress: whole groups of three, as base64 takes them."""
 
@@ -90,6 +92,7 @@ class GltfScene:
         self._seconds = np.arange(frame_count) / frame_rate
         self._times: int | None = None
         self._roots: list[int] = []
+        self._images: dict[bytes, int] = {}
         self._lists: dict[str, list[dict[str, Any]]] = {
             name: [] for name in ("nodes", "meshes", "skins", "materials", "images", "samplers", "channels", "cameras")
         }
@@ -115,22 +118,28 @@ class GltfScene:
     def add_take(self, take: Take, progress: Any, *, group: bool = False) -> None:
         """Add joints, skin and animation, the joints below a node of its name if they are a ``group``."""
         skin = skin_of(take)
-        joints = self._add_joints(take)
+        joints = self._add_joints(take, skin)
         top = self._add("nodes", {"name": take.name, "children": joints[:1]}) if group else joints[0]
         self._roots.append(top)
         if len(skin.triangles):
             materials = skin.appearance.materials if skin.appearance else (plain_material(take),)
             mesh = {"name": take.name, "primitives": _primitives(skin, self.buffers, self._add_materials(materials))}
-            bound = {"joints": joints, "inverseBindMatrices": _inverse_binds(skin, self.buffers), "skeleton": joints[0]}
+            bones = _bones(skin)
+            bound = {
+                "joints": [joints[bone] for bone in bones],
+                "inverseBindMatrices": _inverse_binds(skin, self.buffers),
+                "skeleton": joints[bones[0]],
+            }
             shown = {"name": take.name, "mesh": self._add("meshes", mesh), "skin": self._add("skins", bound)}
             self._roots.append(self._add("nodes", shown))
-        self._animate_joints(take, joints, progress)
+        self._animate_joints(take, skin, joints, progress)
 
     def add_motion(self, take: Take, progress: Any) -> None:
         """Add joints and animation without a mesh."""
-        joints = self._add_joints(take)
+        skin = skin_of(take)
+        joints = self._add_joints(take, skin)
         self._roots.append(joints[0])
-        self._animate_joints(take, joints, progress)
+        self._animate_joints(take, skin, joints, progress)
 
     def add_prop(self, prop: ExportedProp) -> None:
         """Add a mesh that moves as a whole."""
@@ -186,22 +195,24 @@ class GltfScene:
         sampler = {"input": self._times, "interpolation": "LINEAR", "output": self.buffers.add(values, "f4")}
         self._add("channels", {"sampler": self._add("samplers", sampler), "target": {"node": node, "path": path}})
 
-    def _add_joints(self, take: Take) -> list[int]:
+    def _add_joints(self, take: Take, skin: JointSkin) -> list[int]:
         first = len(self._lists["nodes"])
-        for node, children in zip(_joint_nodes(take), take.skeleton.children, strict=True):
+        for node, children in zip(_joint_nodes(take, skin), take.skeleton.children, strict=True):
             self._add("nodes", node | {"children": [first + child for child in children]} if children else node)
         return list(range(first, first + take.skeleton.joint_count))
 
-    def _animate_joints(self, take: Take, joints: list[int], progress: Any) -> None:
-        """Add a key at every frame for every joint that rotates, and for every one that moves."""
+    def _animate_joints(self, take: Take, skin: JointSkin, joints: list[int], progress: Any) -> None:
+        """Add a key at every frame for every bone that rotates, and for every joint that moves."""
         skeleton, poses = take.skeleton, take.poses
         travels = np.abs(poses.local_translations - skeleton.offsets).max(axis=(0, 2)) > _TRAVELS
+        bones, units = set(_bones(skin)), skin.local_scales(skeleton.parents)[1]
         for joint, node in enumerate(joints):
             progress(joint / skeleton.joint_count)
-            if not skeleton.end_sites[joint] or joint == 0:
+            if joint in bones and (not skeleton.end_sites[joint] or joint == 0):
                 self._animate(node, "rotation", _unit(poses.local_rotations[:, joint][:, [*_WORLD_TO_FILE, 3]]))
-            if travels[joint] or joint == 0:
-                self._animate(node, "translation", poses.local_translations[:, joint][:, _WORLD_TO_FILE])
+            if travels[joint] or (joint in bones and joint == 0):
+                places = poses.local_translations[:, joint][:, _WORLD_TO_FILE] / units[joint]
+                self._animate(node, "translation", places)
 
     def _add_materials(self, materials: tuple[Material, ...]) -> int:
         """Add materials; the index of the first of them."""
@@ -209,18 +220,33 @@ class GltfScene:
         for material in materials:
             surface: dict[str, Any] = {"baseColorFactor": [*material.linear_colour, 1.0], "metallicFactor": 0.0}
             if material.texture is not None:
-                content = material.texture.tobytes()
-                kind = "image/png" if content.startswith(b"\x89PNG") else "image/jpeg"
-                image = {"bufferView": self.buffers.add_bytes(content), "mimeType": kind}
-                surface["baseColorTexture"] = {"index": self._add("images", image)}
+                surface["baseColorTexture"] = {"index": self._image(material.texture.tobytes())}
             record: dict[str, Any] = {"name": material.name, "pbrMetallicRoughness": surface}
-            self._add("materials", record | {"doubleSided": True} if material.two_sided else record)
+            if material.two_sided:
+                record["doubleSided"] = True
+            if material.cut_out:
+                record["alphaMode"] = "MASK"
+            self._add("materials", record)
         return first
 
+    def _image(self, content: bytes) -> int:
+        """Index of a picture, which is added once."""
+        if content not in self._images:
+            kind = "image/png" if content.startswith(b"\x89PNG") else "image/jpeg"
+            image = {"bufferView": self.buffers.add_bytes(content), "mimeType": kind}
+            self._images[content] = self._add("images", image)
+        return self._images[content]
 
-def _joint_nodes(take: Take) -> list[dict[str, Any]]:
+
+def _bones(skin: JointSkin) -> list[int]:
+    """Joints of the skin; nodes that only carry bones are none."""
+    return list(range(len(skin.bind_positions))) if skin.bones is None else np.flatnonzero(skin.bones).tolist()
+
+
+def _joint_nodes(take: Take, skin: JointSkin) -> list[dict[str, Any]]:
     """Nodes of the joints in the skeleton's zero pose."""
-    offsets = take.skeleton.offsets[:, _WORLD_TO_FILE].astype(np.float32)
+    scales, units = skin.local_scales(take.skeleton.parents)
+    offsets = (take.skeleton.offsets[:, _WORLD_TO_FILE] / units[:, None]).astype(np.float32)
     nodes: list[dict[str, Any]] = [
         {"name": name, "translation": offset}
         for name, offset in zip(take.skeleton.names, offsets.tolist(), strict=True)
@@ -228,19 +254,28 @@ def _joint_nodes(take: Take) -> list[dict[str, Any]]:
     if take.rest_rotations is not None:
         turns = _unit(take.rest_rotations[:, [*_WORLD_TO_FILE, 3]]).astype(np.float32)
         nodes = [node | {"rotation": turn} for node, turn in zip(nodes, turns.tolist(), strict=True)]
-    return nodes
+    scaled = ~np.isclose(scales, 1.0, rtol=_EVEN, atol=0.0)
+    return [
+        node | {"scale": [scale] * 3} if is_scaled else node
+        for node, scale, is_scaled in zip(nodes, scales.tolist(), scaled.tolist(), strict=True)
+    ]
 
 
 def _primitives(skin: JointSkin, buffers: Buffers, first: int) -> list[dict[str, Any]]:
     """One primitive for each material, numbered from ``first``, all over the same vertices."""
     count, look = len(skin.vertices), skin.appearance
+    space = _mesh_space(skin)
+    points = (skin.vertices[:, _WORLD_TO_FILE] - space[:3, 3]) @ np.linalg.inv(space[:3, :3]).T
     attributes = {
-        "POSITION": buffers.add(skin.vertices[:, _WORLD_TO_FILE], "f4", VERTICES, bounds=True),
-        "NORMAL": buffers.add(_unit(skin.normals[:, _WORLD_TO_FILE]), "f4", VERTICES),
+        "POSITION": buffers.add(points, "f4", VERTICES, bounds=True),
+        "NORMAL": buffers.add(_unit(skin.normals[:, _WORLD_TO_FILE] @ space[:3, :3]), "f4", VERTICES),
     }
+    place = np.zeros(len(skin.bind_positions), np.int64)
+    place[_bones(skin)] = np.arange(len(_bones(skin)))
+    joints = np.where(skin.weights > 0.0, place[skin.joints], 0)
     for start in range(0, skin.joints.shape[1], 4):
         gap = ((0, 0), (0, max(start + 4 - skin.joints.shape[1], 0)))
-        for name, values, kind in (("JOINTS", skin.joints, "u2"), ("WEIGHTS", skin.weights, "f4")):
+        for name, values, kind in (("JOINTS", joints, "u2"), ("WEIGHTS", skin.weights, "f4")):
             part = np.pad(values[:, start : start + 4], gap)
             attributes[f"{name}_{start // 4}"] = buffers.add(part, kind, VERTICES)
     if look and any(material.texture is not None for material in look.materials):
@@ -259,12 +294,25 @@ def _primitives(skin: JointSkin, buffers: Buffers, first: int) -> list[dict[str,
 
 
 def _inverse_binds(skin: JointSkin, buffers: Buffers) -> int:
-    """Inverse bind matrices, (J, 4, 4) world to joint, stored by columns as in glTF."""
-    turned = np.swapaxes(skin.bind_rotations[:, _WORLD_TO_FILE][:, :, _WORLD_TO_FILE], 1, 2)
-    matrices = np.tile(np.eye(4), (len(turned), 1, 1))
-    matrices[:, :3, :3] = turned
-    matrices[:, :3, 3] = -np.einsum("jik,jk->ji", turned, skin.bind_positions[:, _WORLD_TO_FILE])
+    """Inverse bind matrices, (J, 4, 4) mesh to bone, stored by columns as in glTF."""
+    matrices = np.linalg.inv(_bind_matrices(skin)[_bones(skin)]) @ _mesh_space(skin)
     return buffers.add(np.swapaxes(matrices, 1, 2) + 0.0, "f4")
+
+
+def _bind_matrices(skin: JointSkin) -> FloatArray:
+    """(J, 4, 4) joints to the file's world."""
+    matrices = np.tile(np.eye(4), (len(skin.bind_positions), 1, 1))
+    matrices[:, :3, :3] = skin.bind_rotations[:, _WORLD_TO_FILE][:, :, _WORLD_TO_FILE]
+    if skin.bind_scales is not None:
+        matrices[:, :3, :3] *= skin.bind_scales[:, None, None]
+    matrices[:, :3, 3] = skin.bind_positions[:, _WORLD_TO_FILE]
+    return matrices
+
+
+def _mesh_space(skin: JointSkin) -> FloatArray:
+    """(4, 4) axes of the mesh in the file's world: Blender takes them for those of what carries the skeleton."""
+    carrier = skin.carrier()
+    return np.eye(4) if carrier is None else np.asarray(_bind_matrices(skin)[carrier])
 
 
 def _unit(vectors: FloatArray) -> FloatArray:

@@ -20,7 +20,7 @@ from studio.core.mannequin.tailoring import tailored
 from studio.core.mesh.appearance import Appearance, Material
 from studio.core.mesh.character import Character
 from studio.core.mesh.hand_shapes import HandShapes
-from studio.core.mesh.rig import Rig
+from studio.core.mesh.rig import Rig, RigFile
 from studio.core.mesh.skin import Blending, SkinnedMesh
 from studio.io.atomic_write import replacing_all
 from studio.io.figure.textures import checked_picture
@@ -39,6 +39,7 @@ _DAMAGE = (KeyError, ValueError, TypeError, ArithmeticError)
 """Errors that arrays raise that are no mesh."""
 _MEMBERS = ("vertices", "normals", "centres", "triangles", "segments", "weights")
 _RIG = ("parents", "positions", "rotations", "segments", "joints", "weights")
+_RIG_FILE = ("rotation", "position", "scales", "bones")
 _LOOK = ("triangle_materials", "coordinates")
 
 
@@ -149,6 +150,9 @@ def mesh_bytes(mesh: SkinnedMesh) -> bytes:
     if mesh.rig is not None:
         arrays |= {f"rig_{name}": getattr(mesh.rig, name) for name in _RIG}
         arrays["rig_names"] = np.frombuffer(json.dumps(mesh.rig.names).encode(), dtype=np.uint8)
+        if (file := mesh.rig.file) is not None:
+            arrays |= {f"rig_file_{name}": getattr(file, name) for name in _RIG_FILE}
+            arrays["rig_file_format"] = np.frombuffer(json.dumps(file.format).encode(), dtype=np.uint8)
     if mesh.appearance is not None:
         arrays |= {name: getattr(mesh.appearance, name) for name in _LOOK}
         arrays |= {f"texture_{place}": picture for place, picture in enumerate(_pictures(mesh.appearance))}
@@ -181,8 +185,11 @@ def read_mesh(content: bytes, source: str, materials: Sequence[Any] = ()) -> Ski
 def _rig(file: Mapping[str, Any]) -> Rig | None:
     if "rig_names" not in file:
         return None
-    names = json_of(file["rig_names"].astype(np.uint8).tobytes())
-    return Rig(tuple(map(str, names)), **{name: file[f"rig_{name}"] for name in _RIG})
+    names, origin = json_of(file["rig_names"].astype(np.uint8).tobytes()), None
+    if "rig_file_format" in file:
+        name_of_format = str(json_of(file["rig_file_format"].astype(np.uint8).tobytes()))
+        origin = RigFile(name_of_format, **{name: file[f"rig_file_{name}"] for name in _RIG_FILE})
+    return Rig(tuple(map(str, names)), **{name: file[f"rig_{name}"] for name in _RIG}, file=origin)
 
 
 def _pictures(look: Appearance) -> list[NDArray[np.uint8]]:

@@ -11,15 +11,32 @@ from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
 from studio.core.names import readable
 from studio.io.figure.body import character_of
-from studio.io.figure.figure import MOST_VERTICES, Figure, FloatArray, IntArray, MeshPiece, rotations_of
+from studio.io.figure.figure import (
+    MOST_VERTICES,
+    Y_UP,
+    Figure,
+    FloatArray,
+    IntArray,
+    MeshPiece,
+    rotations_of,
+    scales_of,
+)
 from studio.io.figure.textures import checked_picture
 from studio.io.gltf.materials import hex_colour
 from studio.io.importing import ImportOptions
 from studio.io.meshes.shapes import smooth_normals, unit
-from studio.io.referenced_files import content_of
+from studio.io.referenced_files import content_of, path_beside
 from studio.io.registry import Progress, ReadCharacter
 from studio.io.scene.scene_reader import Arrays
 
+_AXES = {
+    ("FBX", "Y"): Y_UP,
+    ("FBX", "Z"): np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
+    ("USD", "Y"): np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+    ("USD", "Z"): np.eye(3),
+}
+"""Rotation of a file's axes to the studio's, as programs with Z up import it and what the studio writes of its kind."""
+_PICTURE_FOLDERS = ("textures", "Textures", "tex", "images")
 MOST_SHARES = 8
 """Joints that a vertex hangs from."""
 CHARACTER_ADVICE = "Export the character as GLB from the program that made it."
@@ -70,6 +87,10 @@ def _figure(path: Path, about: dict[str, Any], arrays: Arrays) -> Figure:
         metres=about["unit_metres"],
         moves=about["moves"],
         repairs=tuple(repairs),
+        kind=about["kind"],
+        to_studio=_AXES.get((about["kind"], about["up_axis"])),
+        scales=scales_of(world),
+        bones=np.array(about["bones"]),
     )
 
 
@@ -149,12 +170,29 @@ def _shares(carrier: int, part: Arrays) -> tuple[IntArray, FloatArray]:
     return joints, weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-9)
 
 
+def _picture_beside(path: Path, named: str) -> bytes:
+    """Content of a picture that the file at ``path`` names: at its own path below the folder, by its name alone, or in
+    a folder that programs make for pictures. Raises StudioError.
+    """
+    name = PureWindowsPath(named).name
+    places = (f"{folder}/{name}" for folder in (f"{path.stem}.fbm", *_PICTURE_FOLDERS))
+    below = "" if PureWindowsPath(named).anchor else named
+    for place in (below, name, *places):
+        try:
+            if place and path_beside(place, path, path.name).is_file():
+                return content_of(place, path, path.name)
+        except StudioError:  # it leads out of the folder: the name alone is tried
+            continue
+    return content_of(name, path, path.name)
+
+
 def _material(path: Path, place: int, told: dict[str, Any], part: Arrays, repairs: list[str]) -> Material:
     picture, name = part.get(f"{place} picture"), PureWindowsPath(told["picture"]).name
     texture = None
     if picture is not None or name:
         try:
-            texture = checked_picture(content_of(name, path, path.name) if picture is None else picture.tobytes())
+            content = _picture_beside(path, told["picture"]) if picture is None else picture.tobytes()
+            texture = checked_picture(content)
         except (StudioError, ValueError) as error:
             repairs.append(f"{path.name}: the image '{name}' was left out; the plain colour is shown. {error}")
     return Material(told["name"], hex_colour(np.ones(3) if texture is not None else np.array(told["colour"])), texture)

@@ -15,10 +15,13 @@ from studio.core.mesh.skin import bound_pose, fit_skin, segment_forms
 from studio.core.rigs.character_skeleton import t_pose_rotations
 from studio.core.rigs.joint_skin import FloatArray, JointSkin
 from studio.core.rotations import IDENTITY_QUATERNION, frame_along, from_matrix, multiply, to_matrix
+from studio.core.stage.placement import Placement
 from studio.io.export import Take
 
 _Y_UP = (".fbx", ".glb", ".gltf")
 """Kinds of files whose writers turn the world and with it the axes of every joint."""
+_SUFFIXES = {"FBX": (".fbx",), "glTF": (".glb", ".gltf"), "USD": (".usd", ".usda", ".usdc", ".usdz")}
+"""Kinds of files of each format whose scaled joints are kept in files of the same format."""
 _WORLD_TO_FILE = np.eye(3)[[1, 2, 0]]
 
 
@@ -27,12 +30,14 @@ def has_own_rig(take: Take) -> bool:
     return take.adapted is not None and take.character is not None and take.character.skin.rig is not None
 
 
-def on_own_rig(take: Take, suffix: str) -> Take:
+def on_own_rig(take: Take, suffix: str, place: Placement) -> Take:
     """Take on the character's own joints, with its skin bound to them.
 
     Every joint moves with its segment of the body, so that its skin deforms as that of the file would. Fingers rotate
-    like those of the take; other extra joints of a capture are left out. Files with Y up have other joint axes: these
-    are chosen so that those of the original file result in a file of the kind of ``suffix``.
+    like those of the take; other extra joints of a capture are left out. Joints and skin rest where they rest in the
+    original file, and whatever is above the hips stays there; the body moves at ``place`` on the stage. Files with Y up
+    have other joint axes: these are chosen so that those of the original file result in a file of the kind of
+    ``suffix``.
     """
     character, adapted = take.character, take.adapted
     assert character is not None
@@ -49,7 +54,8 @@ def on_own_rig(take: Take, suffix: str) -> Take:
     turned = adapted.rotations[:] @ np.swapaxes(axes, 1, 2)
     frames, count = adapted.frame_count, len(rig.names)
     world_turns, world_places = np.empty((frames, count, 3, 3)), np.empty((frames, count, 3))
-    world_turns[:], world_places[:] = rotations, positions
+    at_rest, axes_at_rest = rig.file.to_file(positions, rotations) if rig.file else (positions, rotations)
+    world_turns[:], world_places[:] = axes_at_rest, at_rest
     world_turns[:, moving] = turned[:, segments] @ rotations[moving]
     away = positions[moving] - then[proximal[segments]]
     world_places[:, moving] = adapted.positions[:][:, proximal[segments]] + np.einsum(
@@ -67,9 +73,15 @@ def on_own_rig(take: Take, suffix: str) -> Take:
         hand_turns = turned[:, rig.segments[joint]]
         world_turns[:, joint] = (hand_turns @ fingers[joint] if joint in fingers else above) @ rotations[joint]
         world_places[:, joint] = world_places[:, parent] + above @ (positions[joint] - positions[parent])
+    world_turns[:, moving] = place.rotation @ world_turns[:, moving]
+    world_places[:, moving] = place.to_stage(world_places[:, moving])
     local_turns, local_places = _local(parents, world_turns, world_places)
-    rest_turns, rest_places = (each[0] for each in _local(parents, rotations[None], positions[None]))
+    rest_turns, rest_places = (each[0] for each in _local(parents, axes_at_rest[None], at_rest[None]))
     skin = fit_skin(mesh if fingers else character.shown_skin, character.build, body)
+    vertices, normals = skin.vertices.astype(np.float64), skin.normals.astype(np.float64)
+    if rig.file is not None:
+        vertices, _ = rig.file.to_file(vertices, np.eye(3))
+        normals = normals @ rig.file.rotation
     return replace(
         take,
         capture=replace(
@@ -80,15 +92,18 @@ def on_own_rig(take: Take, suffix: str) -> Take:
             reference_rotations=from_matrix(rest_turns),
         ),
         bound=JointSkin(
-            skin.vertices.astype(np.float64),
-            skin.normals.astype(np.float64),
+            vertices,
+            normals,
             skin.triangles,
             rig.joints,
             rig.weights.astype(np.float64),
-            positions,
-            rotations,
+            at_rest,
+            axes_at_rest,
             skin.appearance,
+            rig.file.scales if rig.file and suffix in _SUFFIXES.get(rig.file.format, ()) else None,
+            rig.file.bones if rig.file else None,
         ),
+        place=Placement(),
         rest_rotations=from_matrix(rest_turns),
     )
 

@@ -56,7 +56,7 @@ def main(source: str, target: str, what: str) -> None:
     meshes, arrays = meshes_of(_prims(stage), skeleton, paths) if what != "motion" else ([], {})
     if what == "figure" or meshes:
         arrays |= {"world": _world(rest, about["parents"]), "bind": _bind(skeleton, paths)}
-        about["meshes"] = meshes
+        about |= {"meshes": meshes, "kind": "USD", "bones": [True] * len(paths)}
     else:
         arrays = _motion(skeleton, animation, moments or [stage.GetStartTimeCode()], rest, paths, about["up_axis"])
     content = np.frombuffer(json.dumps(about).encode(), dtype=np.uint8)

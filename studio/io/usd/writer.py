@@ -138,7 +138,7 @@ def _put_take(stage: Any, take: Take, path: str, stem: str, progress: Any) -> di
     root = UsdSkel.Root.Define(stage, path)
     joints = _joint_paths(take.skeleton)
     skeleton = _skeleton(stage, root, take.skeleton, skin, joints, take.rest_rotations)
-    _animation(stage, skeleton, take, joints, progress)
+    _animation(stage, skeleton, take, skin, joints, progress)
     if not len(skin.triangles):
         return {}
     mesh = _mesh(stage, root, skeleton, skin)
@@ -202,11 +202,15 @@ def _skeleton(
 
     made = UsdSkel.Skeleton.Define(stage, root.GetPath().AppendChild("Skeleton"))
     rest = np.tile(np.eye(4), (skeleton.joint_count, 1, 1))
-    rest[:, 3, :3] = skeleton.offsets  # USD's matrices act on rows
+    scales, units = skin.local_scales(skeleton.parents)
+    rest[:, 3, :3] = skeleton.offsets / units[:, None]  # USD's matrices act on rows
     if turns is not None:
         rest[:, :3, :3] = np.swapaxes(to_matrix(turns), 1, 2)
+    rest[:, :3, :3] *= scales[:, None, None]
     bind = np.tile(np.eye(4), (skeleton.joint_count, 1, 1))
     bind[:, :3, :3] = np.swapaxes(skin.bind_rotations, 1, 2)
+    if skin.bind_scales is not None:
+        bind[:, :3, :3] *= skin.bind_scales[:, None, None]
     bind[:, 3, :3] = skin.bind_positions
     made.CreateJointsAttr(Vt.TokenArray(joints))
     made.CreateJointNamesAttr(Vt.TokenArray(list(skeleton.names)))
@@ -215,14 +219,15 @@ def _skeleton(
     return made
 
 
-def _animation(stage: Any, skeleton: Any, take: Take, joints: list[str], progress: Any) -> None:
+def _animation(stage: Any, skeleton: Any, take: Take, skin: JointSkin, joints: list[str], progress: Any) -> None:
     from pxr import UsdSkel, Vt
 
     made = UsdSkel.Animation.Define(stage, skeleton.GetPath().AppendChild("Animation"))
     made.CreateJointsAttr(Vt.TokenArray(joints))
-    made.CreateScalesAttr(Vt.Vec3hArray(len(joints), (1, 1, 1)))
+    scales, units = skin.local_scales(take.skeleton.parents)
+    made.CreateScalesAttr(Vt.Vec3hArray([(scale, scale, scale) for scale in scales.tolist()]))
     translations, rotations = made.CreateTranslationsAttr(), made.CreateRotationsAttr()
-    places = take.poses.local_translations.astype(np.float32)
+    places = (take.poses.local_translations / units[:, None]).astype(np.float32)
     turns = take.poses.local_rotations.astype(np.float32)
     for frame in range(take.poses.frame_count):
         if frame % _TOLD == 0:
