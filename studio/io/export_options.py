@@ -1,5 +1,6 @@
 """Options of an exported file, the same for all formats, for window, shell and scripts."""
 
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.pose_sampling import poses_at
 from studio.core.captures.annotations import Annotations
 from studio.core.errors import StudioError
+from studio.core.plausible import FRAME_RATE
 from studio.core.rigs.root_motion import in_place, with_root_joint
 from studio.core.rigs.zero_pose import t_pose, with_zero_pose
 from studio.core.rotations import IDENTITY_QUATERNION, from_matrix, multiply
@@ -21,6 +23,8 @@ from studio.io.takes.own_rig import has_own_rig, on_own_rig
 
 FloatArray = NDArray[np.float64]
 
+MOST_EXPORTED_FRAMES = 1_000_000
+"""Frames of a file: more than two hours at 120 fps."""
 _ENDS = 1e-6
 """A part of a frame by which a range may be too short for it."""
 
@@ -62,6 +66,11 @@ class ExportOptions:
                 raise StudioError(f"There is no {name} '{value}'. Choose {', '.join(filter(None, known))}.")
         if self.root == "floor" and suffix in ROOTLESS:
             raise StudioError(f"{path.name} has no root joint: its hips travel. Choose in-place or none.")
+        rate = self.frame_rate
+        if rate is not None and not FRAME_RATE.least <= rate <= FRAME_RATE.most:
+            raise StudioError(f"A frame rate is from {FRAME_RATE.least:g} to {FRAME_RATE.most:g} fps, not {rate:g}.")
+        if not all(math.isfinite(end) for end in (self.begin, self.end) if end is not None):
+            raise StudioError("A range runs from a second to a later one; each is a finite number.")
         if self.begin is not None and self.end is not None and self.begin > self.end:
             raise StudioError(f"A range runs from a second to a later one, not from {self.begin:g} to {self.end:g}.")
 
@@ -124,8 +133,7 @@ class ExportOptions:
             )
         if rate == own:
             start = round(start * own) / own
-        count = int((stop - start) * rate + _ENDS) + 1
-        return sampled(take, start + np.arange(count) / rate, rate)
+        return sampled(take, frame_times(start, stop, rate), rate)
 
     def _from_rest_pose(self, take: Take, path: Path) -> Take:
         """Take with the chosen zero pose."""
@@ -150,6 +158,17 @@ def _lowest_bone(take: Take) -> int:
     hips = take.capture.body_map.spine[0] if take.capture.body_map else 0
     bones = None if take.bound is None else take.bound.bones
     return next((each for each in take.skeleton.path(0, hips) if bones is None or bones[each]), hips)
+
+
+def frame_times(begin: float, end: float, frame_rate: float) -> FloatArray:
+    """Seconds (N,) of the frames of a file. Raises StudioError if there are too many."""
+    count = int((end - begin) * frame_rate + _ENDS) + 1
+    if count > MOST_EXPORTED_FRAMES:
+        raise StudioError(
+            f"A file of {count:,} frames is too large: it holds {MOST_EXPORTED_FRAMES:,}. Choose a lower frame rate or"
+            " a shorter range."
+        )
+    return begin + np.arange(count) / frame_rate
 
 
 def sampled(take: Take, seconds: FloatArray, frame_rate: float) -> Take:

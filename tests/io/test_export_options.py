@@ -266,3 +266,16 @@ def test_who_stands_on_a_stage_goes_out_where_it_stands_or_at_its_own_origin():
     there = world(ExportOptions().applied_to(take, Path("out.fbx")).capture)
     assert np.abs(there - (before[..., [1, 0, 2]] * [-1.0, 1.0, 1.0] + [2.0, -1.0, 0.0])).max() < 1e-9
     assert np.abs(world(ExportOptions(at_origin=True).applied_to(take, Path("out.fbx")).capture) - before).max() == 0.0
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"frame_rate": rate} for rate in (0.0, -1.0, float("nan"), float("inf"), 1e9)]
+    + [{name: value} for name in ("begin", "end") for value in (float("nan"), float("inf"))]
+    + [{"begin": 2.0, "end": 1.0}, {"begin": 99.0}, {"frame_rate": 1e5, "end": 1e3}],
+)
+def test_frame_rates_and_ranges_that_make_no_file_are_refused_in_a_sentence(options, monkeypatch):
+    monkeypatch.setattr("studio.io.export_options.MOST_EXPORTED_FRAMES", 10_000)
+    take = take_on(bundled_characters()["adult_woman"], make_capture())
+    with pytest.raises(StudioError, match=r"\.$"):
+        ExportOptions(**options).applied_to(take, Path("out.fbx"))

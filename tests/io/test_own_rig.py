@@ -300,6 +300,23 @@ def test_a_placement_on_the_stage_moves_the_body_and_not_what_is_above_its_hips(
     assert np.abs(after[:, moved] - placement.to_stage(before[:, moved])).max() < 1e-9
 
 
+def test_a_root_is_added_above_hips_that_only_a_node_carries(carried_original, tmp_path):
+    take = take_on(load_character(carried_original).character, make_capture())
+    rig = take.character.skin.rig
+    bones = np.arange(len(rig.names)) >= rig.names.index("Hips")
+    rig = replace(rig, file=replace(rig.file, bones=bones))
+    take = replace(take, character=replace(take.character, skin=replace(take.character.skin, rig=rig)))
+    path = tmp_path / f"out{carried_original.suffix}"
+    usual, rooted = (ExportOptions(root=root).applied_to(take, path) for root in ("", "floor"))
+    assert rooted.skeleton.joint_count == usual.skeleton.joint_count + 1
+    before, after = (joint_world(each.skeleton, each.poses)[0] for each in (usual, rooted))
+    assert np.abs(after[:, 2:] - before[:, 1:]).max() < 1e-9
+    write_take(rooted, path)
+    back = load_capture(path)
+    same = [back.skeleton.index(name) for name in rooted.skeleton.names[2:]]
+    assert np.abs(joint_world(back.skeleton, back.poses)[0][:, same] - after[:, 2:]).max() < 2e-5
+
+
 def test_in_place_its_hips_stay_and_its_root_rests(original):
     adapted = take_on(load_character(original).character, make_capture())
     usual, take = (ExportOptions(root=root).applied_to(adapted, original) for root in ("", "in-place"))

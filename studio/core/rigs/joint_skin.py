@@ -56,14 +56,14 @@ class JointSkin:
         return carriers[-1] if carriers else None
 
     def with_joint_above(self) -> "JointSkin":
-        """Copy for a skeleton with a new first joint at the origin, without influence."""
+        """Copy for a skeleton with a new first joint at the origin, without influence; all its joints are bones."""
         return replace(
             self,
             joints=np.where(self.weights > 0.0, self.joints + 1, 0).astype(np.int32),
             bind_positions=np.concatenate([np.zeros((1, 3)), self.bind_positions]),
             bind_rotations=np.concatenate([np.eye(3)[None], self.bind_rotations]),
-            bind_scales=None if self.bind_scales is None else np.concatenate([[1.0], self.bind_scales]),
-            bones=None if self.bones is None else np.concatenate([[True], self.bones]),
+            bind_scales=None,
+            bones=None,
         )
 
     def counted_from(self, rotations: FloatArray) -> "JointSkin":

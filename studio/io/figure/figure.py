@@ -14,7 +14,7 @@ IntArray = NDArray[np.int64]
 
 MOST_VERTICES = 500_000
 MOST_FIGURE_JOINTS = 5_000
-Y_UP = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+Y_UP_AXES = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 """(3, 3) axes of a file with Y up that faces +Z in the world of the studio."""
 NO_SKELETON = "has no skeleton (bones), so its mesh cannot move. Rig it first, and export it with its skeleton."
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.names import readable
-from studio.io.figure.figure import MOST_FIGURE_JOINTS, NO_SKELETON, Y_UP, Figure, rotations_of, scales_of
+from studio.io.figure.figure import MOST_FIGURE_JOINTS, NO_SKELETON, Y_UP_AXES, Figure, rotations_of, scales_of
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import GltfFile
 from studio.io.gltf.meshes import MeshReader
@@ -71,7 +71,7 @@ def _figure(
         moves=bool(file.root.records("animations")),
         repairs=tuple(dict.fromkeys(reader.repairs)),
         kind="glTF",
-        to_studio=Y_UP,
+        to_studio=Y_UP_AXES,
         scales=scales_of(world[joints]),
         bones=np.array([node in skinned for node in joints]),
     )

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.errors import StudioError
 from studio.core.names import readable
-from studio.io.figure.figure import MOST_FIGURE_JOINTS, MOST_VERTICES, Y_UP, Figure, MeshPiece
+from studio.io.figure.figure import MOST_FIGURE_JOINTS, MOST_VERTICES, Y_UP_AXES, Figure, MeshPiece
 from studio.io.hanim.geometry import ShapeSurface, surface_of
 from studio.io.hanim.looks import ShapeMaterials
 from studio.io.hanim.scene import MOST_VISITS, SceneNode, walk
@@ -65,7 +65,7 @@ class _Reader:
             positions=np.array(self.positions).reshape(-1, 3),
             rotations=np.tile(np.eye(3), (len(self.names), 1, 1)),
             kind="X3D",
-            to_studio=Y_UP,
+            to_studio=Y_UP_AXES,
             pieces=tuple(self.pieces),
             repairs=tuple(dict.fromkeys(self.looks.repairs)),
         )

@@ -13,7 +13,7 @@ from studio.core.names import readable
 from studio.io.figure.body import character_of
 from studio.io.figure.figure import (
     MOST_VERTICES,
-    Y_UP,
+    Y_UP_AXES,
     Figure,
     FloatArray,
     IntArray,
@@ -30,7 +30,7 @@ from studio.io.registry import Progress, ReadCharacter
 from studio.io.scene.scene_reader import Arrays
 
 _AXES = {
-    ("FBX", "Y"): Y_UP,
+    ("FBX", "Y"): Y_UP_AXES,
     ("FBX", "Z"): np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
     ("USD", "Y"): np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
     ("USD", "Z"): np.eye(3),

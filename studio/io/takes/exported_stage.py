@@ -19,7 +19,7 @@ from studio.core.stage.prop import Prop
 from studio.core.stage.prop_shapes import PROP_COLOUR, Surface, prop_surface
 from studio.core.stage.saved_camera import SavedCamera
 from studio.io.export import Take, format_for
-from studio.io.export_options import ExportOptions
+from studio.io.export_options import ExportOptions, frame_times
 from studio.io.registry import Format, Progress
 from studio.io.staged_export import take_of_performer
 
@@ -86,7 +86,7 @@ def exported_stage(
     end = max(timing.end for timing in timings.values()) if options.end is None else options.end
     if end < begin:
         raise StudioError(f"The stage ends at second {end:.2f}, before the range begins. Choose another range.")
-    seconds = begin + np.arange(int((end - begin) * rate + 1e-6) + 1) / rate
+    seconds = frame_times(begin, end, rate)
     names = _unique(
         [project.performers[key].name for key in performances]
         + [each.name for each in project.props.values()]
