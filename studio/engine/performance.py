@@ -10,9 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.body.rest_pose import rest_pose
+from studio.core.captures.capture import Capture
 from studio.core.curves.activation import EaseShape, ease
 from studio.core.normalized.pieces import Played
-from studio.core.solver.performers.rows import timing_of
+from studio.core.rigs.driven_fingers import has_fingers
+from studio.core.solver.performers.rows import is_plain, timing_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.clip import Clip
 from studio.core.stage.holding import grip_on
@@ -60,6 +62,9 @@ class Posed:
     """True if it stands still until its motion begins."""
     around: AdaptedMotion | None = None
     """The newest motion over time, where ``motion`` is only the frame that is shown."""
+
+    capture: Capture | None = None
+    """Capture whose fingers it has, where its only clip plays unchanged."""
 
     holding: float = 0.0
     """From 0 to 1, as its hands come to a prop and leave it."""
@@ -174,10 +179,19 @@ def posed_performers(
             posed[performer_id] = replace(
                 pose_of(project, performer, motion, time),
                 around=around(performer_id),
+                capture=_fingers_from(project, performer),
                 holding=weight,
                 holding_grip=grip,
             )
     return posed
+
+
+def _fingers_from(project: Project, performer: Performer) -> Capture | None:
+    """Capture with fingers that a performer plays unchanged, as they are exported with it."""
+    if len(performer.clips) != 1 or not is_plain(performer.clips[0]):
+        return None
+    capture = project.captures[project.motions[performer.clips[0].motion_id].capture_id]
+    return capture if has_fingers(capture) else None
 
 
 def _holding(project: Project, performer_id: str, time: float) -> tuple[float, float]:

@@ -9,6 +9,7 @@ import pyvista as pv
 from studio.core.body.canonical import BodyLayout
 from studio.core.mesh.character import Character
 from studio.core.mesh.skin import SkinnedMesh, gripping, skin_vertices
+from studio.core.rigs.driven_fingers import hand_pose
 from studio.core.stage.placement import Placement
 from studio.engine.performance import Posed
 from studio.viewport.bone_figure import BoneFigure
@@ -126,7 +127,7 @@ class BodyVisual:
             place(self.bones_actor, posed.placement)
             return
         mesh, shown = self._drawn.mesh, gripping(self._drawn.skin, posed.grip(self._character.grip))
-        posing = mesh, shown, self._character.blending, motion, row
+        posing = mesh, shown, self._character.blending, motion, row, id(posed.capture)
         if posing == self._posing:
             return
         self._posing = posing
@@ -134,8 +135,11 @@ class BodyVisual:
             # As it was bound: needs no kernel, which may not be compiled yet.
             mesh.points[:], mesh.normals[:] = shown.vertices, shown.normals
         else:
+            body, hands = motion.morphology_at(row), None
+            if posed.capture is not None and shown.rig is not None:
+                hands = hand_pose(shown, self._character.build, body, posed.capture, posed.frame)
             skin_vertices(
-                shown, self._character.build, motion.morphology_at(row), motion.positions[row], motion.rotations[row],
-                mesh.points, mesh.normals, self._character.blending,
+                shown, self._character.build, body, motion.positions[row], motion.rotations[row],
+                mesh.points, mesh.normals, self._character.blending, hands.shaped if hands else None,
             )  # fmt: skip
         mesh.touch()

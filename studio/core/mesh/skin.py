@@ -1,5 +1,6 @@
 """A skin: a mesh bound to the segments of a body, fitted to other bodies and deformed by their poses."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
@@ -119,11 +120,13 @@ def skin_vertices(
     out_vertices: NDArray[np.float32] | None = None,
     out_normals: NDArray[np.float32] | None = None,
     blending: Blending = Blending.LINEAR,
+    shaped: "Callable[[SkinnedMesh], tuple[NDArray[np.float32], NDArray[np.float32]]] | None" = None,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """World vertices and normals (V, 3) of one frame, written in place if ``out_`` arrays are given.
 
     ``positions`` (K+23, 3) and ``rotations`` (K+18, 3, 3) pose a body of ``morphology``; ``mesh`` is bound to
-    ``build``. The mesh fitted to ``morphology`` is cached.
+    ``build``. The mesh fitted to ``morphology`` is cached. ``shaped`` gives it other vertices and normals for this
+    frame, such as bent fingers.
     """
     from studio.core.kernels.body import dual_quaternions, skinning  # late: numba takes longer than a window
 
@@ -135,10 +138,12 @@ def skin_vertices(
     vertices = np.empty_like(mesh.vertices) if out_vertices is None else out_vertices
     normals = np.empty_like(mesh.normals) if out_normals is None else out_normals
     bound = fitted.segments, fitted.weights, motions, vertices, normals
+    rest_vertices, rest_normals = shaped(fitted) if shaped else (fitted.vertices, fitted.normals)
     if blending is Blending.DUAL_QUATERNIONS:
-        dual_quaternions.skin_by_dual_quaternions(fitted.vertices, fitted.normals, *bound)
+        dual_quaternions.skin_by_dual_quaternions(rest_vertices, rest_normals, *bound)
     else:
-        skinning.skin_by_rotation_centres(fitted.vertices, fitted.normals, fitted.centres, *bound)
+        centres = rest_vertices if shaped else fitted.centres
+        skinning.skin_by_rotation_centres(rest_vertices, rest_normals, centres, *bound)
     return vertices, normals
 
 

@@ -424,9 +424,10 @@ def _appearance(pieces: Sequence[MeshPiece]) -> Appearance | None:
         return None
     for piece in pieces:
         material = piece.material or Material("", PLAIN_COLOUR)
-        content = None if material.texture is None else material.texture.tobytes()
-        if content is not None:
-            material = replace(material, texture=pictures.setdefault(content, material.texture))
+        picture, content = material.texture, b""
+        if picture is not None:
+            content = picture.tobytes()
+            material = replace(material, texture=pictures.setdefault(content, picture))
         key = (material.name, material.colour, material.two_sided, material.cut_out, content)
         materials.setdefault(key, material)
         indices.append(np.full(len(piece.triangles), list(materials).index(key)))
