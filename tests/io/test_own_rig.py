@@ -20,11 +20,13 @@ from studio.core.solver.request import AdaptRequest
 from studio.core.stage.placement import Placement
 from studio.io.export import skin_of, take_of_adapted, take_of_standing, write_take
 from studio.io.export_options import ExportOptions
+from studio.io.figure.body import NO_RIG
 from studio.io.importing import load_capture, load_character
 from studio.io.project.character_file import bundled_characters, read_character, write_character
 from studio.io.project.project_file import new_document_id, read_project, write_project
 from tests.builders import make_capture, make_project
 from tests.io.blender import opened_in_blender
+from tests.io.character_files import Gltf
 from tests.io.khronos import issues_of
 from tests.io.test_fbx_take import carried
 
@@ -326,3 +328,17 @@ def test_in_place_its_hips_stay_and_its_root_rests(original):
     assert np.abs(after[:, hips, :2] - after[0, hips, :2]).max() < 1e-9
     assert np.abs(after[..., 2] - before[..., 2]).max() < 1e-9
     assert np.abs(turns - turned).max() < 1e-9
+
+
+@pytest.mark.parametrize("scale", [[-1.0, 1.0, 1.0], [1.0, 1.4, 1.0]])
+def test_joints_that_cannot_be_kept_are_told_and_exported_as_the_studio_has_them(tmp_path, scale):
+    made = Gltf(vrm=1)
+    nodes = made.root["nodes"]
+    nodes[0]["rotation"] = [0.0, 0.0, 0.1, 0.995]
+    nodes.append({"name": "carrier", "children": [0], "scale": scale})
+    made.root["skins"][0].pop("inverseBindMatrices")
+    (tmp_path / "hero.glb").write_bytes(made.glb())
+    read = load_character(tmp_path / "hero.glb")
+    assert NO_RIG in read.repairs
+    take = ExportOptions().applied_to(take_on(read.character, make_capture()), tmp_path / "out.fbx")
+    assert "LeftForeArm" in take.skeleton.names

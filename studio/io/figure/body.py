@@ -44,6 +44,8 @@ MOST_INFLUENCES = 8
 """Joints from which a vertex of a rig hangs."""
 FBX_UNIT = 0.01
 """Metres."""
+NO_RIG = "Its joints are mirrored, sheared or share a name, so exports have those of the studio."
+"""Repair of a character that is not exported on its own joints."""
 _LIMB_DEPTH = 3
 """Joints above an ankle at least: a root, a hip and a knee."""
 _HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
@@ -310,7 +312,10 @@ def _embodied(body: _Body, guesses: list[Guess]) -> ReadCharacter:
     appearance = _appearance(pieces)
     skin = bound_mesh(measures, stance, root, vertices, normals, triangles, shares, appearance)
     away = standing_points(measures, stance)[0] - root + (points[0] - body.points[0])
-    skin = replace(skin, rig=_rig(body, segments, rolled.tolist(), joints, weights, away))
+    rig = _rig(body, segments, rolled.tolist(), joints, weights, away)
+    if rig is None:
+        repairs.append(NO_RIG)
+    skin = replace(skin, rig=rig)
     character = Character(figure.name.replace("_", " "), _colour(appearance), measures, skin)
     names = body.body_map.to_json(body.skeleton)
     return ReadCharacter(character, tuple(guesses), tuple(repairs), names, figure.moves)
