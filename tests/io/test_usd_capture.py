@@ -58,6 +58,20 @@ def test_a_file_whose_mesh_hangs_from_its_skeleton_is_a_character_of_the_same_me
     assert set(read.character.skin.rig.names) >= {"Hips", "LeftForeArm", "RightToeBase"}
 
 
+def test_a_mesh_of_the_figure_that_hangs_from_no_joint_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "hero.usda"
+    write_take(take_of_standing(bundled_characters()["child"]), path)
+    stage = Usd.Stage.Open(str(path))
+    axe = UsdGeom.Mesh.Define(stage, stage.GetDefaultPrim().GetPath().AppendChild("axe"))
+    axe.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (0, 1, 0)])
+    axe.CreateFaceVertexCountsAttr([3])
+    axe.CreateFaceVertexIndicesAttr([0, 1, 2])
+    stage.Save()
+    read = load_character(path)
+    assert read.repairs == ("hero.usda: axe hangs from no joint; it was left out.",)
+    assert len(read.character.skin.vertices) == len(bundled_characters()["child"].skin.vertices)
+
+
 def written_elsewhere(path: Path, up: str, unit: float, codes: float) -> np.ndarray:
     """Write ``make_capture`` as other programs would: joints in the animation in another order, a moved and scaled
     prim above, time codes of their own. Returns places (F, J, 3) in metres and world axes."""

@@ -54,7 +54,7 @@ def main(source: str, target: str, what: str) -> None:
     }
     rest = _rest(skeleton, paths, about["parents"])
     meshes, arrays = meshes_of(_prims(stage), skeleton, paths) if what != "motion" else ([], {})
-    if what == "figure" or meshes:
+    if what == "figure" or any(len(arrays[f"{number} weights"]) for number in range(len(meshes))):
         arrays |= {"world": _world(rest, about["parents"]), "bind": _bind(skeleton, paths)}
         about |= {"meshes": meshes, "kind": "USD", "bones": [True] * len(paths)}
     else:

@@ -16,21 +16,27 @@ def meshes_of(
 ) -> tuple[list[dict[str, Any]], dict[str, NDArray[Any]]]:
     """Record of each mesh that hangs from the joints at ``paths`` of ``skeleton``, and its arrays, by number and name.
 
-    Vertices are put in the world as they were bound by ``to_world`` (3, 4).
+    Vertices are put in the world as they were bound by ``to_world`` (3, 4). A mesh of the same figure that hangs from
+    no joint has a record without weights.
     """
     from pxr import UsdGeom, UsdSkel
 
     told: list[dict[str, Any]] = []
     arrays: dict[str, NDArray[Any]] = {}
+    figure = UsdSkel.Root.Find(skeleton.GetPrim())
     for prim in prims:
         mesh, binding = UsdGeom.Mesh(prim), UsdSkel.BindingAPI(prim)
-        if not mesh or binding.GetInheritedSkeleton().GetPath() != skeleton.GetPath():
+        is_bound = bool(mesh) and binding.GetInheritedSkeleton().GetPath() == skeleton.GetPath()
+        corners = np.array(mesh.GetFaceVertexIndicesAttr().Get() or (), dtype=np.int64) if mesh else np.empty(0)
+        if not 0 < len(corners) <= MOST_USD_CORNERS:
             continue
-        corners = np.array(mesh.GetFaceVertexIndicesAttr().Get() or (), dtype=np.int64)
-        weights = _weights(mesh, binding, paths)
-        if not len(weights) or not 0 < len(corners) <= MOST_USD_CORNERS:
-            continue
+        weights = _weights(mesh, binding, paths) if is_bound else np.empty((0, 3))
         number = len(told)
+        if not len(weights):
+            if figure and prim.GetPath().HasPrefix(figure.GetPath()):
+                arrays[f"{number} weights"] = weights
+                told.append({"name": prim.GetName(), "carrier": -1, "materials": []})
+            continue
         materials, of_faces = _materials(mesh, arrays, number)
         bound = binding.GetGeomBindTransformAttr().Get()
         to_world = np.eye(4) if bound is None else np.array(bound, dtype=np.float64).T
