@@ -170,6 +170,8 @@ def test_a_character_file_and_a_project_keep_the_rig(original, tmp_path):
     for back in (read_character(tmp_path / "hero.json"), read):
         for name in ("names", "parents", "positions", "rotations", "segments", "joints", "weights"):
             assert np.array_equal(getattr(back.skin.rig, name), getattr(character.skin.rig, name))
+        for name in ("format", "rotation", "position", "scales", "bones"):
+            assert np.array_equal(getattr(back.skin.rig.file, name), getattr(character.skin.rig.file, name))
 
 
 def test_other_names_put_it_on_the_skeleton_of_the_studio(original):

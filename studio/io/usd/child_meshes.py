@@ -27,7 +27,9 @@ def meshes_of(
     for prim in prims:
         mesh, binding = UsdGeom.Mesh(prim), UsdSkel.BindingAPI(prim)
         is_bound = bool(mesh) and binding.GetInheritedSkeleton().GetPath() == skeleton.GetPath()
-        corners = np.array(mesh.GetFaceVertexIndicesAttr().Get() or (), dtype=np.int64) if mesh else np.empty(0)
+        corners = (
+            np.array(mesh.GetFaceVertexIndicesAttr().Get() or (), dtype=np.int64) if mesh else np.empty(0, np.int64)
+        )
         if not 0 < len(corners) <= MOST_USD_CORNERS:
             continue
         weights = _weights(mesh, binding, paths) if is_bound else np.empty((0, 3))
