@@ -15,6 +15,7 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import KeyCondition
 from studio.core.stage.project import Entity, Performer, Project, new_id
 from studio.live.recorded_take import StageTake, edits_of
+from studio.panels.fields import NumberField
 from studio.panels.message_strip import Lifetime
 
 TYPING = (QLineEdit, QAbstractSpinBox, QComboBox, QTextEdit, QPlainTextEdit)
@@ -36,12 +37,11 @@ class LivePlaying(QObject):
         bench.document.selection.changed.connect(self._start_chosen)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Handle keys of live play before all shortcuts, but not before a field with the focus."""
-        if (
-            event.type() not in KEY_EVENTS
-            or not isinstance(event, QKeyEvent)
-            or isinstance(QApplication.focusWidget(), TYPING)
-        ):
+        """Handle keys of live play before all shortcuts, but not before a field that takes them."""
+        if event.type() not in KEY_EVENTS or not isinstance(event, QKeyEvent):
+            return False
+        focused = QApplication.focusWidget()
+        if isinstance(focused, TYPING) and not (isinstance(focused, NumberField) and focused.leaves(event)):
             return False
         if event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
             return False

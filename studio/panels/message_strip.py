@@ -8,7 +8,7 @@ from PySide6.QtCore import QEvent, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QWidget
 
-from studio.panels.fields import press_button
+from studio.panels.fields import press_button, return_keys
 
 Answer = tuple[str, Callable[[], object]]
 
@@ -115,6 +115,7 @@ class MessageStrip(QWidget):
 
     def clear(self) -> None:
         """Remove the message and hide the strip."""
+        return_keys(self)
         self.hide()
 
     def press(self, text: str) -> None:
@@ -123,7 +124,7 @@ class MessageStrip(QWidget):
 
     def _make_button(self, text: str, run: Callable[[], object], main: bool) -> QPushButton:
         def answer() -> None:
-            self.hide()
+            self.clear()
             run()
 
         button = press_button(text, answer, "main" if main else "link")

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from PySide6.QtWidgets import QCheckBox, QWidget
+from PySide6.QtWidgets import QWidget
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
@@ -21,7 +21,7 @@ from studio.engine.prop_places import PropPose, between_hands, in_hand, moved_pr
 from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.editor import Editor, EntityNameField
-from studio.panels.fields import Choice, Section, labelled, press_button
+from studio.panels.fields import Choice, Section, check_box, labelled, press_button
 from studio.panels.rotation_row import RotationRow
 
 LEAST_PROP_SIZE = 0.001
@@ -65,7 +65,7 @@ class PropEditor(Editor[Prop]):
         self._rule = ProceduralRows(self, section, "position")
         self._keys = [press_button("Set key", self._set_key), press_button("Delete key", self._delete_key)]
         self._keys_row = section.add_row("Keys", *self._keys)
-        self._collides = QCheckBox("Collide with characters")
+        self._collides = check_box("Collide with characters")
         self._collides.setAccessibleName("Characters collide with the prop")
         self._collides.clicked.connect(self._set_collides)
         section.add_row("Collision", self._collides)
