@@ -416,6 +416,11 @@ class MainWindow(QMainWindow):
             return True
         return bool(super().event(event))
 
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Pass what no panel takes to the gizmo, so that it needs no focus in the 3D view."""
+        if not (self.bench.has_viewport and self.bench.viewport.nudge_by_key(event)):
+            super().keyPressEvent(event)
+
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Take the focus from a field by a click outside."""
         self.setFocus()

@@ -240,6 +240,13 @@ class NumberField(QDoubleSpinBox):
             return False
         return bool(super().event(event))
 
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Leave the same keys to the window where they are no shortcuts."""
+        if self.leaves(event):
+            event.ignore()
+        else:
+            super().keyPressEvent(event)
+
     def leaves(self, event: QKeyEvent) -> bool:
         """True for undo, Space and letters, which begin no number, unless a number is being typed."""
         begins_none = event.text() == " " or event.text().isalpha() or undoes_or_redoes(event)

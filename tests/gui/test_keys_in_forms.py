@@ -11,6 +11,7 @@ from studio.app.application import show_views
 from studio.panels.editor import EntityNameField
 from studio.panels.fields import Choice, NumberField, press_button
 from tests.gui.viewport_use import LEFT, NONE
+from tests.patience import PATIENCE
 
 CONTROL = Qt.KeyboardModifier.ControlModifier
 
@@ -151,3 +152,19 @@ def test_the_keys_are_the_windows_after_a_question_was_answered(form, window):
     press(Qt.Key.Key_Return)
     press(Qt.Key.Key_Space)
     assert plays(window)
+
+
+@pytest.mark.parametrize("shift", [NONE, Qt.KeyboardModifier.ShiftModifier])
+@pytest.mark.parametrize("in_a_field", [False, True])
+def test_the_keys_of_the_gizmo_are_heard_without_the_focus_in_the_view(form, window, qtbot, shift, in_a_field):
+    viewport, document = window.bench.viewport, window.bench.document
+    qtbot.waitUntil(lambda: len(viewport.posed) == 2, timeout=PATIENCE)
+    window.actions_by_id.by_id["move_tool"].trigger()
+    window.setFocus()
+    if in_a_field:
+        QTest.mouseClick(field_of(form, "Position Y").lineEdit(), LEFT)
+    before = next(iter(document.project.performers.values())).position
+    press(Qt.Key.Key_X)
+    window.setFocus()
+    press(Qt.Key.Key_Plus, shift)
+    assert next(iter(document.project.performers.values())).position == (before[0] + 0.01, before[1])
