@@ -278,7 +278,7 @@ def tell_corrections(bench: Workbench, capture_id: str) -> None:
     sentence = (
         f"{capture.source} was imported with your earlier corrections for this kind of file: {words(corrections)}."
     )
-    bench.say(sentence, ("Keep", bench.clear_message), ("Detect again", guess), until=Lifetime.PROJECT_OPENED)
+    bench.inform(sentence, ("Keep", bench.clear_message), ("Detect again", guess), until=Lifetime.PROJECT_OPENED)
 
 
 def show_motion(document: Document) -> None:

@@ -114,7 +114,7 @@ def toggle(bench: Workbench) -> None:
     names = [_name(bench.document.project, clip) for clip in clips_of(bench.document.project, active)]
     own = [f"{number}: {name} (selected character)." for number, name in enumerate(names[:9], 1)]
     heard = [f"{key}: {', '.join(states).lower()}." for key, states in keys_of(bench.document.project).items()]
-    bench.say(" ".join([PLAYS_LIVE, *own, *heard, "R: record. Esc: stop."]))
+    bench.inform(" ".join([PLAYS_LIVE, *own, *heard, "R: record. Esc: stop."]))
 
 
 def record(bench: Workbench) -> None:
@@ -142,7 +142,7 @@ def put_take(bench: Workbench, take: StageTake) -> None:
     document.playhead.set_range(round(begin * rate), round((begin + take.end - take.begin) * rate))
     document.playhead.set_time(begin)
     clips = sum(len(each.clips) for each in rows)
-    bench.say(
+    bench.inform(
         f"Recorded {take.end - take.begin:.1f} s: the clips of {counted(len(rows), 'character')} are replaced by"
         f" {clips}. Undo restores them.",
         until=Lifetime.EDITED,

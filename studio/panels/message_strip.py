@@ -33,6 +33,7 @@ class UserMessage:
     sentence: str
     answers: tuple[Answer, ...] = ()
     lifetime: Lifetime = Lifetime.CLOSED
+    warns: bool = True
 
 
 PRESSING = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
@@ -82,6 +83,8 @@ class MessageStrip(QWidget):
         if message.sentence:
             self.say(message.sentence, *message.answers)
             self._lifetime = message.lifetime
+            self.setProperty("role", "warning" if message.warns else "")
+            self.style().polish(self)
         else:
             self.clear()
 
