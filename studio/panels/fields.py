@@ -30,6 +30,7 @@ FIELD_LABEL_WIDTH, LONGEST_NAME = 84, 90
 ROW_HEIGHT = 26
 FIELD_ICON_PX = 12
 SCRUB_START = 3
+DIALOG_MARGIN = QSize(80, 120)
 PER_CENT = 100.0
 
 
@@ -393,6 +394,11 @@ class Segments(QWidget):
     def show_value(self, value: object) -> None:
         """Show the document's value."""
         self._group.button(self._values.index(value)).setChecked(True)
+
+
+def room_on_screen(window: QWidget) -> QSize:
+    """Greatest size of a dialog on the screen of a window, title bar and borders taken off."""
+    return QSize(window.screen().availableSize() - DIALOG_MARGIN)
 
 
 def undoes_or_redoes(event: QKeyEvent) -> bool:
