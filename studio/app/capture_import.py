@@ -239,7 +239,7 @@ def tell_repairs(bench: Workbench, capture_id: str) -> None:
 
 def repair_words(capture: Capture) -> str:
     """``walk.bvh was read with 2 repairs: line 214: the last row is cut off and was dropped.``"""
-    count, first = len(capture.repairs), capture.repairs[0].removeprefix(f"{capture.source}, ")
+    count, first = len(capture.repairs), capture.repairs[0].removeprefix(capture.source).lstrip(",: ")
     return f"{capture.source} was read with {count} repair{'' if count == 1 else 's'}: {first}"
 
 
