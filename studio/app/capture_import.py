@@ -239,7 +239,7 @@ def tell_repairs(bench: Workbench, capture_id: str) -> None:
 
 def repair_words(capture: Capture) -> str:
     """``walk.bvh was read with 2 repairs: line 214: the last row is cut off and was dropped.``"""
-    count, first = len(capture.repairs), capture.repairs[0].removeprefix(f"{capture.source}, ")
+    count, first = len(capture.repairs), capture.repairs[0].removeprefix(capture.source).lstrip(",: ")
     return f"{capture.source} was read with {count} repair{'' if count == 1 else 's'}: {first}"
 
 
@@ -278,7 +278,7 @@ def tell_corrections(bench: Workbench, capture_id: str) -> None:
     sentence = (
         f"{capture.source} was imported with your earlier corrections for this kind of file: {words(corrections)}."
     )
-    bench.say(sentence, ("Keep", bench.clear_message), ("Detect again", guess), until=Lifetime.PROJECT_OPENED)
+    bench.inform(sentence, ("Keep", bench.clear_message), ("Detect again", guess), until=Lifetime.PROJECT_OPENED)
 
 
 def show_motion(document: Document) -> None:

@@ -137,7 +137,7 @@ def _tell(bench: Workbench, path: Path, read: ReadCharacter) -> None:
     count, sentences = len(read.repairs), []
     daring = [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in read.guesses if is_daring(guess)]
     if count:
-        first = read.repairs[0].removeprefix(f"{path.name}, ")
+        first = read.repairs[0].removeprefix(path.name).lstrip(",: ")
         sentences.append(f"{path.name} was read with {count} repair{'' if count == 1 else 's'}: {first}")
     elif daring:
         sentences.append(f"{path.name} was imported; assumed {' '.join(daring)}")

@@ -41,7 +41,7 @@ def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | No
             write_take(chosen.applied_to(take, path), path, partly(progress, begun, each_share))
         return list(paths.values())
 
-    task: int = bench.runner.run("Export", work, lambda written: bench.say(words_of(written)))
+    task: int = bench.runner.run("Export", work, lambda written: bench.inform(words_of(written)))
     return task
 
 
@@ -58,7 +58,7 @@ def export_stage(bench: Workbench, path: Path, options: ExportOptions | None = N
         write_stage(stage, path, partly(progress, ADAPTING_SHARE, 1.0 - ADAPTING_SHARE))
         return [path]
 
-    task: int = bench.runner.run("Export", work, lambda written: bench.say(words_of(written)))
+    task: int = bench.runner.run("Export", work, lambda written: bench.inform(words_of(written)))
     return task
 
 
@@ -77,7 +77,7 @@ def export_motion(bench: Workbench, path: Path) -> int:
         write_take(take, path, progress)
         return [path]
 
-    task: int = bench.runner.run("Export", work, lambda written: bench.say(words_of(written)))
+    task: int = bench.runner.run("Export", work, lambda written: bench.inform(words_of(written)))
     return task
 
 

@@ -60,7 +60,7 @@ def film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate: float)
                 _follow(renderer, progress)
         return [path]
 
-    task: int = bench.runner.run("Video", work, lambda written: bench.say(words_of(written)))
+    task: int = bench.runner.run("Video", work, lambda written: bench.inform(words_of(written)))
     return task
 
 

@@ -2,20 +2,30 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
-from PySide6.QtCore import QPoint, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QAction,
     QCloseEvent,
     QDragEnterEvent,
     QDragLeaveEvent,
     QDropEvent,
+    QKeyEvent,
     QMouseEvent,
     QResizeEvent,
     QShowEvent,
 )
-from PySide6.QtWidgets import QDockWidget, QGridLayout, QMainWindow, QRubberBand, QTabWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QDockWidget,
+    QGridLayout,
+    QMainWindow,
+    QRubberBand,
+    QTabWidget,
+    QVBoxLayout,
+    QWidget,
+)
 
 from studio.app import capture_import, character_import
 from studio.app.action_set import ActionSet
@@ -397,6 +407,19 @@ class MainWindow(QMainWindow):
             capture_import.reimport(self.bench, capture_id, option)
         except StudioError as error:
             self.bench.say(str(error))
+
+    def event(self, event: QEvent) -> bool:
+        """Leave Space to the button that has the focus, which only Tab gives to it."""
+        pressed = event.type() == QEvent.Type.ShortcutOverride and cast(QKeyEvent, event).key() == Qt.Key.Key_Space
+        if pressed and isinstance(self.focusWidget(), QAbstractButton):
+            event.accept()
+            return True
+        return bool(super().event(event))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Pass what no panel takes to the gizmo, so that it needs no focus in the 3D view."""
+        if not (self.bench.has_viewport and self.bench.viewport.nudge_by_key(event)):
+            super().keyPressEvent(event)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Take the focus from a field by a click outside."""

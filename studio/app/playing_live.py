@@ -15,6 +15,7 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import KeyCondition
 from studio.core.stage.project import Entity, Performer, Project, new_id
 from studio.live.recorded_take import StageTake, edits_of
+from studio.panels.fields import NumberField
 from studio.panels.message_strip import Lifetime
 
 TYPING = (QLineEdit, QAbstractSpinBox, QComboBox, QTextEdit, QPlainTextEdit)
@@ -36,12 +37,11 @@ class LivePlaying(QObject):
         bench.document.selection.changed.connect(self._start_chosen)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Handle keys of live play before all shortcuts, but not before a field with the focus."""
-        if (
-            event.type() not in KEY_EVENTS
-            or not isinstance(event, QKeyEvent)
-            or isinstance(QApplication.focusWidget(), TYPING)
-        ):
+        """Handle keys of live play before all shortcuts, but not before a field that takes them."""
+        if event.type() not in KEY_EVENTS or not isinstance(event, QKeyEvent):
+            return False
+        focused = QApplication.focusWidget()
+        if isinstance(focused, TYPING) and not (isinstance(focused, NumberField) and focused.leaves(event)):
             return False
         if event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
             return False
@@ -113,8 +113,10 @@ def toggle(bench: Workbench) -> None:
     active = bench.document.active_performer_id or ""
     names = [_name(bench.document.project, clip) for clip in clips_of(bench.document.project, active)]
     own = [f"{number}: {name} (selected character)." for number, name in enumerate(names[:9], 1)]
-    heard = [f"{key}: {', '.join(states).lower()}." for key, states in keys_of(bench.document.project).items()]
-    bench.say(" ".join([PLAYS_LIVE, *own, *heard, "R: record. Esc: stop."]))
+    heard = [f"{key}: {'; '.join(words)}." for key, words in keys_of(bench.document.project).items()]
+    record_keys = bench.window.actions_by_id.by_id["record_take"].shortcut().toString()
+    recording = [f"{record_keys}: record."] if record_keys else []
+    bench.inform(" ".join([PLAYS_LIVE, *own, *heard, *recording, "Esc: stop."]))
 
 
 def record(bench: Workbench) -> None:
@@ -142,7 +144,7 @@ def put_take(bench: Workbench, take: StageTake) -> None:
     document.playhead.set_range(round(begin * rate), round((begin + take.end - take.begin) * rate))
     document.playhead.set_time(begin)
     clips = sum(len(each.clips) for each in rows)
-    bench.say(
+    bench.inform(
         f"Recorded {take.end - take.begin:.1f} s: the clips of {counted(len(rows), 'character')} are replaced by"
         f" {clips}. Undo restores them.",
         until=Lifetime.EDITED,
@@ -171,14 +173,16 @@ def afresh(clip: Clip) -> Clip:
 
 
 def keys_of(project: Project) -> dict[str, list[str]]:
-    """Keys used by behaviours, and the states to which they lead."""
+    """Keys used by behaviours, each with the states to which it leads and the characters that it concerns."""
     keys: dict[str, dict[str, None]] = {}
     for behaviour in project.behaviours.values():
+        names = [project.performers[each.performer_id].name for each in behaviour.cast]
+        concerned = names[0] if len(names) == 1 else counted(len(names), "character")
         for transition in behaviour.transitions:
             for condition in transition.conditions:
                 if isinstance(condition, KeyCondition):
-                    keys.setdefault(condition.key, {})[transition.target] = None
-    return {key: list(states) for key, states in keys.items()}
+                    keys.setdefault(condition.key, {})[f"{transition.target.lower()} ({concerned})"] = None
+    return {key: list(words) for key, words in keys.items()}
 
 
 def _name(project: Project, clip: Clip) -> str:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QDialog, QHeaderView, QTableWidget, QTableWidgetItem, QVBoxLayout
 
@@ -19,7 +19,7 @@ from studio.app.preferences import (
 from studio.app.workbench import Workbench
 from studio.core.changed_records import with_fields
 from studio.document import colours
-from studio.panels.fields import Choice, NumberField, Section, labelled
+from studio.panels.fields import Choice, NumberField, Section, labelled, room_on_screen
 
 NUMBERS = (
     ("move_step", "Move step", "cm", 0.1, 100.0),
@@ -45,7 +45,7 @@ class PreferencesDialog(QDialog):
         self.setObjectName("preferences_dialog")
         self.setWindowTitle("Preferences")
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self.resize(520, 860)
+        self.resize(QSize(520, 860).boundedTo(room_on_screen(bench.window)))
         section = Section("Gizmo snapping")
         for name, words, unit, low, high in NUMBERS:
             field = NumberField(words, unit, low, high, low, 2)

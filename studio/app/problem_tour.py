@@ -45,7 +45,7 @@ class ProblemTour(QObject):
             return
         if not problems:
             self._at = None
-            self._bench.say(NO_PROBLEMS, until=Lifetime.EDITED)
+            self._bench.inform(NO_PROBLEMS, until=Lifetime.EDITED)
             return
         places = {each.key: place for place, each in enumerate(problems)}
         at = places.get(self._at) if self._at is not None else None

@@ -72,7 +72,7 @@ def open_scene(bench: Workbench, scene: BundledScene) -> None:
         if bench.document.revision != revision:
             return  # as above
         bench.document.new(project)
-        bench.say(scene.text, until=Lifetime.PROJECT_OPENED)
+        bench.inform(scene.text, until=Lifetime.PROJECT_OPENED)
         bench.document.playhead.play()
 
     bench.runner.run(f"Opening {scene.title.lower()}", lambda _progress: scene.make(), show)

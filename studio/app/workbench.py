@@ -51,8 +51,12 @@ class Workbench(QObject):
         runner.failed.connect(lambda _, sentence: self.say(sentence))
 
     def say(self, sentence: str, *answers: Answer, until: Lifetime = Lifetime.CLOSED) -> None:
-        """Show a sentence to the user, with buttons for the answers to it; it is removed at the event ``until``."""
+        """Show a warning to the user, with buttons for the answers to it; it is removed at the event ``until``."""
         self.message_posted.emit(UserMessage(sentence, answers, until))
+
+    def inform(self, sentence: str, *answers: Answer, until: Lifetime = Lifetime.CLOSED) -> None:
+        """Show news that warns of nothing, as ``say`` does."""
+        self.message_posted.emit(UserMessage(sentence, answers, until, warns=False))
 
     def clear_message(self) -> None:
         """Remove the last message."""

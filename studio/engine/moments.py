@@ -149,10 +149,7 @@ class TargetContext:
         from studio.core.solver.standing.support_polygon import corners, standing_mask, support_polygons  # as above
 
         motion, row = self.pose.motion, slice(self.pose.row, self.pose.row + 1)
-        composite = motion.composite
-        contacts = (
-            composite.contacts if composite else tuple(self.project.contacts_of(self.pose.motion_id or "").values())
-        )
+        contacts = self.pose.contacts_in(self.project)
         frame = self.pose.row + motion.first_frame
         stands = standing_mask(contacts, frame + 1)[:, frame:]
         area: FloatArray = corners(

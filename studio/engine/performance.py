@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from studio.core.body.canonical import BodyPart
 from studio.core.body.rest_pose import rest_pose
 from studio.core.captures.capture import Capture
+from studio.core.captures.contacts import FOOT_POINTS, ContactInterval
 from studio.core.curves.activation import EaseShape, ease
 from studio.core.normalized.pieces import Played
 from studio.core.rigs.driven_fingers import has_fingers
@@ -157,6 +158,14 @@ class Posed:
     def motion_id(self) -> str | None:
         """Id of the playing motion."""
         return self.clip.motion_id if self.clip else None
+
+    def contacts_in(self, project: Project) -> tuple[ContactInterval, ...]:
+        """Contacts of its motion; in a row of clips those of feet as they step where a clip takes over."""
+        composite = self.motion.composite
+        if composite is None:
+            return tuple(project.contacts_of(self.motion_id or "").values())
+        feet = [each for each in self.motion.contacts if each.point in FOOT_POINTS]
+        return (*feet, *(each for each in composite.contacts if each.point not in FOOT_POINTS))
 
 
 def pose_of(project: Project, performer: Performer, motion: AdaptedMotion, time: float) -> Posed:

@@ -12,6 +12,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Vector
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
+from studio.core.grounds.ground import Ground
 from studio.core.rotations import from_euler, from_matrix, multiply, to_matrix
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.holding import quarters
@@ -28,6 +29,8 @@ HELD_DISTANCE = 0.3
 CARRIED_AHEAD, CARRIED_HEIGHT = 0.28, 0.2
 """Leg lengths from the root forward to a prop that is carried before the body, and up to its middle, at least."""
 
+RESTS_WITHIN = 0.01
+"""Metres between the ground and the lower side of a prop that rests on it, at most."""
 FINGERS_RAISED = 2.0 / 3.0
 """Part of the arms' elevation that the fingers on a prop follow; wrists bend by the rest, and by more once it moves."""
 
@@ -88,6 +91,27 @@ def moved_prop(pose: PropPose, place: FloatArray) -> Prop:
     if isinstance(prop.position, ProceduralPlace):
         return replace(prop, position=prop.position.passing((x, y, z), pose.time))
     return replace(prop, position=(x, y, z))
+
+
+def resized_prop(pose: PropPose, size: Vector, ground: Ground) -> Prop:
+    """Prop of another size: one that rests on the ground still does, any other keeps its centre."""
+    prop, extent = replace(pose.prop, size=size), np.abs(pose.axes[2]) / 2.0
+    gap = float(pose.place[2] - extent @ np.array(pose.prop.size) - ground.height_at(pose.place))
+    rise = float(extent @ (np.array(size) - np.array(pose.prop.size)))
+    return raised_prop(prop, rise) if prop.lies_at(pose.time) and abs(gap) < RESTS_WITHIN else prop
+
+
+def raised_prop(prop: Prop, rise: float) -> Prop:
+    """Prop whose own position, with all its keys, is ``rise`` metres higher."""
+    position = prop.position
+    if isinstance(position, KeyedPlace):
+        values = tuple((x, y, z + rise) for x, y, z in position.values)
+        return replace(prop, position=replace(position, values=values))
+    if isinstance(position, ProceduralPlace):
+        x, y, z = position.centre
+        return replace(prop, position=replace(position, centre=(x, y, z + rise)))
+    x, y, z = position
+    return replace(prop, position=(x, y, z + rise))
 
 
 def turned_prop(pose: PropPose, rotation: FloatArray) -> Prop:

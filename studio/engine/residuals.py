@@ -5,6 +5,7 @@ which it is active at all. A foot's constraint is fully active only where the fo
 """
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +19,29 @@ from studio.core.solver.performers.stage import asked_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Project
+from studio.document import colours
 from studio.engine.live_interface import Live
 from studio.engine.residual_measures import LENGTH_MEASURE, Measure, measure_of
 
 FloatArray = NDArray[np.float64]
+
+
+class Inactive(StrEnum):
+    """Reason why a constraint acts in no frame of a body."""
+
+    ELSEWHERE = "not active"
+    OVERRIDDEN = "overridden by contacts"
+    CUT = "fade cut by the clip"
+
+    @property
+    def short(self) -> str:
+        """Word for a narrow column."""
+        return {Inactive.OVERRIDDEN: "overridden", Inactive.CUT: "fade cut"}.get(self, str(self))
+
+    @property
+    def colour(self) -> str:
+        """Colour of a warning where the clip leaves the constraint out."""
+        return colours.PARTLY if self is Inactive.CUT else colours.TEXT_THIRD
 
 
 @dataclass(frozen=True)
@@ -149,6 +169,21 @@ def worst_residual(
         return None
     place = int(np.nanargmax(counted))
     return Residual(float(counted[place]), int(frames[place]), fully_active, measure_of(constraint))
+
+
+def inactivity(project: Project, performer_id: str, motion: AdaptedMotion | None, constraint_id: str) -> Inactive:
+    """Reason why a constraint without a residual is inactive: its limb stands, or a clip leaves no time to fade."""
+    missed = residuals_on(project, performer_id, motion, constraint_id)
+    if missed is None:
+        return Inactive.ELSEWHERE
+    constraint, frames = project.constraints[constraint_id], missed.frames
+    clips = _clips_with(project, performer_id, constraint)
+    played = np.any([(frames >= clip.first) & (frames <= clip.last) for clip in clips], axis=0)
+    active = played & (constraint.activation.at(frames / missed.frame_rate) > 0.0)
+    free = freedom_from_contacts(project, performer_id, constraint, missed) >= 1.0
+    if not active.any():
+        return Inactive.ELSEWHERE
+    return Inactive.CUT if (active & free).any() else Inactive.OVERRIDDEN
 
 
 def freedom_from_contacts(

@@ -74,9 +74,9 @@ class Result:
     def reasons(self) -> tuple[str, str, str]:
         """Posture, reach and time to the hit, each in words."""
         return (
-            f"fits {metres(self.posture)}",
-            f"{metres(self.reach)} away unadapted",
-            f"hits after {self.seconds:.2f} s",
+            f"posture {metres(self.posture)} off",
+            f"passes {metres(self.reach)} from the target",
+            f"hits in {self.seconds:.2f} s",
         )
 
 

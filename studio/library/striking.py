@@ -127,7 +127,7 @@ class TriedStrike:
     @property
     def reasons(self) -> tuple[str, ...]:
         """Reasons of the search result, and whether it hits after solving."""
-        return (*self.found.reasons, "reached" if self.hits else f"{metres(self.missed)} short")
+        return (*self.found.reasons, "meets it" if self.hits else f"{metres(self.missed)} short")
 
 
 def tried(found: Sequence[Result], asked: StrikeQuery) -> list[TriedStrike]:

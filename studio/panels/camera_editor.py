@@ -2,8 +2,6 @@
 
 import math
 
-from PySide6.QtWidgets import QCheckBox
-
 from studio.core.changed_records import with_fields
 from studio.core.stage.saved_camera import CAMERA_SLOTS, SavedCamera
 from studio.document.document import Document
@@ -11,7 +9,7 @@ from studio.document.stored_cameras import give_slot
 from studio.engine.live_interface import Live
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.editor import Editor, EntityNameField
-from studio.panels.fields import Choice, NumberField, Section
+from studio.panels.fields import Choice, NumberField, Section, check_box
 
 NO_SLOT = "none"
 
@@ -42,7 +40,7 @@ class CameraEditor(Editor[SavedCamera]):
             NumberField("Elevation", "°", -90.0, 90.0, 5.0, 1), lambda value: self._place(elevation=math.radians(value))
         )
         section.add_row("Elevation", self._elevation)
-        self._parallel = QCheckBox("Orthographic")
+        self._parallel = check_box("Orthographic")
         self._parallel.clicked.connect(lambda on: self._place(parallel=on))
         section.add_wide(self._parallel)
         self.column.addWidget(section)

@@ -19,7 +19,7 @@ from studio.document.document import Document
 from studio.document.mnemonics import literal
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
-from studio.panels.fields import Choice, NumberField, Section, labelled, press_button, short
+from studio.panels.fields import Choice, NumberField, Section, check_box, labelled, press_button, short
 from studio.panels.layer_section import LayerSection
 
 CLIP_OFFSET_LIMIT = 1000.0
@@ -112,7 +112,7 @@ class ClipEditor(Editor[Clip]):
         return buttons
 
     def _box(self, text: str, put: Callable[[bool], None]) -> QCheckBox:
-        box = QCheckBox(text)
+        box = check_box(text)
         box.toggled.connect(put)
         return box
 

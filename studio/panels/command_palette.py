@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from studio.document import colours
-from studio.panels.fields import labelled
+from studio.panels.fields import labelled, room_on_screen
 
 PALETTE_WIDTH, MOST_PALETTE_ROWS, PALETTE_ROW_PX = 480, 12, 28
 SCROLL_BAR = 12
@@ -196,7 +196,7 @@ class ShortcutSheet(QDialog):
         column.setContentsMargins(0, 0, 0, 0)
         column.addWidget(area)
         wanted = content.sizeHint() + QSize(2, 2)
-        room = window.screen().availableSize() - QSize(80, 120)
+        room = room_on_screen(window)
         self.resize(wanted.boundedTo(room) + QSize(SCROLL_BAR if wanted.height() > room.height() else 0, 0))
 
 

@@ -4,7 +4,7 @@ import math
 from functools import partial
 
 from PySide6.QtCore import QSignalBlocker
-from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QWidget
 
 from studio.core.body.canonical import BodyPart
 from studio.core.stage.correction import Correction
@@ -12,7 +12,7 @@ from studio.document.correction_edits import mirror_correction, set_key, set_pos
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor, EntityNameField
-from studio.panels.fields import PER_CENT, Choice, NumberField, Section, labelled, press_button
+from studio.panels.fields import PER_CENT, Choice, NumberField, Section, check_box, labelled, press_button
 
 RANGE_FIELDS = ("Start", "Ease-in end", "Ease-out start", "End")
 TURN_AXES = ("x", "y", "z")
@@ -29,7 +29,7 @@ class CorrectionEditor(Editor[Correction]):
         section.head.addWidget(mirror)
         self._name = EntityNameField(self)
         section.add_row("Name", self._name)
-        self._enabled = QCheckBox("Enabled")
+        self._enabled = check_box("Enabled")
         self._enabled.toggled.connect(lambda on: self._change("Enable" if on else "Disable", enabled=on))
         section.add_row("State", self._enabled)
         self._above = Choice("Order", [(False, "Below constraints"), (True, "Above constraints")])

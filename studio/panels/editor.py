@@ -5,14 +5,14 @@ from contextlib import contextmanager
 from typing import Generic, Protocol, TypeVar, cast
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QLineEdit, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from studio.core.changed_records import with_fields
 from studio.core.errors import StudioError
 from studio.core.stage.project import Entity
 from studio.document.document import Document
 from studio.engine.live_interface import Live
-from studio.panels.fields import NumberField, labelled
+from studio.panels.fields import NumberField, TextField, labelled
 from studio.panels.shared_edits import different_fields, with_edit
 
 EDITED_TOGETHER = ("constraints", "contacts", "clips", "performers", "props")
@@ -143,7 +143,7 @@ class Editor(QWidget, Generic[EditedT_co]):
         self.tell_together()
 
 
-class EntityNameField(QLineEdit):
+class EntityNameField(TextField):
     """Field for the name of an editor's entity."""
 
     def __init__(self, editor: Editor[NamedEntity], kind: str = "") -> None:
@@ -157,7 +157,6 @@ class EntityNameField(QLineEdit):
             self.setText(self._editor.entity.name)
 
     def _rename(self) -> None:
-        self.setModified(False)
         entity, name = self._editor.entity, self.text().strip()
         if entity is None:
             return  # a field that is left is read once more when its entity is gone

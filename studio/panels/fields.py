@@ -1,11 +1,14 @@
 """Parts of a form: section heads, labelled rows, number fields, segments, sliders."""
 
 from collections.abc import Callable, Iterable, Sequence
+from typing import cast
 
 from PySide6.QtCore import QEvent, QObject, QPointF, QSignalBlocker, QSize, Qt, Signal
-from PySide6.QtGui import QFont, QHelpEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent
+from PySide6.QtGui import QFont, QHelpEvent, QKeyEvent, QKeySequence, QMouseEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import (
+    QApplication,
     QButtonGroup,
+    QCheckBox,
     QComboBox,
     QDoubleSpinBox,
     QGridLayout,
@@ -27,6 +30,7 @@ FIELD_LABEL_WIDTH, LONGEST_NAME = 84, 90
 ROW_HEIGHT = 26
 FIELD_ICON_PX = 12
 SCRUB_START = 3
+DIALOG_MARGIN = QSize(80, 120)
 PER_CENT = 100.0
 
 
@@ -157,6 +161,7 @@ class NumberField(QDoubleSpinBox):
         self.lineEdit().installEventFilter(self)
         self.lineEdit().setCursor(Qt.CursorShape.SizeHorCursor)
         self.valueChanged.connect(self._tell)
+        self.editingFinished.connect(lambda: self.lineEdit().setModified(False))
 
     def set_unit(self, unit: str) -> None:
         """Set the unit of the values; the shown unit is that of the preferences."""
@@ -229,6 +234,25 @@ class NumberField(QDoubleSpinBox):
             self.lineEdit().deselect()
             self.ended.emit()
 
+    def event(self, event: QEvent) -> bool:
+        """Leave keys to the window's shortcuts until a number is typed."""
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and self.leaves(event):
+            event.ignore()
+            return False
+        return bool(super().event(event))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Leave the same keys to the window where they are no shortcuts."""
+        if self.leaves(event):
+            event.ignore()
+        else:
+            super().keyPressEvent(event)
+
+    def leaves(self, event: QKeyEvent) -> bool:
+        """True for undo, Space and letters, which begin no number, unless a number is being typed."""
+        begins_none = event.text() == " " or event.text().isalpha() or undoes_or_redoes(event)
+        return begins_none and not self.lineEdit().isModified()
+
     def wheelEvent(self, event: QEvent) -> None:
         """Ignore the wheel, which scrolls the form and never changes a number by accident."""
         event.ignore()
@@ -242,6 +266,7 @@ class Choice(QComboBox):
     def __init__(self, name: str, items: Iterable[tuple[object, str]]) -> None:
         super().__init__()
         self.setAccessibleName(name)
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves the keys to playback and playhead
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.setMinimumContentsLength(6)
         self._values: list[object] = []
@@ -301,7 +326,24 @@ class Choice(QComboBox):
         event.ignore()
 
 
-class TagField(QLineEdit):
+class TextField(QLineEdit):
+    """Line of text; Return ends the typing, so that keys are the window's shortcuts again."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.editingFinished.connect(lambda: self.setModified(False))
+        self.returnPressed.connect(self.clearFocus)
+
+    def event(self, event: QEvent) -> bool:
+        """Leave undo to the form and the window until a text is typed."""
+        is_undo = event.type() == QEvent.Type.ShortcutOverride and undoes_or_redoes(cast(QKeyEvent, event))
+        if is_undo and not self.isModified():
+            event.ignore()
+            return False
+        return bool(super().event(event))
+
+
+class TagField(TextField):
     """Field for tags, separated by commas; ``tags_edited`` is emitted only for edits by the user."""
 
     tags_edited = Signal(tuple)
@@ -352,6 +394,30 @@ class Segments(QWidget):
     def show_value(self, value: object) -> None:
         """Show the document's value."""
         self._group.button(self._values.index(value)).setChecked(True)
+
+
+def room_on_screen(window: QWidget) -> QSize:
+    """Greatest size of a dialog on the screen of a window, title bar and borders taken off."""
+    return QSize(window.screen().availableSize() - DIALOG_MARGIN)
+
+
+def undoes_or_redoes(event: QKeyEvent) -> bool:
+    """True for the keys of undo and redo."""
+    return event.matches(QKeySequence.StandardKey.Undo) or event.matches(QKeySequence.StandardKey.Redo)
+
+
+def return_keys(widget: QWidget) -> None:
+    """Give the keys of a widget that is about to be hidden to its window; Qt would give them to the next button."""
+    focused = QApplication.focusWidget()
+    if focused is not None and (focused is widget or widget.isAncestorOf(focused)):
+        widget.window().setFocus()
+
+
+def check_box(text: str = "") -> QCheckBox:
+    """Checkbox that takes the focus only by Tab, so that Space goes on playing after a click."""
+    box = QCheckBox(literal(text))
+    box.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    return box
 
 
 def press_button(text: str, run: Callable[[], object] | None, role: str = "") -> QPushButton:

@@ -3,15 +3,13 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from PySide6.QtWidgets import QCheckBox
-
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Proportions
 from studio.core.mesh.character import Character
 from studio.core.stage.project import Performer
 from studio.panels.constraint_editors.target_rows import KeyRow
 from studio.panels.editor import Editor
-from studio.panels.fields import Section
+from studio.panels.fields import Section, check_box
 
 
 class GrowthRow(KeyRow):
@@ -21,7 +19,7 @@ class GrowthRow(KeyRow):
         self, editor: Editor[Character | Performer], section: Section, character_id: Callable[[], str]
     ) -> None:
         self._character_id = character_id
-        self._over_time = QCheckBox("Animated")
+        self._over_time = check_box("Animated")
         self._over_time.setAccessibleName("Proportions are animated")
         self._over_time.setToolTip("Animate proportions: a slider sets a key at the playhead.")
         self._over_time.clicked.connect(self._toggle)

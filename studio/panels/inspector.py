@@ -18,6 +18,7 @@ from studio.panels.constraint_editors import editor_of_kind
 from studio.panels.contact_editor import ContactEditor
 from studio.panels.correction_editor import CorrectionEditor
 from studio.panels.editor import Editor, PlainEditor
+from studio.panels.fields import return_keys
 from studio.panels.footage_editor import FootageEditor
 from studio.panels.ground_editor import GroundEditor
 from studio.panels.label_editor import LabelEditor
@@ -102,6 +103,7 @@ class Inspector(QScrollArea):
             self.editor.remap_requested.connect(self.remap_requested)
         if editor is not None:
             # It may be in the middle of an event of its own: it stays a child until the event loop lets it go.
+            return_keys(editor)
             self.takeWidget()
             if editor.collection and editor.entity is None:
                 _silence(editor)

@@ -1,14 +1,13 @@
 """Form section of a layer's settings beyond its clip: body region, weight, fades, and if it is additive."""
 
 from PySide6.QtCore import QSignalBlocker
-from PySide6.QtWidgets import QCheckBox
 
 from studio.core.errors import StudioError
 from studio.core.stage.clip import Clip
 from studio.core.stage.layer import Region
 from studio.document import clip_edits
 from studio.panels.editor import Editor
-from studio.panels.fields import PER_CENT, Choice, NumberField, Section, labelled
+from studio.panels.fields import PER_CENT, Choice, NumberField, Section, check_box, labelled
 
 
 class LayerSection(Section):
@@ -35,7 +34,7 @@ class LayerSection(Section):
         for field in self._fades:
             field.setSpecialValueText("automatic")
         self.add_row("Fade in / out (s)", *self._fades)
-        self._additive = QCheckBox("Additive")
+        self._additive = check_box("Additive")
         self._additive.toggled.connect(lambda on: self._put("Set layer additive", additive=on))
         self.add_row("Blend mode", self._additive)
         self._reference = editor.bind(

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import (
-    QCheckBox,
     QFrame,
     QHBoxLayout,
     QHeaderView,
@@ -19,7 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from studio.document import colours
-from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, check_box, labelled, press_button
 
 OWN_CLIPS, NO_INPUT, NO_PROP = "Own clips", "Nothing", "No prop yet"
 NO_INPUTS = "Not listening. Choose a port and press Listen, or replay a recording."
@@ -88,7 +87,7 @@ class LivePanel(QScrollArea):
         )
         self.names = QLineEdit("Head")
         self.names.setToolTip("One bone, or trackers separated by commas (their mean is used)")
-        self.stream = QCheckBox("Stream visible characters as VMC")
+        self.stream = check_box("Stream visible characters as VMC")
         self.out_address, self.out_port = QLineEdit(loopback), NumberField("Port", "", 1, 65_535, 1, 0)
         self.out_port.show_value(out_port)
         self.told, self.out_told = labelled(NO_INPUTS, "hint"), labelled("", "hint")

@@ -8,7 +8,7 @@ from PySide6.QtCore import QEvent, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QWidget
 
-from studio.panels.fields import press_button
+from studio.panels.fields import press_button, return_keys
 
 Answer = tuple[str, Callable[[], object]]
 
@@ -33,6 +33,7 @@ class UserMessage:
     sentence: str
     answers: tuple[Answer, ...] = ()
     lifetime: Lifetime = Lifetime.CLOSED
+    warns: bool = True
 
 
 PRESSING = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
@@ -82,6 +83,8 @@ class MessageStrip(QWidget):
         if message.sentence:
             self.say(message.sentence, *message.answers)
             self._lifetime = message.lifetime
+            self.setProperty("role", "warning" if message.warns else "")
+            self.style().polish(self)
         else:
             self.clear()
 
@@ -115,6 +118,7 @@ class MessageStrip(QWidget):
 
     def clear(self) -> None:
         """Remove the message and hide the strip."""
+        return_keys(self)
         self.hide()
 
     def press(self, text: str) -> None:
@@ -123,7 +127,7 @@ class MessageStrip(QWidget):
 
     def _make_button(self, text: str, run: Callable[[], object], main: bool) -> QPushButton:
         def answer() -> None:
-            self.hide()
+            self.clear()
             run()
 
         button = press_button(text, answer, "main" if main else "link")

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 
 from PySide6.QtCore import QSignalBlocker, Signal
-from PySide6.QtWidgets import QCheckBox, QLabel
+from PySide6.QtWidgets import QLabel
 
 from studio.core.stage.project import Performer
 from studio.document.document import Document
@@ -12,7 +12,7 @@ from studio.engine.live_interface import Live
 from studio.panels.body_map_section import character_section
 from studio.panels.character_editor import BodySection
 from studio.panels.editor import Editor, EntityNameField
-from studio.panels.fields import Choice, NumberField, Section, labelled, with_unit
+from studio.panels.fields import Choice, NumberField, Section, check_box, labelled, with_unit
 
 PLACEMENT_LIMIT = 1000.0
 
@@ -26,7 +26,7 @@ class PerformerEditor(Editor[Performer]):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Character")
-        self._visible = QCheckBox("shown")
+        self._visible = check_box("shown")
         self._visible.toggled.connect(self._show_or_hide)
         section.head.addWidget(self._visible)
         self._name = EntityNameField(self)
@@ -46,21 +46,21 @@ class PerformerEditor(Editor[Performer]):
         section.add_row(with_unit("Position", "m"), self._x, self._y)
         self._heading = self.bind(NumberField("Heading", "°", -360.0, 360.0, 1.0, 1), self._turn)
         section.add_row("Heading", self._heading)
-        self._limited = QCheckBox("Limit to human range")
+        self._limited = check_box("Limit to human range")
         self._limited.setToolTip(
             "Joint limits for constraints: shoulders, elbows, wrists, hips, knees and ankles stay in human"
             " range (or in that of the source motion)."
         )
         self._limited.toggled.connect(self._limit_or_free)
         section.add_row("Joints", self._limited)
-        self._eased = QCheckBox("Smooth pops")
+        self._eased = check_box("Smooth pops")
         self._eased.setToolTip(
             "Frames around a pop are smoothed; constraints may be missed briefly there, lowest priority first."
             " Off: every frame is solved exactly, even if joints pop."
         )
         self._eased.toggled.connect(self._ease_or_not)
         section.add_row("Smoothing", self._eased)
-        self._clears = QCheckBox("Arm self-collision")
+        self._clears = check_box("Arm self-collision")
         self._clears.setToolTip(
             "Keeps hands, forearms and elbows out of torso, head and thighs; source self-contacts are kept."
             " Hand constraints have priority; the elbow moves."

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from PySide6.QtWidgets import QCheckBox, QWidget
+from PySide6.QtWidgets import QWidget
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
@@ -17,11 +17,20 @@ from studio.document.obstacles import obstacles_of, set_obstacle
 from studio.engine.live_interface import Live
 from studio.engine.performance import posed_performers
 from studio.engine.point_names import POINT_NAMES, point_words
-from studio.engine.prop_places import PropPose, between_hands, in_hand, moved_prop, prop_at, turned_prop, unheld
+from studio.engine.prop_places import (
+    PropPose,
+    between_hands,
+    in_hand,
+    moved_prop,
+    prop_at,
+    resized_prop,
+    turned_prop,
+    unheld,
+)
 from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.editor import Editor, EntityNameField
-from studio.panels.fields import Choice, Section, labelled, press_button
+from studio.panels.fields import Choice, Section, check_box, labelled, press_button
 from studio.panels.rotation_row import RotationRow
 
 LEAST_PROP_SIZE = 0.001
@@ -65,7 +74,7 @@ class PropEditor(Editor[Prop]):
         self._rule = ProceduralRows(self, section, "position")
         self._keys = [press_button("Set key", self._set_key), press_button("Delete key", self._delete_key)]
         self._keys_row = section.add_row("Keys", *self._keys)
-        self._collides = QCheckBox("Collide with characters")
+        self._collides = check_box("Collide with characters")
         self._collides.setAccessibleName("Characters collide with the prop")
         self._collides.clicked.connect(self._set_collides)
         section.add_row("Collision", self._collides)
@@ -76,8 +85,11 @@ class PropEditor(Editor[Prop]):
     @property
     def pose(self) -> PropPose:
         """Pose of the prop at the playhead."""
+        return self._pose_of(self.entity_id)
+
+    def _pose_of(self, prop_id: str) -> PropPose:
         project, time = self.document.project, self.document.playhead.time
-        return prop_at(project, posed_performers(project, self.live.result, time), self.entity_id, time)
+        return prop_at(project, posed_performers(project, self.live.result, time), prop_id, time)
 
     def refresh(self) -> None:
         """Update all fields from the document."""
@@ -101,12 +113,17 @@ class PropEditor(Editor[Prop]):
         return super().concerns(collection, entity_id) or collection in ("performers", "constraints")
 
     def _resize(self, size: tuple[float, ...]) -> None:
-        """Resize the prop, and the constraints that make it an obstacle."""
-        text = f"Resize {self.entity.name}"
-        with self.document.group(text, self.gesture):
-            self._set("Resize", size=size)
-            for key, each in obstacles_of(self.document.project, self.entity_id).items():
-                self.document.replace("constraints", key, replace(each, size=self.entity.size), text)
+        """Resize the selected props in what was edited, and the constraints that make them obstacles."""
+        text, before, ground = f"Resize {self.entity.name}", self.entity.size, self.document.project.ground
+        with self._objections_told(), self.document.group(text, self.gesture):
+            for prop_id in self.together:
+                pose = self._pose_of(prop_id)
+                x, y, z = (
+                    own if new == old else new for own, old, new in zip(pose.prop.size, before, size, strict=True)
+                )
+                self.document.replace("props", prop_id, resized_prop(pose, (x, y, z), ground), text)
+                for key, each in obstacles_of(self.document.project, prop_id).items():
+                    self.document.replace("constraints", key, replace(each, size=(x, y, z)), text)
 
     def _set_collides(self, collides: bool) -> None:
         set_obstacle(self.document, self.entity_id, collides)

@@ -5,7 +5,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QS
 
 from studio.document.document import Document
 from studio.document.mnemonics import literal
-from studio.panels.fields import press_button
+from studio.panels.fields import ElidedText, press_button
 
 STATUS_BAR_WIDTH = 120
 SECONDS_BEFORE_PERCENT = 10
@@ -84,13 +84,14 @@ class StatusLine(QStatusBar):
         super().__init__()
         self.setSizeGripEnabled(False)
         self.document = document
-        self._time, self._rate, self._told, self._journal = (QLabel() for _ in range(4))
+        self._time, self._rate, self._journal, self._told = QLabel(), QLabel(), QLabel(), ElidedText()
         self._guesses = press_button("", self.report_requested.emit, "link")
         self.progress = ProgressLine()
         for label in (self._time, self._rate, self._told):
             label.setContentsMargins(8, 0, 8, 0)
-        for widget in (self._time, self._rate, self._guesses, self._told):
+        for widget in (self._time, self._rate, self._guesses):
             self.addWidget(widget)
+        self.addWidget(self._told, 1)
         self._journal.setContentsMargins(8, 0, 12, 0)
         self.addPermanentWidget(self.progress)
         self.addPermanentWidget(self._journal)
@@ -105,8 +106,8 @@ class StatusLine(QStatusBar):
         self._show_journal()
 
     def tell(self, words: str) -> None:
-        """Show a text about the item under the mouse."""
-        self._told.setText(words)
+        """Show a text about the item under the mouse, in one line."""
+        self._told.setText(" · ".join(words.splitlines()))
 
     def _entity_changed(self, collection: str, _: str) -> None:
         if collection in ("captures", "motions", "performers"):

@@ -13,7 +13,7 @@ from studio.core.stage.project import Project
 from studio.document.document import Document
 from studio.document.keyed_fields import KeyRef
 from studio.engine.live_interface import Live
-from studio.engine.residuals import Residual, applies_to, worst_residual
+from studio.engine.residuals import Inactive, Residual, applies_to, inactivity, worst_residual
 from studio.timeline.axis import TimeAxis
 from studio.timeline.strip_states import Strip, strip_of
 from studio.timeline.subject import Subject
@@ -156,6 +156,10 @@ class RowContext:
     def residual(self, constraint_id: str, performer_id: str) -> Residual | None:
         """Worst residual of a constraint on a body."""
         return worst_residual(self.project, performer_id, self.live.reported(performer_id), constraint_id)
+
+    def inactivity(self, constraint_id: str, performer_id: str) -> Inactive:
+        """Reason why a constraint without a residual is inactive on a body."""
+        return inactivity(self.project, performer_id, self.live.reported(performer_id), constraint_id)
 
 
 def within(point: QPointF, x: float, y: float, reach: float) -> bool:

@@ -23,7 +23,7 @@ from studio.document.mirrored import mirrored_change
 from studio.document.obstacles import obstacles_of
 from studio.engine.moments import TargetContext
 from studio.engine.performance import Posed
-from studio.engine.prop_places import moved_prop, prop_at, tilt_of, turned_prop, wrapped
+from studio.engine.prop_places import moved_prop, prop_at, resized_prop, tilt_of, turned_prop, wrapped
 from studio.viewport.camera import FloatArray
 from studio.viewport.handle_places import handle_place, is_flat
 from studio.viewport.rotate_gizmo import rotation_about
@@ -192,10 +192,11 @@ class PlacedProp(Movable):
         self._put(turned_prop(self._pose, rotation), "Rotate", gesture)
 
     def scale(self, factors: FloatArray, gesture: int) -> None:
-        """Resize it about its centre, and the constraints that make it an obstacle."""
+        """Resize it, and the constraints that make it an obstacle."""
         x, y, z = np.maximum(np.array(self._begin.size) * factors, LEAST_SIDE).tolist()
         obstacles = {key: replace(each, size=(x, y, z)) for key, each in self._obstacles.items()}
-        self._put(replace(self._begin, size=(x, y, z)), "Resize", gesture, obstacles)
+        resized = resized_prop(self._pose, (x, y, z), self._document.project.ground)
+        self._put(resized, "Resize", gesture, obstacles)
 
     def put_back(self, gesture: int) -> None:
         """Restore it."""

@@ -104,16 +104,12 @@ def prop_paths(project: Project, selected: Collection[str], time: float) -> list
 
 def contact_marks(project: Project, posed: Mapping[str, Posed]) -> list[StagePath]:
     """Small ring on the ground at each present contact of a heel, toe, hand, knee or seat."""
-    centres: list[FloatArray] = []
-    standing: dict[tuple[object, int], list[ContactPoint]] = {}
-    for pose in posed.values():
-        composite, motion_id = pose.motion.composite, pose.motion_id or ""
-        moment = composite or motion_id, pose.frame
-        if moment not in standing:  # once for all bodies: a long motion has thousands of contacts
-            contacts = composite.contacts if composite else project.contacts_of(motion_id).values()
-            now = [each for each in contacts if each.first <= pose.frame <= each.last]
-            standing[moment] = [each.point for each in now if isinstance(each.point, ContactPoint)]
-        centres += [_touching_point(pose, point) for point in standing[moment]]
+    centres = [
+        _touching_point(pose, each.point)
+        for pose in posed.values()
+        for each in pose.contacts_in(project)
+        if each.first <= pose.frame <= each.last and isinstance(each.point, ContactPoint)
+    ]
     return _rings(project, centres, np.full(len(centres), PATH_MARK_RADIUS), colours.kind_colour("contact"), 0.9)
 
 

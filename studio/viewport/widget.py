@@ -664,13 +664,20 @@ class Viewport(Canvas):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Cancel a drag or clear the pick by Esc; nudge the movable thing."""
-        key = Qt.Key(event.key())
-        if key == Qt.Key.Key_Escape and (self.cancel_gesture() or self.joint_picked is not None):
+        if event.key() == Qt.Key.Key_Escape and (self.cancel_gesture() or self.joint_picked is not None):
             self.pick(None)
-        elif key in self._keys and not event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
-            self._keys[key]()
-        else:
+        elif not self.nudge_by_key(event):
             super().keyPressEvent(event)
+
+    def nudge_by_key(self, event: QKeyEvent) -> bool:
+        """Choose an axis or move by a step along it; False for other keys."""
+        key, held = Qt.Key(event.key()), event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier
+        if key == Qt.Key.Key_Plus:
+            held &= ~Qt.KeyboardModifier.ShiftModifier  # some keyboards have it above another sign
+        if held or key not in self._keys:
+            return False
+        self._keys[key]()
+        return True
 
     @property
     def _keys(self) -> dict[Qt.Key, Callable[[], object]]:

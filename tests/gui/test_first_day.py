@@ -15,6 +15,7 @@ from studio.app.preferences import key_maps
 from studio.core.captures.contacts import ContactInterval, Touch
 from studio.core.stage.prop import Prop
 from studio.core.stage.staging import SPACING, side_by_side
+from studio.document import colours
 from studio.engine.performance import root_paths
 from studio.io.bvh.writer import write_bvh
 from studio.panels.command_palette import plain_text
@@ -251,3 +252,20 @@ def test_what_is_said_of_a_stored_view_goes_with_the_next_edit(window):
     assert window.strip.text.startswith("The view is stored")
     window.bench.document.add("props", Prop("Box", position=(0.6, 0.0, 0.2)), "Add box")
     assert window.strip.text == ""
+
+
+def test_only_a_warning_has_the_colour_of_a_warning(window):
+    def edge():
+        strip = window.strip
+        strip.ensurePolished()
+        return strip.grab().toImage().pixelColor(strip.width() // 2, 0).name()
+
+    window.bench.inform("Exported walk.bvh.")
+    QApplication.processEvents()
+    assert edge() != colours.PARTLY.lower()
+    window.bench.say("The file cannot be read.")
+    QApplication.processEvents()
+    assert edge() == colours.PARTLY.lower()
+    window.bench.inform("Exported walk.bvh.")
+    QApplication.processEvents()
+    assert edge() != colours.PARTLY.lower()

@@ -130,6 +130,15 @@ def test_typing_into_a_field_is_typing_while_the_stage_plays(playing, qtbot):
     assert playing.bench.live.play.running
 
 
+def test_the_message_names_the_keys_that_are_in_force_and_whom_they_concern(playing):
+    assert playing.strip.text.endswith("X: kick (Two). Shift+R: record. Esc: stop.")
+    playing.bench.live.play.end()
+    playing.bench.preferences = replace(playing.bench.preferences, own_keys={"record_take": ("Ctrl+R",)})
+    playing.actions_by_id.apply_keys()
+    playing.actions_by_id.by_id["play_live"].trigger()
+    assert "Ctrl+R: record." in playing.strip.text
+
+
 def test_another_project_ends_it(playing):
     playing.bench.document.new(staged(clip_of("straight_punch")))
     assert not playing.bench.live.play.running

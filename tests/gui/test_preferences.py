@@ -25,6 +25,7 @@ from studio.app.verbs.files import save_to
 from studio.core.stage.prop import Prop
 from studio.document import colours
 from studio.io.project.project_file import read_project
+from studio.panels.command_palette import ShortcutSheet
 from studio.resources_folder import guide_file
 from studio.viewport.body_points import body_joints
 from studio.viewport.picking import PickedJoint
@@ -172,3 +173,16 @@ def test_help_opens_the_guide_or_says_where_it_is(window, monkeypatch):
     assert said == []
     QTest.keyClick(window, Qt.Key.Key_F1)
     assert str(guide_file()) in said[0]
+
+
+@pytest.mark.parametrize("opened", ["preferences", "shortcuts"])
+def test_a_dialog_fits_on_the_screen(window, opened):
+    dialog = {
+        "preferences": lambda: PreferencesDialog(window.bench),
+        "shortcuts": lambda: ShortcutSheet(window, window.actions_by_id.by_menu()),
+    }[opened]()
+    dialog.show()
+    room = window.screen().availableSize()
+    assert dialog.width() <= room.width()
+    assert dialog.height() <= room.height()
+    dialog.close()

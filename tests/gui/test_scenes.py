@@ -3,6 +3,9 @@
 from PySide6.QtTest import QTest
 
 from studio.app.application import import_views, show_views
+from studio.core.constraints.follow import FollowProp
+from studio.document.obstacles import obstacles_of
+from studio.library.scenes import SCENES
 from tests.patience import PATIENCE, SECONDS
 
 
@@ -23,3 +26,10 @@ def test_the_fight_opens_from_the_menu_with_its_eight_fighters_and_their_clips(w
     show_views(window)
     qtbot.waitUntil(lambda: len(window.bench.viewport.posed) == 8, timeout=PATIENCE)
     QTest.qWait(300)
+
+
+def test_the_areas_of_the_scene_with_tables_stay_tables_of_any_size():
+    project = next(scene for scene in SCENES if scene.title == "Wrists above a table").make()
+    for prop_id, table in project.props.items():
+        (area,) = obstacles_of(project, prop_id).values()
+        assert (area.centre, area.size) == (FollowProp(prop_id), table.size)

@@ -138,7 +138,7 @@ def drop(widget, where, take, row=0):
 def test_what_is_said_to_hit_hits_and_what_is_said_to_fall_short_does(striking, window, qtbot):
     document, panel = window.bench.document, striking.panel
     key, (prop_id, prop) = document.active_performer_id, next(iter(document.project.props.items()))
-    for place, words in ((PLACE, "reached"), ((2.5, -0.1, 1.3), "short")):
+    for place, words in ((PLACE, "meets it"), ((2.5, -0.1, 1.3), "short")):
         document.replace("props", prop_id, replace(prop, position=place), "Move")
         assert window.bench.live.wait(PATIENCE / 1000)
         striking.search()

@@ -59,7 +59,7 @@ def test_a_strike_is_found_played_and_made_to_hit_and_one_undo_takes_it_back(str
     solved(window, qtbot)
     qtbot.mouseClick(find_button(striking.panel), Qt.MouseButton.LeftButton)
     assert striking.panel.hint.text() == strikes.READY
-    assert "away unadapted" in striking.panel.results.item(0).text()
+    assert "from the target" in striking.panel.results.item(0).text()
     ranks = [(not each.hits, each.found.cost) for each in striking.found]
     assert ranks == sorted(ranks)
     before, steps = document.project, document.undo_stack.count()
@@ -94,7 +94,7 @@ def test_what_is_chosen_is_searched_for_at_once(striking, window, qtbot):
     solved(window, qtbot)
     panel, key = striking.panel, add_box(window)
     assert panel.hint.text() == strikes.READY
-    assert "away unadapted" in panel.results.item(0).text()
+    assert "from the target" in panel.results.item(0).text()
     choose_by_keys(panel.limb, 1 + Limb.RIGHT_LEG)
     assert {clip.label.limb for clip in striking.listed} == {Limb.RIGHT_LEG}
     window.bench.document.remove("props", key, "Delete box")
@@ -119,7 +119,7 @@ def test_strikes_are_ranked_as_soon_as_the_body_is_solved(striking, window, qtbo
         assert striking.panel.results.count() == 14
     window.bench.live.adapted.emit(window.bench.document.active_performer_id)
     assert striking.panel.hint.text() == strikes.READY
-    assert "away unadapted" in striking.panel.results.item(0).text()
+    assert "from the target" in striking.panel.results.item(0).text()
 
 
 def test_who_aims_at_its_own_face_is_told_to_choose_another_target(striking, window):

@@ -56,6 +56,12 @@ def test_strips_are_painted_anew_soon_after_a_result(qtbot, timeline, live):
     qtbot.waitUntil(lambda: strip_colour(timeline, 40).red() > 150 > held.red())
 
 
+def test_a_row_warns_of_a_constraint_that_a_cut_clip_leaves_out(document, timeline, live):
+    live.errors = {key: {"kick": np.nan} for key in document.project.performers}
+    live.reported_changed.emit()
+    assert constraint.verdict(timeline.tracks.shown, "kick") == ("fade cut by the clip", colours.PARTLY)
+
+
 def test_a_body_that_is_not_solved_yet_is_hatched_and_nobody_says_held(timeline, live):
     green = strip_colour(timeline, 40)
     live.unsolved.add("performer 1")

@@ -248,6 +248,20 @@ def test_a_prop_is_turned_about_all_three_axes_and_resized_with_what_keeps_bodie
     assert document.project.constraints == before.constraints
 
 
+def test_a_box_on_the_ground_is_resized_upwards(studio):
+    viewport, document, _ = studio
+    prop_id = document.add("props", Prop("Box", position=(0.6, 0.6, 0.2), heading=0.3), "Add a box")
+    document.selection.set(("props", prop_id))
+    viewport.frame_selection()
+    viewport.set_tool("scale")
+    settle(viewport)
+    centre = QPoint(*np.rint(viewport.gizmo().centre).astype(int))
+    drag(viewport, centre, centre + QPoint(60, 0))
+    prop = document.project.props[prop_id]
+    assert prop.size[2] > 0.5
+    assert prop.position == pytest.approx((0.6, 0.6, prop.size[2] / 2))
+
+
 def test_a_target_is_moved_along_the_axes_of_its_parent(studio):
     viewport, document, key = shown(
         studio, make_constraint(name="Reach", priority=3, target=(0.5, -0.3, 1.2)), heading=0.6, position=(0.3, 0.1)

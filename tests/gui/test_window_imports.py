@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QPushButton
@@ -213,3 +214,9 @@ def test_a_noisy_take_is_offered_a_cleaning_that_one_click_applies_and_undo_take
     QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)
     QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)
     assert same(document.project, as_read)
+
+
+@pytest.mark.parametrize("repair", ["walk.bvh, line 9: cut off.", "walk.bvh: line 9: cut off.", "line 9: cut off."])
+def test_a_message_about_repairs_names_the_file_once(repair):
+    capture = replace(make_capture(), source="walk.bvh", repairs=(repair,))
+    assert repair_words(capture) == "walk.bvh was read with 1 repair: line 9: cut off."

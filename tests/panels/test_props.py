@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QCheckBox, QComboBox, QPushButton
 
 from studio.core.body.canonical import BodyPart
@@ -17,7 +19,7 @@ from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.solver.performers.stage import asked_of
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
-from studio.document.obstacles import obstacles_of
+from studio.document.obstacles import obstacles_of, set_obstacle
 from studio.engine.performance import posed_performers
 from studio.engine.prop_places import moved_prop, prop_at, turned_prop
 from studio.io.project.entity_json import entity_record
@@ -299,3 +301,44 @@ def test_an_area_has_a_margin_while_its_point_stays_outside(document, live, qtbo
     assert not margin.isVisible()
     document.undo_stack.undo()
     assert document.project.constraints[key].margin == 0.05
+
+
+def type_height(form, metres):
+    field = next(each for each in form.findChildren(NumberField) if each.accessibleName() == "Size Z")
+    QTest.mouseClick(field.lineEdit(), Qt.MouseButton.LeftButton)
+    field.lineEdit().selectAll()
+    QTest.keyClicks(field, str(metres))
+    QTest.keyClick(field, Qt.Key.Key_Return)
+
+
+def test_a_prop_that_is_made_higher_stays_on_the_ground(form, document):
+    before = document.project.props["box"]
+    type_height(form, 1.0)
+    prop = document.project.props["box"]
+    assert (prop.size, prop.position) == ((0.4, 0.4, 1.0), (0.0, 0.0, 0.5))
+    document.undo_stack.undo()
+    assert document.project.props["box"] == before
+
+
+def test_a_keyed_prop_that_is_made_higher_stays_on_the_ground_at_every_key(form, document):
+    keyed = KeyedPlace((0.0, 1.0), ((0.0, 0.0, 0.2), (1.0, 0.0, 0.7)))
+    document.replace("props", "box", replace(document.project.props["box"], position=keyed), "Key")
+    type_height(form, 1.0)
+    assert document.project.props["box"].position.values == ((0.0, 0.0, 0.5), (1.0, 0.0, 1.0))
+
+
+def test_a_prop_in_the_air_is_resized_about_its_centre(form, document):
+    document.replace("props", "box", replace(document.project.props["box"], position=(0.0, 0.0, 1.2)), "Move")
+    type_height(form, 1.0)
+    assert document.project.props["box"].position == (0.0, 0.0, 1.2)
+
+
+def test_props_that_are_resized_together_keep_their_other_sides_and_take_their_obstacles_along(form, document):
+    document.add("props", Prop("Shelf", size=(1.0, 0.3, 0.4), position=(2.0, 0.0, 0.2)), "Add")
+    (shelf,) = set(document.project.props) - {"box"}
+    set_obstacle(document, shelf, True)
+    document.selection.set(("props", shelf), ("props", "box"))
+    type_height(form, 1.0)
+    assert document.project.props[shelf].size == (1.0, 0.3, 1.0)
+    assert document.project.props[shelf].position == (2.0, 0.0, 0.5)
+    assert {each.size for each in obstacles_of(document.project, shelf).values()} == {(1.0, 0.3, 1.0)}

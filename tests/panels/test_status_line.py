@@ -2,8 +2,10 @@
 
 from dataclasses import replace
 
+from PySide6.QtWidgets import QLabel
+
 from studio.document.document import Document
-from studio.panels.status_line import ProgressLine, journal_words
+from studio.panels.status_line import ProgressLine, StatusLine, journal_words
 from tests.builders import make_project
 
 
@@ -37,3 +39,16 @@ def test_the_newest_job_is_told_and_the_one_before_when_that_ends(qtbot):
     assert line.now == ("Opening walk.bvh · reading", 0.25)
     line.end(1)
     assert line.now == ("", 0.0)
+
+
+def test_a_text_of_two_lines_is_told_in_one_and_never_widens_the_window(qtbot):
+    status = StatusLine(Document(make_project()))
+    qtbot.addWidget(status)
+    status.show()
+    status.tell("kick")
+    status.layout().activate()
+    least = status.minimumSizeHint().width()
+    status.tell(f"kick: frames 0 to 251\nDrag to trim. {'Later clips move along. ' * 20}")
+    status.layout().activate()
+    assert any(each.text().startswith("kick: frames 0 to 251 · Drag to trim.") for each in status.findChildren(QLabel))
+    assert status.minimumSizeHint().width() == least

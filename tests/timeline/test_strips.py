@@ -1,9 +1,15 @@
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.base import BodyPoint
+from studio.core.curves.activation import ActivationCurve
+from studio.engine.residuals import Inactive, inactivity
+from studio.panels.constraint_editors.worst_residuals import residuals_of, words_of
 from studio.timeline.strip_states import Strip, StripState, strip_heights, strip_of
 from tests.builders import make_constraint, make_contact, make_project
 from tests.timeline.fakes import make_result
@@ -60,6 +66,23 @@ def test_a_constraint_gives_way_only_where_a_contact_holds_its_limb():
     assert not strip_of(project, "performer 0", silent, "c").yields
     stands = project.with_entity("contacts", "heel", make_contact(point=ContactPoint.LEFT_HEEL, first=0, last=12))
     assert strip_of(stands, "performer 0", silent, "c").yields
+
+
+def test_the_reason_is_told_why_a_constraint_acts_in_no_frame():
+    """Before the clip, on a foot that stands, or because the clip is cut within its fade."""
+    foot = make_constraint(point=BodyPoint(BodyPart.LEFT_FOOT, at_end=True))
+    project = make_project(characters=1, constraints=0, contacts=0).with_entity("constraints", "c", foot)
+    stands = project.with_entity("contacts", "heel", make_contact(point=ContactPoint.LEFT_HEEL, first=0, last=29))
+    later = replace(foot, activation=ActivationCurve(60.0, 60.1, 60.3, 60.4))
+    for asked, reason in (
+        (project, Inactive.CUT),
+        (stands, Inactive.OVERRIDDEN),
+        (project.with_entity("constraints", "c", later), Inactive.ELSEWHERE),
+    ):
+        silent = make_result(asked, {"c": np.nan})
+        [line] = residuals_of(asked, SimpleNamespace(reported=lambda _, silent=silent: silent, ready=True), "c")
+        assert inactivity(asked, "performer 0", silent, "c") is line.inactive is reason
+        assert words_of(line) == reason
 
 
 def test_residuals_are_found_by_priority_among_the_enabled_constraints():

@@ -1,7 +1,11 @@
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from studio.core.body.canonical import BodyPart
+from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.base import BodyPoint
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.grounds.steps import Steps
@@ -56,6 +60,21 @@ def test_a_mark_lies_on_the_ground_under_a_foot_only_while_it_is_in_contact(stag
         ankle = pose.points[pose.motion.morphology.layout.ankle(0)]
         assert mark.points[:-1, :2].mean(axis=0) == pytest.approx(ankle[:2], abs=1e-9)
         assert mark.points[:, 2] == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_foot_that_steps_where_a_clip_takes_over_has_no_mark_until_it_stands(stage):
+    project, posed = stage
+    frame = round(0.2 * RATE)
+    heel, hand = (
+        make_contact(point=each, first=frame, last=frame) for each in (ContactPoint.LEFT_HEEL, ContactPoint.LEFT_HAND)
+    )
+    row = SimpleNamespace(contacts=(heel, hand))  # what the clips say
+    for stands, count in (((heel,), 2), ((), 1)):
+        in_row = {
+            key: replace(each, motion=replace(each.motion, composite=row, contacts=stands))
+            for key, each in posed.items()
+        }
+        assert len(contact_marks(project, in_row)) == count * len(posed)
 
 
 def test_a_ring_is_drawn_round_selected_performers_and_no_others(stage):

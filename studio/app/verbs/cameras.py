@@ -25,7 +25,7 @@ def store(slot: int) -> Callable[[Workbench], None]:
 
     def run(bench: Workbench) -> None:
         camera_id = store_camera(bench.document, bench.viewport.placement, slot)
-        bench.say(f"The view is stored as {bench.document.project.cameras[camera_id].name}.", until=Lifetime.EDITED)
+        bench.inform(f"The view is stored as {bench.document.project.cameras[camera_id].name}.", until=Lifetime.EDITED)
 
     return run
 

@@ -60,7 +60,7 @@ def put_area_mesh(bench: Workbench, path: Path) -> None:
         if isinstance(area, AreaConstraint):
             new = replace(area, shape=AreaShape.MESH, mesh=file.mesh)
             bench.document.replace("constraints", area_id, new, f"Load {path.name} for {area.name}")
-            bench.say(f"{path.name}: {file.guesses}.", until=Lifetime.EDITED)
+            bench.inform(f"{path.name}: {file.guesses}.", until=Lifetime.EDITED)
 
     bench.runner.run(f"Reading {path.name}", lambda progress: read_mesh(path), done)
 

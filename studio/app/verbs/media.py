@@ -22,7 +22,7 @@ def add_sound(bench: Workbench, path: Path) -> None:
     def done(sound: SoundTrack) -> None:
         sound_id = bench.document.add("sounds", sound, f"Add {sound.name}")
         bench.document.selection.set(("sounds", sound_id))
-        bench.say(
+        bench.inform(
             f"{path.name}: {len(sound.beats)} beats found. Keys and contacts snap to them.", until=Lifetime.EDITED
         )
 
@@ -47,7 +47,7 @@ def add_footage(bench: Workbench, path: Path) -> None:
         footage_id = bench.document.add("footage", footage, f"Add {footage.name}")
         bench.document.selection.set(("footage", footage_id))
         bench.window.show_dock("Footage")
-        bench.say(
+        bench.inform(
             f"{path.name}: {footage.frames} frames at {footage.frame_rate:g} fps. Set start and frame rate in"
             " the inspector.",
             until=Lifetime.EDITED,

@@ -97,7 +97,7 @@ def _add(bench: Workbench, prop: Prop) -> None:
     if grasp is not None:
         frame = round(grasp.seconds * document.playhead.frame_rate)
         hint = f"The actor holds an object at frame {frame}: {name} was placed there. Pick it up at that frame."
-        bench.say(hint, until=Lifetime.EDITED)
+        bench.inform(hint, until=Lifetime.EDITED)
 
 
 def _ahead(document: Document, prop: Prop, pose: Posed | None) -> Prop:
@@ -151,7 +151,7 @@ def add_mesh(bench: Workbench, path: Path) -> None:
 
     def done(file: MeshFile) -> None:
         _add(bench, Prop(readable(path.stem), extent(file.mesh), shape=PropShape.MESH, mesh=file.mesh))
-        bench.say(f"{path.name}: {file.guesses}.", until=Lifetime.EDITED)
+        bench.inform(f"{path.name}: {file.guesses}.", until=Lifetime.EDITED)
 
     bench.runner.run(f"Reading {path.name}", lambda progress: read_mesh(path), done)
 

@@ -38,10 +38,9 @@ def table() -> Project:
         name = f"Table of {performer.name.lower()}"
         x, y = TABLE_AHEAD, performer.position[1]
         props[f"table {key}"] = Prop(name, TABLE_SIZE, (x, y, TABLE_SIZE[2] / 2), shape=PropShape.TABLE)
-        top = FollowProp(f"table {key}", (0.0, 0.0, -TABLE_SIZE[2] / 2), share=(0.0, 0.0, 1.0))
         asked[f"body {key}"] = AreaConstraint(
             "reach", f"Arms and trunk outside {name}", RIGHT_WRIST, Chain(), 0, WHOLE_TAKE, scope=Scope(key),
-            shape=AreaShape.TABLE, centre=top, size=TABLE_SIZE, whole=True,
+            shape=AreaShape.TABLE, centre=FollowProp(f"table {key}"), size=TABLE_SIZE, whole=True,
         )  # fmt: skip
     return replace(project, props=props, constraints=asked)
 

@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from dataclasses import replace
 
-from PySide6.QtWidgets import QLineEdit
-
 from studio.core.body.canonical import BodyPart
 from studio.core.changed_records import with_fields
 from studio.core.constraints.base import BodyPoint
@@ -20,7 +18,7 @@ from studio.core.stage.conditions import (
 from studio.core.stage.project import Project
 from studio.core.stage.whom import PELVIS_POINT, Whom
 from studio.panels.behaviour.part_editor import PartEditor, PointChoice, WhomRows
-from studio.panels.fields import Choice, NumberField, Section, press_button
+from studio.panels.fields import Choice, NumberField, Section, TextField, press_button
 
 CONDITION_KINDS: dict[str, tuple[str, Condition]] = {
     "closer": ("Closer than", DistanceCondition()),
@@ -108,7 +106,7 @@ class ConditionSection(Section):
 
     def _add_name(self, condition: Condition) -> None:
         is_key = isinstance(condition, KeyCondition)
-        self._name = QLineEdit()
+        self._name = TextField()
         self._name.setToolTip(
             "A letter, a digit, or a name such as Space." if is_key
             else "Event sent by a state of the partner, or from outside."

@@ -5,7 +5,6 @@ from dataclasses import replace
 from functools import partial
 
 from PySide6.QtCore import QSignalBlocker
-from PySide6.QtWidgets import QCheckBox
 
 from studio.core.changed_records import with_fields
 from studio.core.curves.activation import ActivationCurve
@@ -15,7 +14,7 @@ from studio.core.stage.project import Project
 from studio.core.stage.whom import Whom
 from studio.panels.behaviour.condition_section import DISTANCE_UNITS
 from studio.panels.behaviour.part_editor import PartEditor, PointChoice, WhomRows
-from studio.panels.fields import Choice, NumberField, Section, press_button
+from studio.panels.fields import Choice, NumberField, Section, check_box, press_button
 
 TITLES: dict[type, str] = {KeepDistance: "Keep distance", LeanAway: "Lean away", Meet: "Reach for partner"}
 PutManner = Callable[[Callable[[], Manner] | None, str], None]
@@ -80,7 +79,7 @@ class MannerSection(Section):
         self.add_row(label, field)
 
     def _add_times(self) -> None:
-        self._always = QCheckBox("Whole clip")
+        self._always = check_box("Whole clip")
         self._always.setAccessibleName("Meets as long as the clip plays")
         self._always.toggled.connect(lambda on: self._set(activation=WHOLE_CLIP if on else FIRST_MEETING))
         self.add_row("Active", self._always)

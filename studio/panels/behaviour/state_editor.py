@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from PySide6.QtCore import QSignalBlocker
-from PySide6.QtWidgets import QCheckBox, QLineEdit, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from studio.core.changed_records import with_fields
 from studio.core.curves.keyed import KeyedNumber
@@ -20,7 +20,7 @@ from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.behaviour.manner_section import TITLES, MannerSection, PutManner
 from studio.panels.behaviour.part_editor import PartEditor
-from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled
+from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, TextField, check_box, labelled
 
 ADD = "Add reaction"
 NEW_MANNERS: dict[str, Manner] = {TITLES[type(each)]: each for each in (KeepDistance(), LeanAway(), Meet())}
@@ -49,13 +49,13 @@ class StateEditor(PartEditor[State]):
 
     def _general(self) -> Section:
         section = Section("State")
-        self._name = QLineEdit()
+        self._name = TextField()
         self._name.editingFinished.connect(self._rename)
         section.add_row("Name", self._name)
-        self._starts = QCheckBox("Start state")
+        self._starts = check_box("Start state")
         self._starts.toggled.connect(self._begin_here)
         section.add_row("Start", self._starts)
-        self._event = QLineEdit()
+        self._event = TextField()
         self._event.setPlaceholderText("none")
         self._event.setToolTip("Event sent to the partner when this state begins; its transitions may wait for it")
         self._event.editingFinished.connect(self._set_event)
@@ -75,7 +75,7 @@ class StateEditor(PartEditor[State]):
             lambda speed: self._set_clip("Set speed", speed=speed),
         )
         section.add_row("Speed", self._speed)
-        self._loop, self._mirrored = QCheckBox("Loop clip"), QCheckBox("Mirror left/right")
+        self._loop, self._mirrored = check_box("Loop clip"), check_box("Mirror left/right")
         self._loop.toggled.connect(lambda on: self._set("Loop" if on else "Play once", loop=on))
         self._mirrored.toggled.connect(lambda on: self._set_clip("Mirror", mirrored=on))
         section.add_row("Loop", self._loop)

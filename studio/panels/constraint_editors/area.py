@@ -2,13 +2,11 @@
 
 import math
 
-from PySide6.QtWidgets import QCheckBox
-
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.target_rows import NumberRows, TargetRows
 from studio.panels.constraint_editors.vector_row import VectorRow
-from studio.panels.fields import Choice, NumberField, Section, Segments
+from studio.panels.fields import Choice, NumberField, Section, Segments, check_box
 
 SHAPE_CHOICES = (
     (AreaShape.TABLE, "Table"),
@@ -42,7 +40,7 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         self._side = Segments("Region", [("outside", "Outside"), ("inside", "Inside"), ("on", "Surface")])
         self._side.value_chosen.connect(self._set_side)
         section.add_row("Region", self._side)
-        self._whole = QCheckBox("Include limbs and torso")
+        self._whole = check_box("Include limbs and torso")
         self._whole.setAccessibleName("Keep the whole limbs and torso out, not only the point")
         self._whole.clicked.connect(self._set_whole)
         section.add_row("Collision", self._whole)

@@ -1,13 +1,11 @@
 """Form of a balance constraint: the target of the centre of mass."""
 
-from PySide6.QtWidgets import QCheckBox
-
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.present import mass_now
 from studio.panels.constraint_editors.target_rows import TargetRows
 from studio.panels.constraint_editors.vector_row import VectorRow
-from studio.panels.fields import NumberField, Section, Segments
+from studio.panels.fields import NumberField, Section, Segments, check_box
 
 OWN_BALANCE, PLACE_BALANCE, SUPPORT_BALANCE = "own", "place", "support"
 BALANCE_STEP = 0.01
@@ -31,7 +29,7 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
         self._place = VectorRow(self, section, "Position", self._set_place)
         self._margin = self.bind(NumberField("Margin", "cm", 0.0, WIDEST_MARGIN, 0.5, 1), self._set_margin)
         self._margin_caption = section.add_row("Margin", self._margin)
-        self._vertical = QCheckBox("Constrain height")
+        self._vertical = check_box("Constrain height")
         self._vertical.setAccessibleName("Constrain the height of the centre of mass too")
         self._vertical.clicked.connect(self._set_vertical)
         section.add_row("Height", self._vertical)

@@ -4,8 +4,6 @@ from dataclasses import replace
 from functools import partial
 from typing import Generic, TypeVar
 
-from PySide6.QtWidgets import QCheckBox
-
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.constraints.scope import Scope
@@ -18,7 +16,7 @@ from studio.panels.constraint_editors.chain import ChainSection
 from studio.panels.constraint_editors.priority import PrioritySection
 from studio.panels.constraint_editors.worst_residuals import ResidualSection
 from studio.panels.editor import Editor, EntityNameField
-from studio.panels.fields import Choice, NumberField, Section, with_unit
+from studio.panels.fields import Choice, NumberField, Section, check_box, with_unit
 from studio.panels.scope_row import ScopeRow
 
 CENTIMETRE = 0.01
@@ -64,7 +62,7 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
         """Add the rows that only this kind has."""
 
     def _add_names(self) -> None:
-        self._enabled = QCheckBox("on")
+        self._enabled = check_box("on")
         self._enabled.setAccessibleName("Constraint enabled")
         self._enabled.toggled.connect(self._set_enabled)
         self._section.head.addWidget(self._enabled)

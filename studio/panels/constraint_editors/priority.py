@@ -2,13 +2,13 @@
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QAbstractItemView, QCheckBox, QListWidget, QListWidgetItem
+from PySide6.QtWidgets import QAbstractItemView, QListWidget, QListWidgetItem
 
 from studio.core.constraints.base import Constraint
 from studio.core.errors import StudioError
 from studio.document.priorities import put_priorities, ties_of, ties_with_moved
 from studio.panels.editor import Editor
-from studio.panels.fields import NumberField, Section
+from studio.panels.fields import NumberField, Section, check_box
 
 PRIORITY_ROW_PX = 30
 ID = Qt.ItemDataRole.UserRole
@@ -47,7 +47,7 @@ class PrioritySection(Section):
         self._list.setUniformItemSizes(True)
         self._list.model().rowsMoved.connect(lambda *_: self._put_order())
         self.add_wide(self._list)
-        self._tied = QCheckBox("Same priority as above")
+        self._tied = check_box("Same priority as above")
         self._tied.setObjectName("tie")
         self._tied.setToolTip("Same priority: if both cannot be met, the error is shared by weight.")
         self._tied.toggled.connect(self._tie)

@@ -5,7 +5,6 @@ from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
-from PySide6.QtWidgets import QCheckBox
 
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.capture import Capture
@@ -23,7 +22,7 @@ from studio.engine.point_names import POINT_NAMES, point_words
 from studio.panels.constraint_editors.present import moment_now
 from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
 from studio.panels.editor import Editor, NamedEntity
-from studio.panels.fields import Choice, Section, labelled, press_button, short
+from studio.panels.fields import Choice, Section, check_box, labelled, press_button, short
 
 FIXED_KIND, KEYED_KIND = "fixed", Keys.kind
 OWN_KIND = OwnPlace.kind
@@ -71,16 +70,16 @@ class TargetRows:
         self._spot.setToolTip("Attachment point on the prop, at any size; the offset is relative to it.")
         self._spot.value_chosen.connect(self._choose_spot)
         self._spot_caption = section.add_row("Attach at", self._spot)
-        self._awaits = QCheckBox("Anticipate target")
+        self._awaits = check_box("Anticipate target")
         self._awaits.setToolTip("The point moves to intercept the target instead of chasing it.")
         self._awaits.clicked.connect(lambda on: self._change(replace(self.target, awaits=on), "Anticipate target"))
         self._awaits_caption = section.add_row("Anticipation", self._awaits)
-        self._each = QCheckBox("Each character")
+        self._each = check_box("Each character")
         self._each.setAccessibleName("Relative to each character")
         self._each.setToolTip("Relative to the position on each character, instead of one position for all.")
         self._each.clicked.connect(self._set_each)
         self._each_caption = section.add_row("Relative to", self._each)
-        self._apart = QCheckBox()
+        self._apart = check_box()
         self._apart.setToolTip("The handle then moves the target of this character only.")
         self._apart.clicked.connect(self._set_apart)
         self._apart_caption = section.add_row("Offset", self._apart)
@@ -390,7 +389,7 @@ class NumberRows:
 
     def __init__(self, editor: Editor[NamedEntity], section: Section, field: str) -> None:
         self._editor, self._field = editor, field
-        self.keyed = QCheckBox("keyed")
+        self.keyed = check_box("keyed")
         self.keyed.setAccessibleName(f"{field.capitalize()} is animated")
         self.keyed.clicked.connect(self._toggle)
         self._keys = KeyRow(editor, section, field)

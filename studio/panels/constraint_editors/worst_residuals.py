@@ -10,7 +10,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.stage.project import Project
 from studio.document import colours
 from studio.engine.live_interface import Live
-from studio.engine.residuals import Residual, residuals_on, unsolved_words, worst_residual
+from studio.engine.residuals import Inactive, Residual, inactivity, residuals_on, unsolved_words, worst_residual
 from studio.panels.editor import Editor
 from studio.panels.fields import Section
 
@@ -28,6 +28,7 @@ class BodyResidual:
     colour: str
     worst: Residual | None
     unsolved: str = ""
+    inactive: Inactive = Inactive.ELSEWHERE
 
     @property
     def state(self) -> tuple[str, str]:
@@ -35,7 +36,7 @@ class BodyResidual:
         if self.unsolved:
             return self.unsolved, colours.TEXT_THIRD
         if self.worst is None:
-            return "not active", colours.TEXT_THIRD
+            return self.inactive, self.inactive.colour
         if self.worst.held:
             return "held", colours.mixed(colours.HELD, colours.TEXT, 0.35)
         if self.worst.partly:
@@ -54,6 +55,7 @@ def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyR
             unsolved
             if constraint.enabled and residuals_on(project, key, live.reported(key), constraint_id) is None
             else "",
+            inactivity(project, key, live.reported(key), constraint_id),
         )
         for key, performer in project.performers.items()
         if performer.visible
@@ -141,7 +143,9 @@ def short_words_of(residual: BodyResidual) -> str:
     word, _ = residual.state
     if residual.unsolved:
         return "…"
-    if residual.worst is None or word == "held":
+    if residual.worst is None:
+        return residual.inactive.short
+    if word == "held":
         return word
     return f"{residual.worst.words}{'*' if residual.worst.remark else ''}"
 

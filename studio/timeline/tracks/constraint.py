@@ -7,7 +7,7 @@ from PySide6.QtGui import QColor, QPainter, QPainterPath, QPolygonF
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.target import key_times
 from studio.document import colours
-from studio.engine.residuals import unsolved_words
+from studio.engine.residuals import Inactive, unsolved_words
 from studio.timeline.shown import HANDLES, Hit, ItemPart, RowContext, label_area, within
 from studio.timeline.subject import Body
 from studio.timeline.tracks.brush import hairline, paint_dot, paint_fold, paint_label, translucent
@@ -213,11 +213,13 @@ def verdict(shown: RowContext, constraint_id: str) -> tuple[str, str]:
     found = [(shown.residual(constraint_id, body.performer_id), body.name) for body in bodies]
     missed = [(residual, name) for residual, name in found if residual is not None and not residual.held]
     if not missed:
-        if any(strip.yields for strip in strips if strip):
-            return "overridden by contacts", colours.TEXT_THIRD
         acting = sum(residual is not None for residual, _ in found)
         if not acting:
-            return "not active", colours.TEXT_THIRD
+            reasons = {shown.inactivity(constraint_id, body.performer_id) for body in bodies}
+            reason = max(reasons, key=list(Inactive).index, default=Inactive.ELSEWHERE)
+            return reason, reason.colour
+        if any(strip.yields for strip in strips if strip):
+            return Inactive.OVERRIDDEN, Inactive.OVERRIDDEN.colour
         eases = any(strip.misses for strip in strips if strip)
         which = "all" if acting == len(strips) else f"{acting} of {len(strips)}"
         on = f" on {which} characters" if len(strips) > 1 else ""
