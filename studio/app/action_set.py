@@ -70,8 +70,11 @@ class ActionSet(QObject):
         bench.live.play.recording_changed.connect(self.refresh)
 
     def refresh(self, *_: object) -> None:
-        """Update which actions are enabled and checked, and the texts of undo; after a drag, not during it."""
+        """Update which actions are enabled and checked, and the texts of undo; a drag can be undone, and all else follows
+        after it.
+        """
         if self._bench.live.interactive:
+            self.by_id["undo"].setEnabled(True)
             return
         for row in ACTIONS:
             action = self.by_id[row.id]
@@ -149,6 +152,8 @@ class ActionSet(QObject):
 
     def _runner(self, row: Action) -> Callable[[], None]:
         def run() -> None:
+            if row.id != "escape":  # it cancels the drag
+                self._bench.finish_drag()
             try:
                 row.run(self._bench)
             except StudioError as error:

@@ -353,6 +353,13 @@ class Viewport(Canvas):
             self.show_again()
         return gesture is not None
 
+    def finish_gesture(self) -> None:
+        """Finish the current drag, if any, as the release of the button does."""
+        gesture, self.gesture = self.gesture, None
+        if gesture is not None:
+            gesture.finish()
+            self.show_again()
+
     def set_camera(self, camera: OrbitCamera) -> None:
         """Set the camera; automatic framing ends."""
         self._framed = self._framed or bool(self.posed)
@@ -579,9 +586,8 @@ class Viewport(Canvas):
         return [partial(signal.disconnect, slot) for signal, slot in links]
 
     def _entity_changed(self, collection: str, entity_id: str) -> None:
-        if self.gesture is not None and self._document.project.get(collection, entity_id) is None:
-            self.gesture.finish()  # what was dragged may be gone
-            self.gesture = None
+        if self._document.project.get(collection, entity_id) is None:
+            self.finish_gesture()  # what was dragged may be gone
         before, self._played = self._played, self._document.project.motions_played
         if any(motions.isdisjoint(before.get(key, motions)) for key, motions in self._played.items()):
             self._framed = False  # all that plays now is new, and may be elsewhere
@@ -593,9 +599,7 @@ class Viewport(Canvas):
         self._played, self._framed = self._document.project.motions_played, False
         self._kept.clear()
         self._tell_problem()
-        if self.gesture is not None:
-            self.gesture.finish()  # there is nothing left to take back
-            self.gesture = None
+        self.finish_gesture()  # there is nothing left to take back
         self.pick(None)
 
     def _selection_changed(self) -> None:
@@ -639,10 +643,7 @@ class Viewport(Canvas):
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Finish the gesture."""
-        gesture, self.gesture = self.gesture, None
-        if gesture is not None:
-            gesture.finish()
-            self.show_again()
+        self.finish_gesture()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Constrain the joint under the mouse."""
