@@ -70,9 +70,7 @@ class ActionSet(QObject):
         bench.live.play.recording_changed.connect(self.refresh)
 
     def refresh(self, *_: object) -> None:
-        """Update which actions are enabled and checked, and the texts of undo; a drag can be undone, and all else follows
-        after it.
-        """
+        """Update which actions are enabled and checked, and the texts of undo; during a drag only that it can be undone."""
         if self._bench.live.interactive:
             self.by_id["undo"].setEnabled(True)
             return

@@ -61,7 +61,8 @@ class DragCurveKeys(TimelineGesture):
         changed = with_values(channel, before, {place: float(self._values[place]) + rise for place in self._places})
         self._drag.move(seconds, {channel.field: changed})
         time = self._time + seconds
-        text = f"{moment(time * self.shown.axis.frame_rate, time)}  {channel.name} {old + rise:.4g} {channel.unit}"
+        value = key_values(channel, changed)[self._grabbed.place]
+        text = f"{moment(time * self.shown.axis.frame_rate, time)}  {channel.name} {value:.4g} {channel.unit}"
         self.mark = DragHint(time, text.strip(), caught.caught if self._is_moved else None)
 
     def finish(self) -> None:
