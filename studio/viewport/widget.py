@@ -41,6 +41,7 @@ from studio.viewport.gizmo_painting import GizmoPainter
 from studio.viewport.handles import Handle, constraint_handles
 from studio.viewport.mouse_gestures import ViewportGesture, nudge
 from studio.viewport.movables import Movable
+from studio.viewport.navigation import DEFAULT_NAVIGATION
 from studio.viewport.new_constraints import NewConstraintContext, constraint_here
 from studio.viewport.onion_skins import Ghost, OnionSkins, kept_ghosts, onion_ghosts
 from studio.viewport.opening import clear_of_words, is_another_size, opening_camera
@@ -72,6 +73,7 @@ class Viewport(Canvas):
         self.tool = "move"
         self.gizmo_space = Space.WORLD
         self.snap_steps = DEFAULT_STEPS
+        self.navigation = DEFAULT_NAVIGATION
         self.onion_skins = OnionSkins()
         self.fits_activation = True
         """True if new constraints act while the body stays, False if for the whole clip."""

@@ -268,9 +268,8 @@ class Proportions:
         for each in fields(self):
             factor = getattr(self, each.name)
             if not (np.isfinite(factor) and LEAST_PROPORTION <= factor <= MOST_PROPORTION):
-                raise ValueError(
-                    f"{each.name}: a proportion lies between {LEAST_PROPORTION:g} and {MOST_PROPORTION:g}, got {factor}."
-                )
+                limits = f"{LEAST_PROPORTION:g} and {MOST_PROPORTION:g}"
+                raise ValueError(f"{each.name}: a proportion lies between {limits}, got {factor}.")
 
     def applied_to(self, build: Morphology) -> Morphology:
         """``build`` with its measures multiplied by these factors."""
