@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.growth import KeyedProportions
-from studio.core.body.morphology import LEAST_PROPORTION, MOST_PROPORTION, Proportions
+from studio.core.body.morphology import LEAST_PROPORTION_FACTOR, MOST_PROPORTION_FACTOR, Proportions
 from studio.core.changed_records import with_fields
 from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.core.curves.activation import ActivationCurve
@@ -83,7 +83,7 @@ def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
         case KeyedProportions():
             changing = np.flatnonzero(np.ptp(keyed.points, axis=0) > 0.0).tolist() or [0]
             names = [each.name.replace("_", " ") for each in fields(Proportions)]
-            limits = LEAST_PROPORTION, MOST_PROPORTION
+            limits = LEAST_PROPORTION_FACTOR, MOST_PROPORTION_FACTOR
             return tuple(Channel(field, place, names[place], "×", limits=limits) for place in changing)
         case ActivationCurve():
             return (Channel(field, 0, "activation", ""),)

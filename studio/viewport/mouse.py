@@ -15,6 +15,7 @@ from studio.viewport.navigation import camera_drag
 from studio.viewport.rotate_gizmo import RotateGizmo
 from studio.viewport.scale_gizmo import ScaleGizmo
 from studio.viewport.selected_movable import zero_of
+from studio.viewport.skin_picking import skin_point_at
 
 if TYPE_CHECKING:
     from studio.viewport.camera import OrbitCamera
@@ -32,7 +33,12 @@ def press(viewport: Viewport, document: Document, live: Live, event: QMouseEvent
     x, y = event.position().x(), event.position().y()
     is_left = event.button() == Qt.MouseButton.LeftButton
     alt = bool(event.modifiers() & Qt.KeyboardModifier.AltModifier)
-    if is_left and not alt and _grab_gizmo(viewport, document, live, x, y):
+    if is_left and not alt and not viewport.picks_skin and _grab_gizmo(viewport, document, live, x, y):
+        return
+    if is_left and not alt and viewport.picks_skin:
+        picked = skin_point_at(document.project, viewport.posed, viewport.camera, viewport.view_size, x, y)
+        if picked is not None:
+            viewport.pick(picked)
         return
     kind = camera_drag(viewport.navigation, event.button(), event.modifiers())
     if kind:

@@ -1,4 +1,4 @@
-"""What the plot shows of solved bodies: heights of feet, flexions, the centre of mass."""
+"""Plotted quantities of solved bodies: heights of feet, flexions, the centre of mass."""
 
 import numpy as np
 import pytest

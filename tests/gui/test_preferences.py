@@ -95,7 +95,7 @@ CAMERA_BUTTONS = {
     "blender": ((MIDDLE, NONE), (MIDDLE, SHIFT), (MIDDLE, CTRL)),
     "motionbuilder": ((LEFT, CTRL | SHIFT), (LEFT, SHIFT), (LEFT, CTRL)),
 }
-"""What orbits, pans and zooms in each program."""
+"""Buttons and keys that orbit, pan and zoom in each program."""
 
 
 def test_the_camera_is_moved_by_the_buttons_of_the_map_and_the_gizmo_keeps_its_own(window, qtbot):

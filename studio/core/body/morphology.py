@@ -245,7 +245,7 @@ def at_frames(rows: FloatArray, frames: Any) -> FloatArray:
     return rows if len(rows) == 1 else rows[frames]
 
 
-LEAST_PROPORTION, MOST_PROPORTION = 0.2, 5.0
+LEAST_PROPORTION_FACTOR, MOST_PROPORTION_FACTOR = 0.2, 5.0
 
 
 @dataclass(frozen=True)
@@ -267,8 +267,8 @@ class Proportions:
     def __post_init__(self) -> None:
         for each in fields(self):
             factor = getattr(self, each.name)
-            if not (np.isfinite(factor) and LEAST_PROPORTION <= factor <= MOST_PROPORTION):
-                limits = f"{LEAST_PROPORTION:g} and {MOST_PROPORTION:g}"
+            if not (np.isfinite(factor) and LEAST_PROPORTION_FACTOR <= factor <= MOST_PROPORTION_FACTOR):
+                limits = f"{LEAST_PROPORTION_FACTOR:g} and {MOST_PROPORTION_FACTOR:g}"
                 raise ValueError(f"{each.name}: a proportion lies between {limits}, got {factor}.")
 
     def applied_to(self, build: Morphology) -> Morphology:
