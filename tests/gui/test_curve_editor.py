@@ -253,12 +253,34 @@ def test_all_or_the_selected_keys_are_framed(document, editor):
     assert axis.time_at(axis.right) - axis.time_at(axis.left) < 0.3
     QTest.keyClick(editor.timeline.tracks, Qt.Key.Key_A)
     assert axis.time_at(axis.right) > 1.5
-    span = curves.range_of(shown, "m")
+    metres, _ = editor.channel("z")
+    span = curves.range_of(shown, metres)
     assert span.low < 0.0
     assert span.high > 1.4
     hand = Hand(editor.timeline)
     hand.wheel(editor.area.center(), 15, NONE)
-    assert curves.range_of(shown, "m").high < span.high
+    assert curves.range_of(shown, metres).high < span.high
+
+
+def test_normalized_curves_each_fill_the_height_and_are_dragged_at_their_own_scale(document, editor, hand):
+    values = {name: [*key_values(*editor.channel(name))] for name in "xyz"}
+    heights = {name: [editor.key(name, place).y() for place in range(4)] for name in "xyz"}
+    assert np.ptp(heights["x"]) < 0.4 * editor.area.height()
+    editor.menu(editor.key("z", 1), "Normalize curves")
+    for name in "xyz":
+        tall = [editor.key(name, place).y() for place in range(4)]
+        assert np.ptp(tall) > 0.7 * editor.area.height()
+    pixels_per_metre = np.ptp([editor.key("x", place).y() for place in range(4)]) / np.ptp(values["x"])
+    hand.press(editor.key("x", 2))
+    hand.move(0, dy=-20)
+    hand.release()
+    assert key_values(*editor.channel("x"))[2] == pytest.approx(values["x"][2] + 20 / pixels_per_metre, abs=0.003)
+    editor.timeline.tracks.grab()
+    QTest.keyClick(editor.timeline.tracks, Qt.Key.Key_A)
+    assert np.ptp([editor.key("y", place).y() for place in range(4)]) > 0.7 * editor.area.height()
+    document.undo_stack.undo()
+    editor.menu(editor.key("z", 1), "Normalize curves")
+    assert {name: [editor.key(name, place).y() for place in range(4)] for name in "xyz"} == heights
 
 
 def test_a_box_selects_keys_by_time_and_value(document, editor, hand):

@@ -387,7 +387,7 @@ def test_8_the_middle_is_slowed_by_keys_of_the_speed_too(user):
     second, third = (curves.point(shown, area, channel, keyed, place).toPoint() for place in (1, 2))
     user.click(second)
     user.click(third, modifiers=CTRL)
-    user.drag(third, QPoint(third.x(), round(curves.y_of(shown, area, channel.unit, 1 / 3))))
+    user.drag(third, QPoint(third.x(), round(curves.y_of(shown, area, channel, 1 / 3))))
     assert user.done == (7, 1, 5)
     clip = user.project.performers[first].clips[0]
     assert clip.speed.values == pytest.approx((1.0, 1 / 3, 1 / 3, 1.0), abs=0.02)
