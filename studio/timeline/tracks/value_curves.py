@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pyqtgraph.functions import arrayToQPolygonF
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt
-from PySide6.QtGui import QColor, QPainter, QPolygonF
+from PySide6.QtGui import QColor, QPainter
 
 from studio.document import colours
 from studio.document.channels import Channel, Side, channels_of, handle_of, key_values, values_at
@@ -233,8 +234,7 @@ class ValueCurves:
         xs = shown.axis.left + (seen - shown.axis.start) * shown.axis.scale
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setPen(hairline(colour_of(channel), 2.0 if channel == self.active else 1.4))
-        ys = np.clip(ys, -1e5, 1e5)
-        painter.drawPolyline(QPolygonF(list(map(QPointF, xs.tolist(), ys.tolist()))))
+        painter.drawPolyline(arrayToQPolygonF(xs, np.clip(ys, -1e5, 1e5)))
 
     def _paint_handles(self, painter: QPainter, area: QRect, shown: RowContext) -> None:
         keyed = dict(self.channels(shown))
