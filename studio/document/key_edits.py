@@ -171,9 +171,12 @@ def delete_keys(document: EditedProject) -> bool:
 def set_keys(document: EditedProject) -> int:
     """Set a key at the playhead in all keyed fields of the selection, with the present value; return their number.
 
-    The target, position, measures or speed of a selected constraint, prop, body or clip without keys becomes keyed.
+    The target, position, measures or speed of a selected constraint, prop, body or clip without keys becomes keyed; a
+    body only where nothing else is selected, because it is selected with its constraints and clips.
     """
-    fields = selected_fields(document.shown_project, document.selection.items)
+    selected = document.selection.items
+    items = [item for item in selected if item[0] != "performers"] or [*selected]
+    fields = selected_fields(document.shown_project, items)
     values: dict[KeyedField, Keys] = {
         field: value.with_key(time, value.value_at(time))
         for field, value in fields.items()
@@ -181,7 +184,7 @@ def set_keys(document: EditedProject) -> int:
         for time in (time_at_playhead(document, field),)
     }
     keyed = {field.item for field in values}
-    for field, value in _fixed_fields(document).items():
+    for field, value in _fixed_fields(document, items).items():
         if field.item not in keyed:
             values[field] = value
     if values:
@@ -214,13 +217,10 @@ def _fixed(document: EditedProject, field: KeyedField, value: Keys) -> object:
     return Proportions(*found) if isinstance(found, tuple) and isinstance(value, KeyedProportions) else found
 
 
-def _fixed_fields(document: EditedProject) -> dict[KeyedField, Keys]:
-    """Fields of the selection without keys, given one at the playhead: targets, centres, props, measures."""
+def _fixed_fields(document: EditedProject, items: Iterable[tuple[str, str]]) -> dict[KeyedField, Keys]:
+    """Fields of selected items without keys, given one at the playhead: targets, centres, props, measures."""
     found: dict[KeyedField, Keys] = {}
-    clips = document.selection.of("clips")
-    for collection, entity_id in document.selection.items:
-        if collection == "performers" and clips:
-            continue  # it is selected with its clip
+    for collection, entity_id in items:
         if collection == "performers" and entity_id in document.project.performers:
             collection, entity_id = "characters", document.project.performers[entity_id].character_id
         entity: Any = document.shown_project.get(collection, entity_id)
