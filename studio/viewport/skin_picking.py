@@ -26,10 +26,11 @@ def skin_point_at(
         character, axes = project.characters[pose.performer.character_id], pose.placement.rotation
         motion, row = pose.motion, pose.row
         skin = gripping(character.skin, pose.grip(character.grip))
-        vertices, _ = skin_vertices(
+        posed_vertices, _ = skin_vertices(
             skin, character.build, motion.morphology_at(row), motion.positions[row], motion.rotations[row],
             blending=character.blending,
         )  # fmt: skip
+        vertices = posed_vertices.astype(np.float64)
         hit = _first_triangle(vertices[skin.triangles], pose.placement.to_motion(origin), axes.T @ sight)
         if hit is not None:
             depth, triangle, shares = hit
