@@ -164,7 +164,7 @@ def test_only_rows_that_change_are_painted_of_two_hundred_over_twenty_thousand_f
 
 
 def test_all_sixty_thousand_keys_are_dragged_at_once(crowded):
-    """In processor time of the window's thread: two moves took twenty seconds when each field was followed by itself."""
+    """In processor time of the window's thread: two moves took twenty seconds, field by field."""
     timeline, document = crowded
     tracks = timeline.tracks
     tracks.axis.show(1.0, 11.0)
