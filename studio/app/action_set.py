@@ -7,7 +7,7 @@ from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QMenu, QMenuBar
 
 from studio.app.actions import ACTIONS, MENUS, Action
-from studio.app.preferences import key_maps, keys_with
+from studio.app.preferences import key_map_of, keys_with
 from studio.app.verbs import files
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
@@ -70,8 +70,9 @@ class ActionSet(QObject):
         bench.live.play.recording_changed.connect(self.refresh)
 
     def refresh(self, *_: object) -> None:
-        """Update which actions are enabled and checked, and the texts of undo; after a drag, not during it."""
+        """Update which actions are enabled and checked, and the texts of undo; during a drag only enable undo."""
         if self._bench.live.interactive:
+            self.by_id["undo"].setEnabled(True)
             return
         for row in ACTIONS:
             action = self.by_id[row.id]
@@ -90,7 +91,7 @@ class ActionSet(QObject):
     def apply_keys(self) -> None:
         """Give every action its keys by the key map and the user's own."""
         preferences = self._bench.preferences
-        _, changed = key_maps().get(preferences.key_map, ("", {}))
+        changed = key_map_of(preferences).keys
         keys = keys_with({row.id: row.shortcuts for row in ACTIONS}, changed, preferences.own_keys)
         for row in ACTIONS:
             action = self.by_id[row.id]
@@ -149,6 +150,8 @@ class ActionSet(QObject):
 
     def _runner(self, row: Action) -> Callable[[], None]:
         def run() -> None:
+            if row.id != "escape":  # it cancels the drag
+                self._bench.finish_drag()
             try:
                 row.run(self._bench)
             except StudioError as error:

@@ -16,7 +16,15 @@ from studio.app.pose_mapping import show_map
 from studio.app.relinking import relink_shown, shown_capture
 from studio.app.strike_search import label_strike, show_strikes, strike_chosen
 from studio.app.verbs import behaviours, cameras, clips, editing, files, media, playback, props, view
-from studio.app.verbs.constraining import adder, choose_joint, load_area_mesh, selected_area, selected_constraint, shift
+from studio.app.verbs.constraining import (
+    adder,
+    choose_joint,
+    load_area_mesh,
+    pick_skin,
+    selected_area,
+    selected_constraint,
+    shift,
+)
 from studio.app.workbench import Workbench
 from studio.core.constraints.base import KindInfo
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
@@ -209,7 +217,9 @@ def _adding(kind: str, shown: KindInfo) -> Action:
 
 CONSTRAINT = (
     Action("choose_joint", "Constraint", "Pick joint…", choose_joint, ("Shift+J",),
-           "Pick a joint of the active character from a searchable list", _ready, ends_group=True),
+           "Pick a joint of the active character from a searchable list", _ready),
+    Action("pick_skin", "Constraint", "Pick point on skin", pick_skin, ("Ctrl+Shift+J",),
+           "Pick any point of a character's skin with the next click, to constrain it", _ready, ends_group=True),
     *(_adding(kind, each.value.shown) for kind, each in CONSTRAINT_KINDS.items() if each.make),
     Action("area_mesh", "Constraint", "Load mesh for area…", load_area_mesh,
            tooltip="Load a mesh (OBJ, STL, PLY) as the shape of the selected area",

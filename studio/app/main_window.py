@@ -36,7 +36,7 @@ from studio.app.marker_dialog import open_markers
 from studio.app.playing_live import LivePlaying
 from studio.app.plug_in_panels import add_panel_actions
 from studio.app.pose_library import PoseLibrary
-from studio.app.preferences import FITTED, Preferences, save_preferences
+from studio.app.preferences import FITTED, Preferences, key_map_of, save_preferences
 from studio.app.problem_tour import ProblemTour
 from studio.app.sound_playback import SoundPlayback
 from studio.app.strike_search import Striking
@@ -189,6 +189,7 @@ class MainWindow(QMainWindow):
             self._autosave.stop()
         if self.bench.has_viewport:
             self.bench.viewport.snap_steps = self.bench.preferences.snap_steps
+            self.bench.viewport.navigation = key_map_of(self.bench.preferences).navigation
             self.bench.viewport.fits_activation = self.bench.preferences.activation == FITTED
             self.bench.viewport.set_onion_skins(self.bench.preferences.onion_skins)
 

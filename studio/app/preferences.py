@@ -11,6 +11,7 @@ from studio.app.settings import Settings
 from studio.document import colours
 from studio.document.length_units import LENGTH_CHOICES
 from studio.resources_folder import resources_folder
+from studio.viewport.navigation import DEFAULT_NAVIGATION, Navigation
 from studio.viewport.onion_skins import OnionSkins
 from studio.viewport.snap_steps import SnapSteps
 
@@ -108,13 +109,29 @@ def save_preferences(settings: Settings, preferences: Preferences) -> None:
     settings.preferences = asdict(preferences)
 
 
-def key_maps() -> dict[str, tuple[str, KeyTable]]:
-    """Name and changed keys of each bundled map, by its id; the studio's own changes none."""
-    maps: dict[str, tuple[str, KeyTable]] = {STUDIO_KEYS: ("Studio", {})}
+@dataclass(frozen=True)
+class KeyMap:
+    """Keys of actions, and mouse buttons of the camera, that differ from those of the studio."""
+
+    name: str
+    keys: KeyTable = field(default_factory=dict)
+    navigation: Navigation = field(default_factory=lambda: DEFAULT_NAVIGATION)
+
+
+def key_maps() -> dict[str, KeyMap]:
+    """Bundled maps by their ids; the studio's own changes nothing."""
+    maps = {STUDIO_KEYS: KeyMap("Studio")}
     for file in sorted((resources_folder() / "key_maps").glob("*.json")):
         record = json.loads(file.read_text("utf-8"))
-        maps[file.stem] = record["name"], {key: tuple(keys) for key, keys in record["keys"].items()}
+        keys = {key: tuple(keys) for key, keys in record["keys"].items()}
+        maps[file.stem] = KeyMap(record["name"], keys, {**DEFAULT_NAVIGATION, **record.get("navigation", {})})
     return maps
+
+
+def key_map_of(preferences: Preferences) -> KeyMap:
+    """Chosen map; the studio's own in place of one that is not there any more."""
+    maps = key_maps()
+    return maps.get(preferences.key_map, maps[STUDIO_KEYS])
 
 
 def keys_with(defaults: KeyTable, *layers: KeyTable) -> dict[str, tuple[str, ...]]:

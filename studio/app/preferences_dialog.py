@@ -13,6 +13,7 @@ from studio.app.preferences import (
     WHOLE_CLIP_ACTIVATION,
     WHOLE_NUMBERS,
     conflicts_in,
+    key_map_of,
     key_maps,
     keys_in,
 )
@@ -20,6 +21,7 @@ from studio.app.workbench import Workbench
 from studio.core.changed_records import with_fields
 from studio.document import colours
 from studio.panels.fields import Choice, NumberField, Section, labelled, room_on_screen
+from studio.viewport.navigation import CAMERA_DRAGS, Navigation
 
 NUMBERS = (
     ("move_step", "Move step", "cm", 0.1, 100.0),
@@ -63,10 +65,12 @@ class PreferencesDialog(QDialog):
         self._add_whole(look, "interface_scale", "Interface scale", "%")
         self._add_choice(look, "lengths", "Linear units", LENGTHS)
         keys = Section("Shortcuts")
-        self.map = Choice("Keymap", [(key, name) for key, (name, _) in key_maps().items()])
+        self.map = Choice("Keymap", [(key, each.name) for key, each in key_maps().items()])
         self.map.show_value(bench.preferences.key_map)
         self.map.value_chosen.connect(lambda key: self._change(key_map=key))
         keys.add_row("Keymap", self.map)
+        self.navigation = labelled("", "hint")
+        keys.add_row("Camera", self.navigation)
         self.table = QTableWidget(len(ACTIONS), 2)
         self.table.setAccessibleName("Keyboard shortcuts")
         self.table.setHorizontalHeaderLabels(("Action", "Shortcuts"))
@@ -97,6 +101,7 @@ class PreferencesDialog(QDialog):
         self._fill()
 
     def _fill(self) -> None:
+        self.navigation.setText(navigation_words(key_map_of(self._bench.preferences).navigation))
         keys = self._bench.window.actions_by_id.keys_now()
         conflicts = conflicts_in(keys)
         self.table.blockSignals(True)
@@ -124,3 +129,9 @@ class PreferencesDialog(QDialog):
             self.words.setText(str(error))
             return
         self._change(own_keys={**self._bench.preferences.own_keys, item.data(ACTION_ID): keys})
+
+
+def navigation_words(navigation: Navigation) -> str:
+    """``Orbit: Alt+Left  ·  Pan: Middle  ·  Zoom: Alt+Right``."""
+    strokes = {drag: [stroke for stroke, kind in navigation.items() if kind == drag] for drag in CAMERA_DRAGS}
+    return "  ·  ".join(f"{drag.capitalize()}: {' or '.join(each)}" for drag, each in strokes.items())

@@ -94,6 +94,13 @@ class Workbench(QObject):
         """Set the timeline of the window, or None."""
         self._timeline = timeline
 
+    def finish_drag(self) -> None:
+        """Finish a drag that edits something in a view, so that nothing comes between its edits."""
+        if self.live.interactive and self.has_viewport:
+            self.viewport.finish_gesture()
+        if self.live.interactive and self.has_timeline:
+            self.timeline.tracks.finish_gesture()
+
     def close(self) -> None:
         """Stop requests, join workers, then close the document."""
         self.document.playhead.pause()

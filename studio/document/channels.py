@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.growth import KeyedProportions
-from studio.core.body.morphology import Proportions
+from studio.core.body.morphology import LEAST_PROPORTION_FACTOR, MOST_PROPORTION_FACTOR, Proportions
 from studio.core.changed_records import with_fields
 from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.core.curves.retiming import FASTEST_CLIP, SLOWEST_CLIP
 from studio.core.curves.tangents import HEAVIEST, LIGHTEST, Tangent, TangentMode, Tangents, tangents_of
+from studio.core.plausible import PLACE_RANGE
 from studio.core.rotations import from_euler, from_matrix, to_euler
 from studio.document.keyed_fields import Keyed, KeyedField
 from studio.document.length_units import shown_unit
@@ -34,8 +35,6 @@ RATE_STEP = 1e-5
 """Seconds over which rates of angles are taken."""
 ANGLE_SAMPLES = 24
 """Steps from a key to the next in which angles are followed past half a turn."""
-LEAST_SCALE = 0.05
-"""The least factor of a measure."""
 HANDLE = 3.0
 """A tangent of weight 1 has a handle a third of the way to the next key."""
 
@@ -58,6 +57,8 @@ class Channel:
     factor: float = 1.0
     baseline: float | None = None
     """A value that is in sight whenever the values are framed."""
+    limits: tuple[float, float] = (-PLACE_RANGE.most, PLACE_RANGE.most)
+    """Least and greatest stored value."""
 
 
 def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
@@ -76,13 +77,14 @@ def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
             if field.name == "heading":
                 return (Channel(field, 0, field.name, "°", DEGREES_PER_RADIAN),)
             if field.collection == "clips":
-                return (Channel(field, 0, field.name, "×", baseline=0.0),)
+                return (Channel(field, 0, field.name, "×", baseline=0.0, limits=(SLOWEST_CLIP, FASTEST_CLIP)),)
             metre = shown_unit("m")
-            return (Channel(field, 0, field.name, metre.symbol, metre.factor),)
+            return (Channel(field, 0, field.name, metre.symbol, metre.factor, limits=(0.0, PLACE_RANGE.most)),)
         case KeyedProportions():
             changing = np.flatnonzero(np.ptp(keyed.points, axis=0) > 0.0).tolist() or [0]
-            names = [each.name for each in fields(Proportions)]
-            return tuple(Channel(field, place, names[place].replace("_", " "), "×") for place in changing)
+            names = [each.name.replace("_", " ") for each in fields(Proportions)]
+            limits = LEAST_PROPORTION_FACTOR, MOST_PROPORTION_FACTOR
+            return tuple(Channel(field, place, names[place], "×", limits=limits) for place in changing)
         case ActivationCurve():
             return (Channel(field, 0, "activation", ""),)
     return ()
@@ -131,13 +133,13 @@ _EASES = ((0, Side.LEAVING), (1, Side.ARRIVING), (2, Side.LEAVING), (3, Side.ARR
 
 
 def with_values(channel: Channel, keyed: Keyed, values: Mapping[int, float]) -> Keyed:
-    """Copy with other values of some keys; those of an activation are unchanged."""
+    """Copy with other values of some keys, within the limits of the channel; those of an activation are unchanged."""
     if not isinstance(keyed, Keys):
         return keyed
     numbers = list(keyed.values)
     for place, value in values.items():
-        value = min(max(value, SLOWEST_CLIP), FASTEST_CLIP) if channel.field.collection == "clips" else value
-        numbers[place] = _with_component(keyed, place, channel.component, value / channel.factor)
+        stored = min(max(value / channel.factor, channel.limits[0]), channel.limits[1])
+        numbers[place] = _with_component(keyed, place, channel.component, stored)
     return replace(keyed, values=tuple(numbers))
 
 
@@ -214,8 +216,7 @@ def _with_component(keyed: Keys, place: int, component: int, value: float) -> ob
         angles[component] = value
         return tuple(from_euler(SHOWN_EULER_ORDER, angles).tolist())
     if isinstance(old, Proportions):
-        name = fields(Proportions)[component].name
-        return with_fields(old, **{name: max(value, LEAST_SCALE)})
+        return with_fields(old, **{fields(Proportions)[component].name: value})
     return (*old[:component], value, *old[component + 1 :]) if keyed.size > 1 else value
 
 

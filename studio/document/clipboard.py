@@ -341,7 +341,7 @@ def _item(entity: str) -> tuple[str, str]:
 
 def _field_for(document: EditedProject, copy: _CopiedKeys, item: tuple[str, str]) -> KeyedField | None:
     """Field of an entity into which copied keys are pasted: that of the same name, else one with keys of the same type,
-    else a value of that type without keys.
+    else a value of that type without keys. Numbers of another name are of another unit.
     """
     project = document.shown_project
     entity = project.get(*item)
@@ -349,6 +349,7 @@ def _field_for(document: EditedProject, copy: _CopiedKeys, item: tuple[str, str]
         return None
     alike = [field for field, value in selected_fields(project, [item]).items() if isinstance(value, type(copy.keyed))]
     same = [field for field in alike if field.name == copy.field]
+    alike = [] if isinstance(copy.keyed, KeyedNumber) else alike
     fixed = [
         KeyedField(*item, name)
         for name in dict.fromkeys((copy.field, "target", "centre", "position", "proportions"))

@@ -3,6 +3,8 @@
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
+import numpy as np
+
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Proportions
 from studio.core.changed_records import with_fields
@@ -14,9 +16,12 @@ from studio.core.stage.correction import KeyedPoses
 from studio.document.clip_edits import set_speed
 from studio.document.edited_project import EditedProject
 from studio.document.keyed_fields import (
+    FloatArray,
     Keyed,
     KeyedField,
     KeyRef,
+    all_from_stage,
+    all_to_stage,
     counted_in,
     from_stage,
     keyed_value,
@@ -53,7 +58,7 @@ class KeyDrag:
         self._document, self._clip = document, document.active_clip
         self._gesture = document.new_gesture()
         self.before: dict[KeyedField, Keyed] = {}
-        self._places = document.keys.by_field()
+        self._keys, self._places = document.keys.items, document.keys.by_field()
         for field in self._places:
             value = keyed_value(document.shown_project, field)
             if value is not None:
@@ -84,22 +89,32 @@ class KeyDrag:
     def cancel(self) -> None:
         """Restore everything; the step vanishes."""
         self._put(self.before, "Move keys")
-        self._document.keys.set(KeyRef(field, place) for field, places in self._places.items() for place in places)
+        self._document.keys.set(self._keys)
 
     def _show(
-        self, change: Callable[[float], float], speed: float, verb: str, changed: Mapping[KeyedField, Keyed]
+        self, change: Callable[[FloatArray], FloatArray], speed: float, verb: str, changed: Mapping[KeyedField, Keyed]
     ) -> None:
         project, clip = self._document.project, self._clip
         values, moved = {}, {}
         for field, value in self.before.items():
-            moved[field] = {
-                place: from_stage(project, clip, field, change(to_stage(project, clip, field, value.times[place])))
-                for place in self._places[field]
-            }
+            places = self._places[field]
+            stage = all_to_stage(project, clip, field, np.array(value.times)[[*places]])
+            moved[field] = dict(zip(places, all_from_stage(project, clip, field, change(stage)).tolist(), strict=True))
             values[field] = with_times(changed.get(field, value), moved[field], speed)
         self._put(values, f"{verb} {words_for(self.count)}")
+        in_order = all(
+            len(value.times) == len(self.before[field].times)
+            and all(value.times[place] == time for place, time in moved[field].items())
+            for field, value in values.items()
+        )
         self._document.keys.set(
-            KeyRef(field, place) for field, value in values.items() for place in places_at(value, moved[field].values())
+            self._keys
+            if in_order
+            else (
+                KeyRef(field, place)
+                for field, value in values.items()
+                for place in places_at(value, moved[field].values())
+            )
         )
 
     def _put(self, values: Mapping[KeyedField, Keyed], text: str) -> None:
@@ -156,9 +171,12 @@ def delete_keys(document: EditedProject) -> bool:
 def set_keys(document: EditedProject) -> int:
     """Set a key at the playhead in all keyed fields of the selection, with the present value; return their number.
 
-    The target, position, measures or speed of a selected constraint, prop, body or clip without keys becomes keyed.
+    The target, position, measures or speed of a selected constraint, prop, body or clip without keys becomes keyed; a
+    body only where nothing else is selected, because it is selected with its constraints and clips.
     """
-    fields = selected_fields(document.shown_project, document.selection.items)
+    selected = document.selection.items
+    items = [item for item in selected if item[0] != "performers"] or [*selected]
+    fields = selected_fields(document.shown_project, items)
     values: dict[KeyedField, Keys] = {
         field: value.with_key(time, value.value_at(time))
         for field, value in fields.items()
@@ -166,7 +184,7 @@ def set_keys(document: EditedProject) -> int:
         for time in (time_at_playhead(document, field),)
     }
     keyed = {field.item for field in values}
-    for field, value in _fixed_fields(document).items():
+    for field, value in _fixed_fields(document, items).items():
         if field.item not in keyed:
             values[field] = value
     if values:
@@ -199,13 +217,10 @@ def _fixed(document: EditedProject, field: KeyedField, value: Keys) -> object:
     return Proportions(*found) if isinstance(found, tuple) and isinstance(value, KeyedProportions) else found
 
 
-def _fixed_fields(document: EditedProject) -> dict[KeyedField, Keys]:
-    """Fields of the selection without keys, given one at the playhead: targets, centres, props, measures."""
+def _fixed_fields(document: EditedProject, items: Iterable[tuple[str, str]]) -> dict[KeyedField, Keys]:
+    """Fields of selected items without keys, given one at the playhead: targets, centres, props, measures."""
     found: dict[KeyedField, Keys] = {}
-    clips = document.selection.of("clips")
-    for collection, entity_id in document.selection.items:
-        if collection == "performers" and clips:
-            continue  # it is selected with its clip
+    for collection, entity_id in items:
         if collection == "performers" and entity_id in document.project.performers:
             collection, entity_id = "characters", document.project.performers[entity_id].character_id
         entity: Any = document.shown_project.get(collection, entity_id)

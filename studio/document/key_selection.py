@@ -45,6 +45,8 @@ class KeySelection(QObject):
     def set(self, keys: Iterable[KeyRef]) -> None:
         """Select these keys and no others."""
         items = frozenset(keys)
+        if items == self._items:
+            return
         project = self._document.project
         self._times = {
             field: value.times
@@ -71,11 +73,19 @@ class KeySelection(QObject):
 
     def _follow(self, collection: str, entity_id: str) -> None:
         """Follow the keys of a changed entity; an empty id stands for many. Clips also change with their performers."""
-        if not any(
-            (field.collection, collection) == ("clips", "performers")
-            or (field.collection == collection and entity_id in ("", field.entity_id))
+        changed = {
+            field: keyed_value(self._document.project, field)
             for field in self._times
-        ):
+            if (field.collection, collection) == ("clips", "performers")
+            or (field.collection == collection and entity_id in ("", field.entity_id))
+        }
+        moved = {
+            field: value.times
+            for field, value in changed.items()
+            if value is not None and len(value.times) == len(self._times[field])
+        }
+        if len(moved) == len(changed):
+            self._times |= moved
             return
         kept: list[KeyRef] = []
         for field, places in self.by_field().items():

@@ -3,11 +3,15 @@
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import Keys
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Project
 
+FloatArray = NDArray[np.float64]
 Keyed = Keys | ActivationCurve
 """Values with keys; an activation has its four times."""
 
@@ -74,19 +78,29 @@ def selected_fields(project: Project, items: Iterable[tuple[str, str]]) -> dict[
 
 
 def to_stage(project: Project, clip: Clip | None, field: KeyedField, seconds: float) -> float:
-    """Seconds of the stage of a key.
+    """Seconds of the stage of a key, as ``all_to_stage``."""
+    return float(all_to_stage(project, clip, field, seconds))
+
+
+def from_stage(project: Project, clip: Clip | None, field: KeyedField, seconds: float) -> float:
+    """Inverse of ``to_stage``."""
+    return float(all_from_stage(project, clip, field, seconds))
+
+
+def all_to_stage(project: Project, clip: Clip | None, field: KeyedField, seconds: ArrayLike) -> FloatArray:
+    """Seconds of the stage of keys, of the same shape as their ``seconds``.
 
     Keys of constraints are in time of the motion that ``clip`` plays, those of a clip's speed in that of its own
     motion.
     """
     counted = counted_in(project, clip, field)
-    return seconds if counted is None else float(counted.stage_seconds(seconds, project.frame_rate_of(counted)))
+    return np.asarray(seconds) if counted is None else counted.stage_seconds(seconds, project.frame_rate_of(counted))
 
 
-def from_stage(project: Project, clip: Clip | None, field: KeyedField, seconds: float) -> float:
-    """Inverse of ``to_stage``."""
+def all_from_stage(project: Project, clip: Clip | None, field: KeyedField, seconds: ArrayLike) -> FloatArray:
+    """Inverse of ``all_to_stage``."""
     counted = counted_in(project, clip, field)
-    return seconds if counted is None else float(counted.motion_seconds(seconds, project.frame_rate_of(counted)))
+    return np.asarray(seconds) if counted is None else counted.motion_seconds(seconds, project.frame_rate_of(counted))
 
 
 def counted_in(project: Project, clip: Clip | None, field: KeyedField) -> Clip | None:

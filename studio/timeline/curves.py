@@ -1,4 +1,4 @@
-"""Measured curves of bodies over time: speeds, slide, balance or residual."""
+"""Measured curves of bodies over time: speeds, heights, angles, slide, balance or residual."""
 
 import logging
 from dataclasses import dataclass
@@ -34,7 +34,15 @@ class Quantity(StrEnum):
     FOOT_SPEED = "Foot speed"
     LEFT_FOOT_SPEED = "Left foot speed"
     RIGHT_FOOT_SPEED = "Right foot speed"
+    LEFT_FOOT_HEIGHT = "Left foot height"
+    RIGHT_FOOT_HEIGHT = "Right foot height"
     KNEE_SPEED = "Knee speed"
+    LEFT_KNEE_FLEXION = "Left knee flexion"
+    RIGHT_KNEE_FLEXION = "Right knee flexion"
+    LEFT_ELBOW_FLEXION = "Left elbow flexion"
+    RIGHT_ELBOW_FLEXION = "Right elbow flexion"
+    COM_HEIGHT = "CoM height"
+    COM_SPEED = "CoM speed"
     SLIDE = "Contact sliding"
     SKATE = "Foot skating"
     OFF_SUPPORT = "CoM off support"
@@ -44,13 +52,34 @@ class Quantity(StrEnum):
         """Unit of the drawn values: a residual has that of the constraint."""
         if self is Quantity.ERROR:
             return error_measure(shown).sign.strip()
-        lengths = dict.fromkeys((Quantity.SLIDE, Quantity.SKATE, Quantity.OFF_SUPPORT), "mm")
-        return {Quantity.KNEE_SPEED: "°/s", **lengths}.get(self, "m/s")
+        return _UNITS.get(self, "m/s")
 
     @property
     def asks_document(self) -> bool:
         """True if it depends on more than the poses: on contacts, the ground or a constraint."""
-        return self in (Quantity.ERROR, Quantity.SLIDE, Quantity.SKATE, Quantity.OFF_SUPPORT)
+        return self in _ASKING_DOCUMENT
+
+
+_HEIGHTS = Quantity.LEFT_FOOT_HEIGHT, Quantity.RIGHT_FOOT_HEIGHT
+_FLEXIONS = (
+    *(Quantity.LEFT_KNEE_FLEXION, Quantity.RIGHT_KNEE_FLEXION),
+    *(Quantity.LEFT_ELBOW_FLEXION, Quantity.RIGHT_ELBOW_FLEXION),
+)
+_ASKING_DOCUMENT = (
+    Quantity.ERROR,
+    Quantity.SLIDE,
+    Quantity.SKATE,
+    Quantity.OFF_SUPPORT,
+    Quantity.COM_HEIGHT,
+    *_HEIGHTS,
+)
+_UNITS = {
+    **dict.fromkeys((Quantity.SLIDE, Quantity.SKATE, Quantity.OFF_SUPPORT), "mm"),
+    **dict.fromkeys((Quantity.COM_HEIGHT, *_HEIGHTS), "m"),
+    **dict.fromkeys(_FLEXIONS, "°"),
+    Quantity.KNEE_SPEED: "°/s",
+}
+"""Units of quantities that are no speeds in metres a second."""
 
 
 @dataclass(frozen=True)
@@ -95,14 +124,20 @@ class Curve:
 
 
 def foot_speed(adapted: AdaptedMotion, sides: tuple[int, ...] = (0, 1)) -> FloatArray:
-    """(F,) speed of the ball of the faster foot, metres a second, by central differences."""
+    """(F,) speed of the ball of the faster foot, metres a second."""
     layout = BodyLayout(len(adapted.morphology.spine))
-    if adapted.frame_count < 2:
-        return np.zeros(adapted.frame_count)
-    balls = adapted.positions[:, [layout.toe(side) for side in sides]]
-    steps = np.concatenate([2.0 * (balls[1:2] - balls[:1]), balls[2:] - balls[:-2], 2.0 * (balls[-1:] - balls[-2:-1])])
+    return _speed(adapted.positions[:, [layout.toe(side) for side in sides]], adapted.frame_rate)
+
+
+def _speed(points: FloatArray, frame_rate: float) -> FloatArray:
+    """(F,) speed of the fastest of ``points`` (F, P, 3), metres a second, by central differences."""
+    if len(points) < 2:
+        return np.zeros(len(points))
+    steps = np.concatenate(
+        [2.0 * (points[1:2] - points[:1]), points[2:] - points[:-2], 2.0 * (points[-1:] - points[-2:-1])]
+    )
     squares = np.einsum("fsi,fsi->fs", steps, steps).max(axis=1)
-    return np.asarray(0.5 * adapted.frame_rate * np.sqrt(squares))
+    return np.asarray(0.5 * frame_rate * np.sqrt(squares))
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,19 +182,43 @@ class CurveQuery:
                 return foot_speed(adapted, (0,))
             case Quantity.RIGHT_FOOT_SPEED:
                 return foot_speed(adapted, (1,))
-            case Quantity.KNEE_SPEED:
-                from studio.core.quality.metrics import knee_speeds  # not before a result is there: it loads kernels
-
-                speeds: FloatArray = np.degrees(knee_speeds(adapted).max(axis=0))
-                return speeds
+            case Quantity.ERROR:
+                strip = (
+                    strip_of(self.project, performer_id, adapted, self.constraint_id) if self.constraint_id else None
+                )
+                return None if strip is None else np.nan_to_num(strip.errors) * strip.measure.factor
             case Quantity.SLIDE:
                 return self._slide(performer_id, adapted)
             case Quantity.SKATE:
                 return self._skate(performer_id, adapted)
             case Quantity.OFF_SUPPORT:
                 return self._beyond_support(adapted)
-        strip = strip_of(self.project, performer_id, adapted, self.constraint_id) if self.constraint_id else None
-        return None if strip is None else np.nan_to_num(strip.errors) * strip.measure.factor
+        return self._measured(performer_id, adapted)
+
+    def _measured(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray:
+        """(F,) values of a height, an angle, or a speed of the knees or the centre of mass."""
+        from studio.core.quality import metrics  # not before a result is there: it loads kernels
+
+        match self.quantity:
+            case Quantity.LEFT_FOOT_HEIGHT | Quantity.RIGHT_FOOT_HEIGHT:
+                values = metrics.foot_heights(adapted, self._ground(performer_id))[self._side]
+            case Quantity.KNEE_SPEED:
+                values = np.degrees(metrics.knee_speeds(adapted).max(axis=0))
+            case Quantity.LEFT_KNEE_FLEXION | Quantity.RIGHT_KNEE_FLEXION:
+                values = np.degrees(metrics.knee_flexions(adapted)[self._side])
+            case Quantity.LEFT_ELBOW_FLEXION | Quantity.RIGHT_ELBOW_FLEXION:
+                values = np.degrees(metrics.elbow_flexions(adapted)[self._side])
+            case Quantity.COM_HEIGHT:
+                mass = metrics.centre_of_mass(adapted)
+                values = mass[:, 2] - self._ground(performer_id).height_at(mass)
+            case _:
+                values = _speed(metrics.centre_of_mass(adapted)[:, None], adapted.frame_rate)
+        return np.asarray(values)
+
+    @property
+    def _side(self) -> int:
+        """Side of the body that the quantity names, 0 left, 1 right."""
+        return int(self.quantity.value.startswith("Right"))
 
     def _contacts(self, adapted: AdaptedMotion) -> tuple[ContactInterval, ...]:
         if adapted.composite is not None:

@@ -36,7 +36,7 @@ def press_key(canvas: "TrackCanvas", key: Qt.Key, modifiers: Qt.KeyboardModifier
     shown = canvas.shown
     if shown is None:
         return False
-    if _moves_keys(key, modifiers):
+    if _moves_keys(key, modifiers) and canvas.gesture is None:
         _move_keys(shown, key, modifiers)
     elif _jumps_to_key(key, modifiers):
         edits.go_to_key(shown, JUMPS[key])

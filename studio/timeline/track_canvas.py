@@ -130,8 +130,7 @@ class TrackCanvas(TrackView):
             return
         pending, self._pending = self._pending, None
         if self.gesture is not None:
-            self.gesture.finish()
-            self.end_gesture()
+            self.finish_gesture()
         elif pending is not None and event.modifiers() & Modifier.ControlModifier:
             return
         elif pending is not None and pending[0].keys:
@@ -308,6 +307,12 @@ class TrackCanvas(TrackView):
             self.message_posted.emit(self.gesture.mark.text)
         if not isinstance(self.gesture, Scrub):
             self.update()
+
+    def finish_gesture(self) -> None:
+        """Finish the current drag, if any, as the release of the button does."""
+        if self.gesture is not None:
+            self.gesture.finish()
+            self.end_gesture()
 
     def end_gesture(self) -> None:
         """End the drag, finished or cancelled."""

@@ -205,6 +205,11 @@ class TrackView(QWidget):
             self.picture.curves.frame(self.shown, selected)
             self._redraw(PLOT)
 
+    def set_normalized(self, normalized: bool) -> None:
+        """Show each curve of the curve editor over the whole height, or again those of a unit in one range."""
+        self.picture.curves.set_normalized(normalized)
+        self._redraw(PLOT)
+
     def set_dope(self, dope: bool) -> None:
         """Show the rows of the dope sheet, or the usual ones."""
         if self.dope != dope:

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout, BodyPart
-from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.base import BodyPoint, Chain, Vector
 from studio.core.solver.request import AdaptedMotion
+from studio.engine.performance import Posed
 from studio.engine.point_names import POINT_NAMES
 
 _ARM = Chain(limb=1.0, clavicle=1.0, trunk=0.4, root=0.2)
@@ -42,11 +43,26 @@ def body_joints(layout: BodyLayout) -> tuple[BodyJoint, ...]:
     for (part, at_end), name in POINT_NAMES.items():
         if part is BodyPart.ABDOMEN:
             continue
-        bone = part.value.partition("_")[2] or part.value
-        chain = _LEG if (bone, at_end) == ("thigh", True) else _CHAINS.get(bone, _TRUNK)
         index = int((far if at_end else near)[layout.segment(part)])
-        joints.append(BodyJoint(index, name, BodyPoint(part, at_end=at_end), chain))
+        joints.append(BodyJoint(index, name, BodyPoint(part, at_end=at_end), _chain(part, at_end)))
     return tuple(joints)
+
+
+def skin_point(layout: BodyLayout, part: BodyPart, offset: Vector, at_end: bool) -> BodyJoint:
+    """Point on the skin of a segment, at an ``offset`` from its origin or its far end."""
+    ends = layout.distal_points() if at_end else layout.proximal_points()
+    point = BodyPoint(part, offset, at_end)
+    return BodyJoint(int(ends[layout.segment(part)]), f"{part.label.lower()} skin", point, _chain(part, at_end))
+
+
+def place_of_joint(pose: Posed, joint: BodyJoint) -> NDArray[np.float64]:
+    """(3,) stage position of a picked joint or point."""
+    return pose.placement.to_stage(point_path(pose.motion, joint.point, slice(pose.row, pose.row + 1))[0])
+
+
+def _chain(part: BodyPart, at_end: bool) -> Chain:
+    bone = part.value.partition("_")[2] or part.value
+    return _LEG if (bone, at_end) == ("thigh", True) else _CHAINS.get(bone, _TRUNK)
 
 
 def point_path(

@@ -11,32 +11,39 @@ from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.viewport import picking
 from studio.viewport.mouse_gestures import CameraDrag, MoveDrag, RotateDrag, ScaleDrag
+from studio.viewport.navigation import camera_drag
 from studio.viewport.rotate_gizmo import RotateGizmo
 from studio.viewport.scale_gizmo import ScaleGizmo
 from studio.viewport.selected_movable import zero_of
+from studio.viewport.skin_picking import skin_point_at
 
 if TYPE_CHECKING:
     from studio.viewport.camera import OrbitCamera
     from studio.viewport.widget import Viewport
 
 HANDLE_PICK_REACH = 11.0
-_CAMERA = {
-    Qt.MouseButton.LeftButton: "orbit",
-    Qt.MouseButton.MiddleButton: "pan",
-    Qt.MouseButton.RightButton: "zoom",
-}
 
 
 def press(viewport: Viewport, document: Document, live: Live, event: QMouseEvent) -> None:
-    """Begin a gesture or select: Alt with any button, or the middle one, moves the camera; the left one drags, picks or
-    selects.
+    """Begin a gesture or select: the left button drags the gizmo, unless Alt is held; else the navigation says which
+    buttons move the camera, and the left one picks or selects.
     """
+    if viewport.gesture is not None:
+        return
     x, y = event.position().x(), event.position().y()
+    is_left = event.button() == Qt.MouseButton.LeftButton
     alt = bool(event.modifiers() & Qt.KeyboardModifier.AltModifier)
-    kind = _CAMERA.get(event.button())
-    if kind and (alt or kind == "pan") and viewport.gesture is None:
+    if is_left and not alt and not viewport.picks_skin and _grab_gizmo(viewport, document, live, x, y):
+        return
+    if is_left and not alt and viewport.picks_skin:
+        picked = skin_point_at(document.project, viewport.posed, viewport.camera, viewport.view_size, x, y)
+        if picked is not None:
+            viewport.pick(picked)
+        return
+    kind = camera_drag(viewport.navigation, event.button(), event.modifiers())
+    if kind:
         viewport.gesture = CameraDrag(kind, viewport.camera, viewport.view_size[1], x, y, viewport.set_camera)
-    elif kind == "orbit" and viewport.gesture is None and not _grab_gizmo(viewport, document, live, x, y):
+    elif is_left:
         _select(viewport, document, x, y)
 
 

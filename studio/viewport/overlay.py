@@ -1,5 +1,6 @@
 """Overlay of the picture: constraint handles and joints."""
 
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
 
 import numpy as np
@@ -8,6 +9,7 @@ from PySide6.QtCore import QLineF, QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 
 from studio.document import colours
+from studio.engine.performance import Posed
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.handles import Handle
 from studio.viewport.optical_recording import MarkerFrame
@@ -231,3 +233,13 @@ class Overlay:
             self._painter.setBrush(Qt.BrushStyle.NoBrush)
             self._painter.setPen(QPen(QColor("#ffffff"), 2.0))
             self._painter.drawEllipse(QPointF(x, y), 10.0, 10.0)
+
+
+def twin_heads(posed: Mapping[str, Posed]) -> dict[str, FloatArray]:
+    """Tops of the heads, (3,) metres, of bodies with the same character, by their distinguishing names."""
+    seen = Counter(pose.performer.character_id for pose in posed.values())
+    return {
+        pose.performer.name: pose.points[pose.motion.morphology.layout.head_end]
+        for pose in posed.values()
+        if seen[pose.performer.character_id] > 1
+    }

@@ -1,6 +1,5 @@
 """3D viewport: the document's performers as adapted by the engine, to be picked and dragged."""
 
-from collections import Counter
 from collections.abc import Callable, Container
 from dataclasses import replace
 from functools import partial
@@ -26,7 +25,7 @@ from studio.engine.performance import Posed, has_moved_on, pose_of, resting_perf
 from studio.engine.prop_places import PropPose, props_at
 from studio.viewport import mouse
 from studio.viewport.auto_framing import AutoFraming
-from studio.viewport.body_points import body_joints
+from studio.viewport.body_points import body_joints, place_of_joint
 from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
 from studio.viewport.camera_animation import CameraAnimation
 from studio.viewport.canvas import Canvas
@@ -41,11 +40,12 @@ from studio.viewport.gizmo_painting import GizmoPainter
 from studio.viewport.handles import Handle, constraint_handles
 from studio.viewport.mouse_gestures import ViewportGesture, nudge
 from studio.viewport.movables import Movable
+from studio.viewport.navigation import DEFAULT_NAVIGATION
 from studio.viewport.new_constraints import NewConstraintContext, constraint_here
 from studio.viewport.onion_skins import Ghost, OnionSkins, kept_ghosts, onion_ghosts
 from studio.viewport.opening import clear_of_words, is_another_size, opening_camera
 from studio.viewport.optical_recording import MarkerFrame, RecordingView, recorded_of
-from studio.viewport.overlay import Overlay
+from studio.viewport.overlay import Overlay, twin_heads
 from studio.viewport.paths import StagePath, prop_paths, selection_rings, stage_paths, trail_keys
 from studio.viewport.picking import PickedJoint
 from studio.viewport.preview import Preview
@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from studio.viewport.stage_picture import StageScene
 
 WHEEL_ZOOM = 1.15
+SKIN_NOTICE = "Click a point on the skin of a character. Esc cancels."
 
 
 class Viewport(Canvas):
@@ -72,6 +73,7 @@ class Viewport(Canvas):
         self.tool = "move"
         self.gizmo_space = Space.WORLD
         self.snap_steps = DEFAULT_STEPS
+        self.navigation = DEFAULT_NAVIGATION
         self.onion_skins = OnionSkins()
         self.fits_activation = True
         """True if new constraints act while the body stays, False if for the whole clip."""
@@ -83,6 +85,8 @@ class Viewport(Canvas):
         self._progress = ("", 0.0)
         self.joint_picked: PickedJoint | None = None
         self.joint_hovered: PickedJoint | None = None
+        self.picks_skin = False
+        """True if the next click picks a point on a skin."""
         self.gizmo_part_hovered: str | None = None
         self.body_hovered: str | None = None
         """The performer under the mouse, whose joints can be seen."""
@@ -303,12 +307,24 @@ class Viewport(Canvas):
 
     def pick(self, picked: PickedJoint | None) -> None:
         """Highlight a joint and select its performer; None clears the pick."""
+        self._set_picks_skin(False)
         if picked != self.joint_picked:
             self.joint_picked = picked
             self.picked_changed.emit()
         if picked is not None:
             self._document.selection.set(("performers", picked.performer_id))
         self.show_again()
+
+    def begin_skin_pick(self) -> None:
+        """Let the next click pick a point on a skin."""
+        self.cancel_gesture()
+        self._set_picks_skin(True)
+
+    def _set_picks_skin(self, on: bool) -> None:
+        if on != self.picks_skin:
+            self.picks_skin = on
+            self.setCursor(Qt.CursorShape.CrossCursor if on else Qt.CursorShape.ArrowCursor)
+            self.update()
 
     def add_constraint_at_pick(self, kind: str = "position") -> str | None:
         """Add a constraint that keeps the present state of the picked joint, or the body, at the playhead, and select
@@ -340,18 +356,30 @@ class Viewport(Canvas):
 
     @property
     def notice(self) -> str:
-        """Sentence while there are no performers: the running task, else the next step."""
+        """Sentence while a skin is picked, or there are no performers: the running task, else the next step."""
+        if self.picks_skin:
+            return SKIN_NOTICE
         if self.posed or self._recorded is not None:
             return ""
         return self._progress[0] or empty_words(self._document.project)
 
     def cancel_gesture(self) -> bool:
-        """Cancel the current drag; False if there is none."""
+        """Cancel the current drag, or the pick of a skin; False if there is none."""
+        if self.picks_skin:
+            self._set_picks_skin(False)
+            return True
         gesture, self.gesture = self.gesture, None
         if gesture is not None:
             gesture.cancel()
             self.show_again()
         return gesture is not None
+
+    def finish_gesture(self) -> None:
+        """Finish the current drag, if any, as the release of the button does."""
+        gesture, self.gesture = self.gesture, None
+        if gesture is not None:
+            gesture.finish()
+            self.show_again()
 
     def set_camera(self, camera: OrbitCamera) -> None:
         """Set the camera; automatic framing ends."""
@@ -485,14 +513,14 @@ class Viewport(Canvas):
         gazes = {key for key, each in self._document.project.constraints.items() if each.kind == "look_at"}
         only = chosen | gazes if self.moving else None  # more cost pictures and hide bodies
         overlay.handles(self.handles(only), chosen)
-        overlay.names(self._twins(), self._chips.view.geometry().bottom())
+        overlay.names(twin_heads(self.posed), self._chips.view.geometry().bottom())
         under = self.posed.get(self.body_hovered or "") if self.gesture is None else None
         if under is not None:
             overlay.joints(under.points[[joint.index for joint in body_joints(under.motion.morphology.layout)]])
         for picked, strong in ((self.joint_hovered, False), (self.joint_picked, True)):
             pose = self.posed.get(picked.performer_id) if picked else None
             if picked is not None and pose is not None:
-                overlay.joint(pose.points[picked.joint.index], colours.STAGE_SELECTED_HANDLE, strong)
+                overlay.joint(place_of_joint(pose, picked.joint), colours.STAGE_SELECTED_HANDLE, strong)
         gizmo = self.gizmo()
         room = QRect()
         if gizmo is not None and gizmo.in_sight:
@@ -504,15 +532,6 @@ class Viewport(Canvas):
             overlay.notice(self.notice, self._progress[1] if self._progress[0] else None)
         self._place_constrain_chip()
 
-    def _twins(self) -> dict[str, FloatArray]:
-        """Tops of the heads, (3,) metres, of bodies with the same character, by their distinguishing names."""
-        seen = Counter(pose.performer.character_id for pose in self.posed.values())
-        return {
-            pose.performer.name: pose.points[pose.motion.morphology.layout.head_end]
-            for pose in self.posed.values()
-            if seen[pose.performer.character_id] > 1
-        }
-
     def _place_constrain_chip(self) -> None:
         picked, chip = self.joint_picked, self._chips.constrain
         pose = self.posed.get(picked.performer_id) if picked else None
@@ -520,7 +539,7 @@ class Viewport(Canvas):
         if picked is not None and pose is not None:
             chip.say(f"Constrain {picked.joint.name}  (C)")
             beside_gizmo = QPoint(16, -34 if self.gizmo() is None else 26)
-            chip.stand_at(self.widget_point(pose.points[picked.joint.index]).toPoint() + beside_gizmo)
+            chip.stand_at(self.widget_point(place_of_joint(pose, picked.joint)).toPoint() + beside_gizmo)
 
     def _ghost(self) -> Posed | None:
         pose = self.posed.get(self._document.active_performer_id or "")
@@ -579,9 +598,8 @@ class Viewport(Canvas):
         return [partial(signal.disconnect, slot) for signal, slot in links]
 
     def _entity_changed(self, collection: str, entity_id: str) -> None:
-        if self.gesture is not None and self._document.project.get(collection, entity_id) is None:
-            self.gesture.finish()  # what was dragged may be gone
-            self.gesture = None
+        if self._document.project.get(collection, entity_id) is None:
+            self.finish_gesture()  # what was dragged may be gone
         before, self._played = self._played, self._document.project.motions_played
         if any(motions.isdisjoint(before.get(key, motions)) for key, motions in self._played.items()):
             self._framed = False  # all that plays now is new, and may be elsewhere
@@ -593,9 +611,7 @@ class Viewport(Canvas):
         self._played, self._framed = self._document.project.motions_played, False
         self._kept.clear()
         self._tell_problem()
-        if self.gesture is not None:
-            self.gesture.finish()  # there is nothing left to take back
-            self.gesture = None
+        self.finish_gesture()  # there is nothing left to take back
         self.pick(None)
 
     def _selection_changed(self) -> None:
@@ -639,10 +655,7 @@ class Viewport(Canvas):
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Finish the gesture."""
-        gesture, self.gesture = self.gesture, None
-        if gesture is not None:
-            gesture.finish()
-            self.show_again()
+        self.finish_gesture()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         """Constrain the joint under the mouse."""

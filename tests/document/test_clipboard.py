@@ -7,8 +7,11 @@ import pytest
 
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactPoint
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.scope import Scope
-from studio.core.curves.keyed import KeyedPlace
+from studio.core.curves.activation import ActivationCurve
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.curves.tangents import Tangent, TangentMode, Tangents
 from studio.core.errors import StudioError
 from studio.core.stage.correction import PoseOffsets, new_correction
@@ -142,6 +145,21 @@ def test_keys_are_pasted_on_other_constraints_and_props_mirrored_if_asked(docume
         assert value.values[0] == pytest.approx((0.4, 0.3, 1.2))
     document.undo_stack.undo()
     assert document.project.props[ball].position == (0.0, 0.0, 0.5)
+
+
+def test_keys_of_an_angle_are_not_pasted_as_metres(document):
+    heading = document.add("props", Prop("Box", heading=KeyedNumber((0.1, 0.3), (0.2, 0.4))), "Add")
+    apart = DistanceConstraint(
+        "motion", "Apart", BodyPoint(BodyPart.LEFT_FOREARM), Chain(), 1, ActivationCurve(0.0, 0.1, 0.3, 0.4),
+        other=BodyPoint(BodyPart.RIGHT_FOREARM), distance=KeyedNumber((0.1, 0.3), (0.2, 0.4)),
+    )  # fmt: skip
+    distance = document.add("constraints", apart, "Add")
+    document.keys.set([KeyRef(KeyedField("props", heading, "heading"), 1)])
+    text = copied(document)
+    document.selection.set(("constraints", distance))
+    with pytest.raises(StudioError):
+        paste(document, text)
+    assert document.project.constraints[distance] == apart
 
 
 @pytest.mark.parametrize(

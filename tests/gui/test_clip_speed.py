@@ -66,7 +66,7 @@ def test_a_key_that_is_raised_in_the_curve_editor_changes_the_length_and_later_c
     assert editor.channel("speed")[0].unit == "×"
     curves = timeline.tracks.picture.curves
     point = editor.key("speed", 1)
-    lower = curves.y_of(timeline.tracks.shown, editor.area, "×", 0.5)
+    lower = curves.y_of(timeline.tracks.shown, editor.area, editor.channel("speed")[0], 0.5)
     hand.press(point)
     hand.move(0, dy=round(lower) - point.y())
     hand.release()

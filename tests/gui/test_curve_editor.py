@@ -7,6 +7,11 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
+from studio.core.body.canonical import BodyPart
+from studio.core.body.growth import KeyedProportions
+from studio.core.body.morphology import Proportions
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.distance import DistanceConstraint
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.curves.tangents import Beyond, TangentMode
 from studio.core.rotations import from_euler
@@ -25,7 +30,7 @@ from studio.document.channels import (
 from studio.document.keyed_fields import KeyedField, KeyRef
 from studio.timeline.menus import menu_at
 from studio.timeline.tracks.value_curves import HandleRef, plot_area
-from tests.gui.hand import RATE, Hand, frames, pixels
+from tests.gui.hand import RATE, Hand, curve, frames, pixels
 
 FIELD = KeyedField("constraints", "kick", "target")
 ACTIVATION = KeyedField("constraints", "kick", "activation")
@@ -201,6 +206,34 @@ def test_the_menu_sets_tangents_and_what_holds_beyond_the_keys(document, editor)
     assert editor.target.after is Beyond.HOLD
 
 
+def _keyed_distance(document):
+    apart = DistanceConstraint(
+        "motion", "Apart", BodyPoint(BodyPart.LEFT_FOREARM), Chain(), 1, curve(20, 24, 56, 60),
+        other=BodyPoint(BodyPart.RIGHT_FOREARM), distance=KeyedNumber((24 / RATE, 56 / RATE), (0.2, 0.4)),
+    )  # fmt: skip
+    return "constraints", document.add("constraints", apart, "Add"), "distance"
+
+
+def _keyed_measures(document):
+    key = document.project.performers["performer 0"].character_id
+    keyed = KeyedProportions((24 / RATE, 56 / RATE), (Proportions(trunk=0.3), Proportions(trunk=0.6)))
+    document.replace("characters", key, replace(document.project.characters[key], proportions=keyed), "Key")
+    return "characters", key, "trunk"
+
+
+@pytest.mark.parametrize(("make", "least"), [(_keyed_distance, 0.0), (_keyed_measures, 0.2)])
+def test_a_key_that_is_dragged_below_what_can_be_stops_there(document, editor, hand, make, least):
+    collection, key, name = make(document)
+    document.selection.set(("performers", "performer 0") if collection == "characters" else (collection, key))
+    editor.timeline.tracks.grab()
+    hand.press(editor.key(name, 0))
+    hand.move(0, dy=editor.area.height() * 2)
+    hand.release()
+    assert key_values(*editor.channel(name))[0] == pytest.approx(least)
+    editor.timeline.tracks.fields.value.setValue(-1e6)
+    assert key_values(*editor.channel(name))[0] == pytest.approx(least)
+
+
 def test_time_and_value_are_typed(document, editor):
     fields = editor.timeline.tracks.fields
     QTest.mouseClick(editor.timeline.tracks, Qt.MouseButton.LeftButton, NONE, editor.key("z", 2))
@@ -220,12 +253,34 @@ def test_all_or_the_selected_keys_are_framed(document, editor):
     assert axis.time_at(axis.right) - axis.time_at(axis.left) < 0.3
     QTest.keyClick(editor.timeline.tracks, Qt.Key.Key_A)
     assert axis.time_at(axis.right) > 1.5
-    span = curves.range_of(shown, "m")
+    metres, _ = editor.channel("z")
+    span = curves.range_of(shown, metres)
     assert span.low < 0.0
     assert span.high > 1.4
     hand = Hand(editor.timeline)
     hand.wheel(editor.area.center(), 15, NONE)
-    assert curves.range_of(shown, "m").high < span.high
+    assert curves.range_of(shown, metres).high < span.high
+
+
+def test_normalized_curves_each_fill_the_height_and_are_dragged_at_their_own_scale(document, editor, hand):
+    values = {name: [*key_values(*editor.channel(name))] for name in "xyz"}
+    heights = {name: [editor.key(name, place).y() for place in range(4)] for name in "xyz"}
+    assert np.ptp(heights["x"]) < 0.4 * editor.area.height()
+    editor.menu(editor.key("z", 1), "Normalize curves")
+    for name in "xyz":
+        tall = [editor.key(name, place).y() for place in range(4)]
+        assert np.ptp(tall) > 0.7 * editor.area.height()
+    pixels_per_metre = np.ptp([editor.key("x", place).y() for place in range(4)]) / np.ptp(values["x"])
+    hand.press(editor.key("x", 2))
+    hand.move(0, dy=-20)
+    hand.release()
+    assert key_values(*editor.channel("x"))[2] == pytest.approx(values["x"][2] + 20 / pixels_per_metre, abs=0.003)
+    editor.timeline.tracks.grab()
+    QTest.keyClick(editor.timeline.tracks, Qt.Key.Key_A)
+    assert np.ptp([editor.key("y", place).y() for place in range(4)]) > 0.7 * editor.area.height()
+    document.undo_stack.undo()
+    editor.menu(editor.key("z", 1), "Normalize curves")
+    assert {name: [editor.key(name, place).y() for place in range(4)] for name in "xyz"} == heights
 
 
 def test_a_box_selects_keys_by_time_and_value(document, editor, hand):

@@ -3,6 +3,7 @@
 import time
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
@@ -160,6 +161,31 @@ def test_only_rows_that_change_are_painted_of_two_hundred_over_twenty_thousand_f
     }
     assert len(painted) <= 3 * 10 * 2  # of two moves each
     hand.release()
+
+
+def test_all_sixty_thousand_keys_are_dragged_at_once(crowded):
+    """In processor time of the window's thread: two moves took twenty seconds, field by field."""
+    timeline, document = crowded
+    tracks = timeline.tracks
+    tracks.axis.show(1.0, 11.0)
+    tracks.setFocus()
+    QTest.keyClick(tracks, Qt.Key.Key_A, Qt.KeyboardModifier.ControlModifier)
+    assert len(document.keys.items) > 60_000
+    before = document.project.constraints["c50"].target.times
+    hand, summary = Hand(timeline), tracks.sheet.rect(tracks.sheet.rows[0])
+    hand.press(QPoint(round(timeline.x_of_frame(300)), summary.center().y()))
+    hand.move(60)
+    begin = time.thread_time()
+    hand.move(30)
+    tracks.grab()
+    assert time.thread_time() - begin < 4.0
+    hand.release()
+    moved = np.array(document.project.constraints["c50"].target.times) - before
+    assert moved == pytest.approx(moved[0], abs=1e-9)
+    assert moved[0] > 0.5
+    assert len(document.keys.items) > 60_000
+    document.undo_stack.undo()
+    assert document.project.constraints["c50"].target.times == before
 
 
 def test_a_paint_of_two_hundred_rows_takes_less_than_a_sixtieth_of_a_second(crowded):

@@ -116,8 +116,8 @@ def test_the_window_does_not_begin_in_the_field(window):
 
 def test_no_key_map_gives_the_key_of_the_search_to_anything_else():
     defaults = {action.id: action.shortcuts for action in ACTIONS}
-    for _, changed in key_maps().values():
-        assert [key for key, keys in keys_with(defaults, changed).items() if "Ctrl+Shift+F" in keys] == [
+    for each in key_maps().values():
+        assert [key for key, keys in keys_with(defaults, each.keys).items() if "Ctrl+Shift+F" in keys] == [
             "search_library"
         ]
 

@@ -4,11 +4,12 @@ import json
 from dataclasses import replace
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QDesktopServices, QKeySequence
 from PySide6.QtTest import QTest
 
 from studio.app.actions import ACTIONS
+from studio.app.application import show_views
 from studio.app.preferences import (
     Preferences,
     conflicts_in,
@@ -29,14 +30,17 @@ from studio.panels.command_palette import ShortcutSheet
 from studio.resources_folder import guide_file
 from studio.viewport.body_points import body_joints
 from studio.viewport.picking import PickedJoint
+from tests.gui.viewport_use import LEFT, MIDDLE, NONE, drag, on_arrow, settle
 from tests.patience import PATIENCE
 
+RIGHT = Qt.MouseButton.RightButton
+ALT, CTRL, SHIFT = (getattr(Qt.KeyboardModifier, f"{name}Modifier") for name in ("Alt", "Control", "Shift"))
 DEFAULTS = {row.id: row.shortcuts for row in ACTIONS}
 
 
 @pytest.mark.parametrize("name", list(key_maps()))
 def test_a_bundled_map_names_actions_that_exist_and_keys_that_qt_knows_without_conflict(name):
-    _, changed = key_maps()[name]
+    changed = key_maps()[name].keys
     assert changed.keys() <= DEFAULTS.keys()
     assert all(QKeySequence(key).toString() for keys in changed.values() for key in keys)
     keys = keys_with(DEFAULTS, changed)
@@ -83,6 +87,43 @@ def test_a_map_that_is_chosen_and_a_key_that_is_typed_act_at_once(window):
     dialog.table.item(line, 1).setText("Nonsense")
     assert "is not a shortcut" in dialog.words.text()
     assert action["play"].shortcut().toString() == "P"
+    dialog.close()
+
+
+CAMERA_BUTTONS = {
+    "studio": ((LEFT, ALT), (MIDDLE, NONE), (RIGHT, ALT)),
+    "maya": ((LEFT, ALT), (MIDDLE, ALT), (RIGHT, ALT)),
+    "blender": ((MIDDLE, NONE), (MIDDLE, SHIFT), (MIDDLE, CTRL)),
+    "motionbuilder": ((LEFT, CTRL | SHIFT), (LEFT, SHIFT), (LEFT, CTRL)),
+}
+"""Buttons and keys that orbit, pan and zoom in each program."""
+
+
+def test_the_camera_is_moved_by_the_buttons_of_the_map_and_the_gizmo_keeps_its_own(window, qtbot):
+    show_views(window)
+    viewport, document = window.bench.viewport, window.bench.document
+    dialog = PreferencesDialog(window.bench)
+    qtbot.waitUntil(lambda: bool(viewport.posed), timeout=PATIENCE)
+    document.selection.set(("performers", "performer 0"), ("constraints", "constraint 0"))
+    viewport.frame_selection()
+    settle(viewport)
+    corner, step = QPoint(30, viewport.height() - 30), QPoint(40, -20)
+    for name, buttons in CAMERA_BUTTONS.items():
+        dialog.map.value_chosen.emit(name)
+        for (button, held), changed in zip(buttons, ("azimuth", "target", "distance"), strict=True):
+            before = viewport.camera
+            drag(viewport, corner, corner + step, button, held)
+            seen = {
+                each for each in ("azimuth", "target", "distance") if vars(viewport.camera)[each] != vars(before)[each]
+            }
+            assert seen == {changed}, (name, button, held)
+            viewport.set_camera(before)
+        assert document.selection.current == ("constraints", "constraint 0")
+    settle(viewport)
+    before = viewport.camera
+    drag(viewport, on_arrow(viewport, "z", 0.7), on_arrow(viewport, "z", 1.2), modifiers=SHIFT)
+    assert viewport.camera == before
+    assert document.undo_stack.count() == 1
     dialog.close()
 
 

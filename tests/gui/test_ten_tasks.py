@@ -1,7 +1,12 @@
-"""Ten tasks of an animator, by mouse and keys on the whole window: none needs a typed number, each is measured."""
+"""Ten tasks of an animator, by mouse and keys on the whole window: none needs a typed number, each is measured.
 
+With MORPHO_FILM=FOLDER the window is written there after every act: one numbered picture each, a folder a task.
+"""
+
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -49,6 +54,16 @@ class User:
     clicks: int = 0
     drags: int = 0
     keys: int = 0
+    pictures: int = 0
+
+    def film(self):
+        """Write the window as it is now, if films are wanted."""
+        if "MORPHO_FILM" in os.environ:
+            task = os.environ["PYTEST_CURRENT_TEST"].partition("::")[2].partition("[")[0]
+            folder = Path(os.environ["MORPHO_FILM"]) / task
+            folder.mkdir(parents=True, exist_ok=True)
+            self.window.grab().save(str(folder / f"{self.pictures:03}.png"))
+            self.pictures += 1
 
     @property
     def done(self):
@@ -75,16 +90,19 @@ class User:
         self.clicks += 1
         QTest.mouseClick(widget or self.timeline.tracks, LEFT, modifiers, point)
         QTest.qWait(5)
+        self.film()
 
     def drag(self, begin, end, widget=None, modifiers=NONE):
         self.drags += 1
         viewport_use.drag(widget or self.timeline.tracks, begin, end, modifiers=modifiers)
         QTest.qWait(5)
+        self.film()
 
     def press(self, key, modifiers=NONE, widget=None):
         self.keys += 1
         QTest.keyClick(widget or self.viewport, key, modifiers)
         QTest.qWait(5)
+        self.film()
 
     def choose(self, point, *texts):
         """An entry of the menu of the right mouse button: two clicks, one more for each submenu."""
@@ -93,6 +111,7 @@ class User:
         for text in texts[:-1]:
             entries = next(entry.menu() for entry in entries if entry.text() == text).actions()
         next(entry for entry in entries if entry.text() == texts[-1]).trigger()
+        self.film()
 
     def go_to(self, frame):
         """Click the ruler at a frame of the stage."""
@@ -110,6 +129,7 @@ class User:
         assert live.wait(PATIENCE / 1000)
         QTest.qWait(20)
         settle(self.viewport)
+        self.film()
         return {key: live.result(key) for key in self.project.performers}
 
     def paths(self, point):
@@ -387,7 +407,7 @@ def test_8_the_middle_is_slowed_by_keys_of_the_speed_too(user):
     second, third = (curves.point(shown, area, channel, keyed, place).toPoint() for place in (1, 2))
     user.click(second)
     user.click(third, modifiers=CTRL)
-    user.drag(third, QPoint(third.x(), round(curves.y_of(shown, area, channel.unit, 1 / 3))))
+    user.drag(third, QPoint(third.x(), round(curves.y_of(shown, area, channel, 1 / 3))))
     assert user.done == (7, 1, 5)
     clip = user.project.performers[first].clips[0]
     assert clip.speed.values == pytest.approx((1.0, 1 / 3, 1 / 3, 1.0), abs=0.02)

@@ -238,6 +238,20 @@ def test_set_key_keys_what_is_selected_at_the_playhead(document, timeline, kick)
     assert character.proportions == KeyedProportions((40 / RATE,), (Proportions(),))
 
 
+def test_set_key_keys_a_constraint_and_not_the_body_that_is_selected_with_it(document, timeline, kick):
+    document.selection.set(("performers", "performer 0"), ("constraints", kick))
+    document.playhead.set_time(30 / RATE)
+    assert set_keys(document) == 1
+    assert frames(document) == [24, 30, 36, 44, 56]
+    character = document.project.characters[document.project.performers["performer 0"].character_id]
+    assert character.proportions == Proportions()
+    document.selection.set(("performers", "performer 0"))
+    assert set_keys(document) == 1
+    document.selection.set(("performers", "performer 0"), ("constraints", kick))
+    document.playhead.set_time(40 / RATE)
+    assert set_keys(document) == 1
+
+
 def test_random_edits_of_keys_are_undone_to_the_project_they_began_with(document, timeline, kick):
     random = np.random.default_rng(3)
     before = document.project

@@ -43,6 +43,11 @@ def choose_joint(bench: Workbench) -> None:
     bench.window.choose("Pick a joint", choices)
 
 
+def pick_skin(bench: Workbench) -> None:
+    """Let the next click in the 3D view pick a point on a skin."""
+    bench.viewport.begin_skin_pick()
+
+
 def load_area_mesh(bench: Workbench) -> None:
     """Ask for the file of a mesh as the shape of the selected area."""
     kinds = f"Meshes ({' '.join(f'*{suffix}' for suffix in SUFFIXES)})"

@@ -245,6 +245,9 @@ def at_frames(rows: FloatArray, frames: Any) -> FloatArray:
     return rows if len(rows) == 1 else rows[frames]
 
 
+LEAST_PROPORTION_FACTOR, MOST_PROPORTION_FACTOR = 0.2, 5.0
+
+
 @dataclass(frozen=True)
 class Proportions:
     """Factors on a build's measures, set by the sliders of the inspector; all are 1 for the build itself."""
@@ -264,8 +267,9 @@ class Proportions:
     def __post_init__(self) -> None:
         for each in fields(self):
             factor = getattr(self, each.name)
-            if not (np.isfinite(factor) and 0.2 <= factor <= 5.0):
-                raise ValueError(f"{each.name}: a proportion lies between 0.2 and 5, got {factor}.")
+            if not (np.isfinite(factor) and LEAST_PROPORTION_FACTOR <= factor <= MOST_PROPORTION_FACTOR):
+                limits = f"{LEAST_PROPORTION_FACTOR:g} and {MOST_PROPORTION_FACTOR:g}"
+                raise ValueError(f"{each.name}: a proportion lies between {limits}, got {factor}.")
 
     def applied_to(self, build: Morphology) -> Morphology:
         """``build`` with its measures multiplied by these factors."""

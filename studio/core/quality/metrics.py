@@ -132,18 +132,36 @@ def _sole_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
     return np.asarray(points[..., 2] - worn_height(ground, points))
 
 
+def foot_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
+    """Heights (2, F) in metres of the lowest point of each sole above the ground, negative below it."""
+    return np.asarray(_sole_heights(adapted, ground).min(axis=2))
+
+
 def knee_speeds(adapted: AdaptedMotion) -> FloatArray:
     """Angular speeds (2, F) in rad/s of the left and right knee; a popping knee has a peak."""
-    layout = adapted.morphology.layout
     if adapted.frame_count < 2:
         return np.zeros((2, adapted.frame_count))
-    speeds = []
-    for side in range(2):
-        hip, knee, ankle = (adapted.positions[:, layout.hip(side) + step] for step in range(3))
-        thigh, shank = knee - hip, ankle - knee
-        bend = np.arctan2(np.linalg.norm(np.cross(thigh, shank), axis=1), np.sum(thigh * shank, axis=1))
-        speeds.append(np.abs(np.gradient(bend)) * adapted.frame_rate)
-    return np.array(speeds)
+    return np.array([np.abs(np.gradient(flexion)) for flexion in knee_flexions(adapted)]) * adapted.frame_rate
+
+
+def knee_flexions(adapted: AdaptedMotion) -> FloatArray:
+    """Angles (2, F) in radians by which the left and right knee are bent; 0 for a straight leg."""
+    return _flexions(adapted, [adapted.morphology.layout.hip(side) for side in range(2)])
+
+
+def elbow_flexions(adapted: AdaptedMotion) -> FloatArray:
+    """Angles (2, F) in radians by which the left and right elbow are bent; 0 for a straight arm."""
+    return _flexions(adapted, [adapted.morphology.layout.collar(side) + 1 for side in range(2)])
+
+
+def _flexions(adapted: AdaptedMotion, roots: Sequence[int]) -> FloatArray:
+    """Angles (R, F) in radians between the two long bones of limbs, whose three joints begin at ``roots``."""
+    flexions = []
+    for root in roots:
+        upper, lower = (adapted.positions[:, root + step + 1] - adapted.positions[:, root + step] for step in range(2))
+        across = np.linalg.norm(np.cross(upper, lower), axis=1)
+        flexions.append(np.arctan2(across, np.sum(upper * lower, axis=1)))
+    return np.array(flexions)
 
 
 def angular_acceleration(rotations: FloatArray, frame_rate: float) -> FloatArray:

@@ -21,6 +21,8 @@ def gesture_at(hit: Hit, shown: RowContext, press: QPointF, stretch: bool = Fals
     """Drag for a hit, or None; ``stretch`` changes the speed of a clip."""
     if hit.part == ItemPart.TIME:
         return Scrub(shown.document.playhead, shown.axis)
+    if hit.kind in MOVED and shown.project.get(hit.kind, hit.id) is None:
+        return None  # deleted since the button was pressed
     if hit.kind == "constraints" and hit.part in HANDLES:
         return DragHandle(shown, hit.id, hit.part, press)
     if hit.kind == "constraints" and hit.part == ItemPart.BODY:

@@ -51,7 +51,7 @@ class DragCurveKeys(TimelineGesture):
         self._is_raised |= abs(way.y()) >= LOCK
         caught = snapped(self.shown.axis, self._time + way.x() / self.shown.axis.scale, self._magnets, free)
         seconds = caught.time - self._time if self._is_moved else 0.0
-        rise = self._curves.value_of(self.shown, self._area, channel.unit, -way.y()) if self._is_raised else 0.0
+        rise = self._curves.value_of(self.shown, self._area, channel, -way.y()) if self._is_raised else 0.0
         rise *= FINE_KEY_DRAG if self.modifiers & Modifier.ShiftModifier else 1.0
         old = float(self._values[self._grabbed.place])
         step = SNAP_STEPS.get(channel.unit, 0.0)
@@ -61,7 +61,8 @@ class DragCurveKeys(TimelineGesture):
         changed = with_values(channel, before, {place: float(self._values[place]) + rise for place in self._places})
         self._drag.move(seconds, {channel.field: changed})
         time = self._time + seconds
-        text = f"{moment(time * self.shown.axis.frame_rate, time)}  {channel.name} {old + rise:.4g} {channel.unit}"
+        value = key_values(channel, changed)[self._grabbed.place]
+        text = f"{moment(time * self.shown.axis.frame_rate, time)}  {channel.name} {value:.4g} {channel.unit}"
         self.mark = DragHint(time, text.strip(), caught.caught if self._is_moved else None)
 
     def finish(self) -> None:
@@ -100,7 +101,7 @@ class DragTangent(TimelineGesture):
         way = self._begin + (position - self._press) * share - self._key
         begin = own_times(shown, channel.field, shown.axis.time_at(self._key.x()))
         end = own_times(shown, channel.field, shown.axis.time_at(self._key.x() + way.x()))
-        seconds, value = float(end - begin), self._curves.value_of(shown, self._area, channel.unit, -way.y())
+        seconds, value = float(end - begin), self._curves.value_of(shown, self._area, channel, -way.y())
         if self.modifiers & Modifier.ControlModifier and way.x():
             kept = self._begin.x() - self._key.x()
             seconds, value = seconds * kept / way.x(), value * kept / way.x()

@@ -1,13 +1,14 @@
 """Curve editor: values of keyed channels over the plot's time, with keys, tangents and handles."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pyqtgraph.functions import arrayToQPolygonF
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt
-from PySide6.QtGui import QColor, QPainter, QPolygonF
+from PySide6.QtGui import QColor, QPainter
 
 from studio.document import colours
 from studio.document.channels import Channel, Side, channels_of, handle_of, key_values, values_at
@@ -58,11 +59,12 @@ class ValueRange:
 
 
 class ValueCurves:
-    """Channels of the curve editor, and the range of values of each unit."""
+    """Channels of the curve editor, and the range of values of each unit, or if ``normalized`` of each channel."""
 
     def __init__(self) -> None:
         self.shown = False
-        self.ranges: dict[str, ValueRange] = {}
+        self.normalized = False
+        self.ranges: dict[Hashable, ValueRange] = {}
         self.active: Channel | None = None
         """The channel that was taken hold of last, whose value the field shows."""
 
@@ -74,64 +76,77 @@ class ValueCurves:
     def frame(self, shown: RowContext, selected: bool) -> None:
         """Fit all values, or with ``selected`` those of the selected keys, and their times."""
         keys = shown.document.keys.by_field() if selected else {}
-        found: dict[str, list[float]] = {}
+        found: dict[Hashable, list[float]] = {}
+        units: dict[Hashable, str] = {}
         times: list[float] = []
         for channel, keyed in self.channels(shown):
             values = key_values(channel, keyed)
             if keys and channel.field not in keys:
                 continue
             chosen = list(keys.get(channel.field, range(len(values))))
-            found.setdefault(channel.unit, []).extend([*values[chosen].tolist(), *_baseline(channel)])
+            scale = self._scale(channel)
+            units[scale] = channel.unit
+            found.setdefault(scale, []).extend([*values[chosen].tolist(), *_baseline(channel)])
             times += [stage_time(shown, channel.field, keyed.times[place]) for place in chosen]
             if not keys:
                 span = np.linspace(keyed.times[0], keyed.times[-1], 200)
-                found[channel.unit].extend(values_at(channel, keyed, span).tolist())
-        self.ranges |= {unit: _framed(every, unit) for unit, every in found.items()}
+                found[scale].extend(values_at(channel, keyed, span).tolist())
+        self.ranges |= {scale: _framed(every, units[scale]) for scale, every in found.items()}
         if keys and len(times) > 1:
             shown.axis.show(min(times), max(times))
 
-    def range_of(self, shown: RowContext, unit: str) -> ValueRange:
-        """Visible range of values of a unit; all of them until it is framed."""
-        if unit not in self.ranges:
+    def set_normalized(self, normalized: bool) -> None:
+        """Show every channel over the whole height, or again those of a unit in the same range."""
+        self.normalized = normalized
+        self.ranges.clear()
+
+    def _scale(self, channel: Channel) -> Hashable:
+        """Key of the range of a channel."""
+        return channel if self.normalized else channel.unit
+
+    def range_of(self, shown: RowContext, channel: Channel) -> ValueRange:
+        """Visible range of values of a channel and of those that share it; all of them until it is framed."""
+        scale = self._scale(channel)
+        if scale not in self.ranges:
             values = [
                 value
-                for channel, keyed in self.channels(shown)
-                if channel.unit == unit
+                for other, keyed in self.channels(shown)
+                if self._scale(other) == scale
                 for value in (
-                    *values_at(channel, keyed, np.linspace(keyed.times[0], keyed.times[-1], 200)).tolist(),
-                    *_baseline(channel),
+                    *values_at(other, keyed, np.linspace(keyed.times[0], keyed.times[-1], 200)).tolist(),
+                    *_baseline(other),
                 )
             ]
-            self.ranges[unit] = _framed(values, unit)
-        return self.ranges[unit]
+            self.ranges[scale] = _framed(values, channel.unit)
+        return self.ranges[scale]
 
     def zoom(self, factor: float, share: float) -> None:
         """Scale the values by ``factor`` about a fraction ``share`` of the height from the bottom."""
-        for unit, old in self.ranges.items():
+        for scale, old in self.ranges.items():
             fixed, span = old.low + share * (old.high - old.low), (old.high - old.low) / factor
-            self.ranges[unit] = ValueRange(fixed - share * span, fixed + (1.0 - share) * span)
+            self.ranges[scale] = ValueRange(fixed - share * span, fixed + (1.0 - share) * span)
 
     def scroll(self, share: float) -> None:
         """Move the values up by a fraction of the height."""
-        for unit, old in self.ranges.items():
+        for scale, old in self.ranges.items():
             step = share * (old.high - old.low)
-            self.ranges[unit] = ValueRange(old.low - step, old.high - step)
+            self.ranges[scale] = ValueRange(old.low - step, old.high - step)
 
-    def y_of(self, shown: RowContext, area: QRect, unit: str, value: float) -> float:
+    def y_of(self, shown: RowContext, area: QRect, channel: Channel, value: float) -> float:
         """Pixel of a value."""
-        span = self.range_of(shown, unit)
+        span = self.range_of(shown, channel)
         return area.bottom() - (value - span.low) / (span.high - span.low) * area.height()
 
-    def value_of(self, shown: RowContext, area: QRect, unit: str, pixels: float) -> float:
+    def value_of(self, shown: RowContext, area: QRect, channel: Channel, pixels: float) -> float:
         """Difference of values for a number of pixels upwards."""
-        span = self.range_of(shown, unit)
+        span = self.range_of(shown, channel)
         return pixels / area.height() * (span.high - span.low)
 
     def point(self, shown: RowContext, area: QRect, channel: Channel, keyed: Keyed, place: int) -> QPointF:
         """Pixel of a key."""
         value = float(key_values(channel, keyed)[place])
         x = shown.axis.x_of_time(stage_time(shown, channel.field, keyed.times[place]))
-        return QPointF(x, self.y_of(shown, area, channel.unit, value))
+        return QPointF(x, self.y_of(shown, area, channel, value))
 
     def handle_point(self, shown: RowContext, area: QRect, handle: HandleRef, keyed: Keyed) -> QPointF | None:
         """Pixel of the end of a tangent's handle."""
@@ -142,7 +157,7 @@ class ValueCurves:
         seconds, value = found
         x = shown.axis.x_of_time(stage_time(shown, handle.channel.field, keyed.times[handle.place] + seconds))
         there = float(key_values(handle.channel, keyed)[handle.place]) + value
-        return QPointF(x, self.y_of(shown, area, handle.channel.unit, there))
+        return QPointF(x, self.y_of(shown, area, handle.channel, there))
 
     def handles(self, shown: RowContext, area: QRect) -> Iterator[tuple[HandleRef, QPointF]]:
         """Handles of the selected keys."""
@@ -182,7 +197,9 @@ class ValueCurves:
             painter.setPen(QColor(colours.TEXT_THIRD))
             painter.drawText(area, Qt.AlignmentFlag.AlignCenter, NO_KEYS_HINT)
         else:
-            self._paint_scale(painter, area, shown, (self.active or channels[0][0]).unit)
+            self._paint_scale(
+                painter, area, shown, next((each for each, _ in channels if each == self.active), channels[0][0])
+            )
         for channel, keyed in channels:
             self._paint_curve(painter, area, shown, channel, keyed)
         self._paint_handles(painter, area, shown)
@@ -191,34 +208,33 @@ class ValueCurves:
         _paint_legend(painter, area, [channel for channel, _ in channels])
         painter.restore()
 
-    def _paint_scale(self, painter: QPainter, area: QRect, shown: RowContext, unit: str) -> None:
-        """Draw lines at round values of one unit, with their numbers."""
-        span = self.range_of(shown, unit)
+    def _paint_scale(self, painter: QPainter, area: QRect, shown: RowContext, channel: Channel) -> None:
+        """Draw lines at round values of one channel, with their numbers."""
+        span = self.range_of(shown, channel)
         step = 10.0 ** np.floor(np.log10((span.high - span.low) / 2.0))
         step *= 2.0 if (span.high - span.low) / step > 8.0 else 1.0
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
         painter.setFont(font(10))
         for value in (np.arange(np.ceil(span.low / step), np.floor(span.high / step) + 1) + 0.0) * step:
-            y = round(self.y_of(shown, area, unit, float(value)))
+            y = round(self.y_of(shown, area, channel, float(value)))
             painter.fillRect(area.left(), y, area.width(), 1, translucent(colours.EDGE, 0.7))
             painter.setPen(QColor(colours.TEXT_THIRD))
             place = QRect(area.right() - 70, y - 15, 64, 14)
-            painter.drawText(place, Qt.AlignmentFlag.AlignRight, f"{value:.4g} {unit}".strip())
+            painter.drawText(place, Qt.AlignmentFlag.AlignRight, f"{value:.4g} {channel.unit}".strip())
 
     def _paint_curve(self, painter: QPainter, area: QRect, shown: RowContext, channel: Channel, keyed: Keyed) -> None:
         xs = np.arange(area.left(), area.right() + SAMPLE, SAMPLE)
         stage = shown.axis.start + (xs - shown.axis.left) / shown.axis.scale
         times = np.unique(np.concatenate([own_times(shown, channel.field, stage), keyed.times]))
         values = values_at(channel, keyed, times)
-        span = self.range_of(shown, channel.unit)
+        span = self.range_of(shown, channel)
         ys = area.bottom() - (values - span.low) / (span.high - span.low) * area.height()
         counted = counted_in(shown.project, shown.subject.clip, channel.field)
         seen = times if counted is None else counted.stage_seconds(times, shown.project.frame_rate_of(counted))
         xs = shown.axis.left + (seen - shown.axis.start) * shown.axis.scale
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setPen(hairline(colour_of(channel), 2.0 if channel == self.active else 1.4))
-        ys = np.clip(ys, -1e5, 1e5)
-        painter.drawPolyline(QPolygonF(list(map(QPointF, xs.tolist(), ys.tolist()))))
+        painter.drawPolyline(arrayToQPolygonF(xs, np.clip(ys, -1e5, 1e5)))
 
     def _paint_handles(self, painter: QPainter, area: QRect, shown: RowContext) -> None:
         keyed = dict(self.channels(shown))

@@ -1,0 +1,32 @@
+"""Camera drags: the mouse buttons and modifier keys that orbit, pan and zoom."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from PySide6.QtCore import Qt
+
+Navigation = Mapping[str, str]
+"""``orbit``, ``pan`` or ``zoom`` by the button that drags, after the keys that are held: ``Shift+Middle``."""
+DEFAULT_NAVIGATION: Navigation = MappingProxyType({"Alt+Left": "orbit", "Middle": "pan", "Alt+Right": "zoom"})
+CAMERA_DRAGS = ("orbit", "pan", "zoom")
+BUTTONS = {
+    "Left": Qt.MouseButton.LeftButton,
+    "Middle": Qt.MouseButton.MiddleButton,
+    "Right": Qt.MouseButton.RightButton,
+}
+HELD_KEYS = {
+    "Alt": Qt.KeyboardModifier.AltModifier,
+    "Ctrl": Qt.KeyboardModifier.ControlModifier,
+    "Shift": Qt.KeyboardModifier.ShiftModifier,
+}
+
+
+def camera_drag(navigation: Navigation, button: Qt.MouseButton, held: Qt.KeyboardModifier) -> str | None:
+    """Camera drag of a button while keys are held, by the entry that uses most of them; None if there is none."""
+    found = [
+        (len(keys), kind)
+        for stroke, kind in navigation.items()
+        for *keys, name in (stroke.split("+"),)
+        if BUTTONS[name] == button and all(held & HELD_KEYS[key] for key in keys)
+    ]
+    return max(found)[1] if found else None

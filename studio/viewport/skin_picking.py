@@ -1,0 +1,76 @@
+"""Point on the skin of a body under the mouse."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from studio.core.body.canonical import BodyPart
+from studio.core.mesh.skin import SkinnedMesh, gripping, skin_vertices
+from studio.core.stage.project import Project
+from studio.engine.performance import Posed
+from studio.viewport.body_points import skin_point
+from studio.viewport.camera import FloatArray, OrbitCamera
+from studio.viewport.picking import PickedJoint, Size
+
+LEAST_DETERMINANT = 1e-12
+"""Determinant below which a triangle is seen from behind or edge on."""
+
+
+def skin_point_at(
+    project: Project, posed: Mapping[str, Posed], camera: OrbitCamera, size: Size, x: float, y: float
+) -> PickedJoint | None:
+    """Point of the first skin that the view ray through pixel (x, y) meets, fixed to the segment that moves it most."""
+    origin, sight = camera.ray(x, y, size)
+    found: list[tuple[float, str, PickedJoint]] = []
+    for performer_id, pose in posed.items():
+        character, axes = project.characters[pose.performer.character_id], pose.placement.rotation
+        motion, row = pose.motion, pose.row
+        skin = gripping(character.skin, pose.grip(character.grip))
+        posed_vertices, _ = skin_vertices(
+            skin, character.build, motion.morphology_at(row), motion.positions[row], motion.rotations[row],
+            blending=character.blending,
+        )  # fmt: skip
+        vertices = posed_vertices.astype(np.float64)
+        hit = _first_triangle(vertices[skin.triangles], pose.placement.to_motion(origin), axes.T @ sight)
+        if hit is not None:
+            depth, triangle, shares = hit
+            place = shares @ vertices[skin.triangles[triangle]]
+            part = motion.morphology.layout.part(_leading_segment(skin, triangle, shares))
+            found.append((depth, performer_id, _fixed_point(performer_id, pose, part, place)))
+    return min(found, default=(0.0, "", None))[2]
+
+
+def _first_triangle(corners: FloatArray, origin: FloatArray, sight: FloatArray) -> tuple[float, int, FloatArray] | None:
+    """Depth, index and barycentric coordinates (3,) of the nearest of the triangles with ``corners`` (T, 3, 3) that a
+    ray meets from outside (Moller and Trumbore 1997).
+    """
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    across, begin = np.cross(sight, second), origin - corners[:, 0]
+    facing = (first * across).sum(axis=1)
+    scale = 1.0 / np.where(facing > LEAST_DETERMINANT, facing, np.inf)
+    turned = np.cross(begin, first)
+    v, w = (begin * across).sum(axis=1) * scale, (turned @ sight) * scale
+    depth = (second * turned).sum(axis=1) * scale
+    hit = (facing > LEAST_DETERMINANT) & (v >= 0.0) & (w >= 0.0) & (v + w <= 1.0) & (depth > 0.0)
+    if not hit.any():
+        return None
+    nearest = int(np.where(hit, depth, np.inf).argmin())
+    return float(depth[nearest]), nearest, np.array([1.0 - v[nearest] - w[nearest], v[nearest], w[nearest]])
+
+
+def _leading_segment(skin: SkinnedMesh, triangle: int, shares: FloatArray) -> int:
+    """Segment with the greatest weight at a point of a triangle."""
+    corners = skin.triangles[triangle]
+    weights = (shares[:, None] * skin.weights[corners]).ravel()
+    return int(np.bincount(skin.segments[corners].ravel(), weights).argmax())
+
+
+def _fixed_point(performer_id: str, pose: Posed, part: BodyPart, place: FloatArray) -> PickedJoint:
+    """Picked point at ``place`` (3,) in the space of the motion; one of the waist moves with the chest."""
+    part = BodyPart.THORAX if part is BodyPart.ABDOMEN else part
+    layout, row = pose.motion.morphology.layout, pose.row
+    segment = layout.segment(part)
+    ends = pose.motion.positions[row, [layout.proximal_points()[segment], layout.distal_points()[segment]]]
+    at_end = int(np.linalg.norm(ends - place, axis=1).argmin())
+    x, y, z = (pose.motion.rotations[row, segment].T @ (place - ends[at_end])).tolist()
+    return PickedJoint(performer_id, skin_point(layout, part, (x, y, z), bool(at_end)))
