@@ -19,7 +19,7 @@ from studio.app.preferences import (
 from studio.app.workbench import Workbench
 from studio.core.changed_records import with_fields
 from studio.document import colours
-from studio.panels.fields import Choice, NumberField, Section, labelled
+from studio.panels.fields import Choice, NumberField, Section, styled_label
 
 NUMBERS = (
     ("move_step", "Move step", "cm", 0.1, 100.0),
@@ -72,7 +72,7 @@ class PreferencesDialog(QDialog):
         self.table.setHorizontalHeaderLabels(("Action", "Shortcuts"))
         self.table.verticalHeader().hide()
         self.table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
-        self.words = labelled("", "hint")
+        self.words = styled_label("", "hint")
         column = QVBoxLayout(self)
         for widget in (section, onion, work, look, keys, self.table, self.words):
             column.addWidget(widget)

@@ -97,7 +97,7 @@ class KeyDrag:
                 for place in self._places[field]
             }
             values[field] = with_times(changed.get(field, value), moved[field], speed)
-        self._put(values, f"{verb} {words_for(self.count)}")
+        self._put(values, f"{verb} {keys_undo_text(self.count)}")
         self._document.keys.set(
             KeyRef(field, place) for field, value in values.items() for place in places_at(value, moved[field].values())
         )
@@ -107,7 +107,7 @@ class KeyDrag:
         replace_fields(self._document, there, text, self._gesture)
 
 
-def words_for(count: int) -> str:
+def keys_undo_text(count: int) -> str:
     """Number of keys in words: ``key`` or ``3 keys``."""
     return "key" if count == 1 else f"{count} keys"
 
@@ -145,7 +145,7 @@ def delete_keys(document: EditedProject) -> bool:
         values[field] = (
             value.without_keys(set(places)) if len(places) < len(value.times) else _fixed(document, field, value)
         )
-    text = f"Delete {words_for(count)}"
+    text = f"Delete {keys_undo_text(count)}"
     with document.group(text):
         replace_fields(document, values, text)
         for item in gone:

@@ -81,7 +81,7 @@ class ExportOptions:
         take holds still.
         """
         self.check(path)
-        return self._shaped(sampled(self._on_joints(take, path), seconds - take.begin, frame_rate), path)
+        return self._shaped(sampled_take(self._on_joints(take, path), seconds - take.begin, frame_rate), path)
 
     def _on_joints(self, take: Take, path: Path) -> Take:
         """Take on the chosen joints, frame by frame as adapted."""
@@ -92,7 +92,7 @@ class ExportOptions:
     def _shaped(self, take: Take, path: Path) -> Take:
         """Take with the chosen placement, zero pose, root and names."""
         if not self.at_origin:
-            take = placed(take)
+            take = placed_take(take)
         take = self._from_rest_pose(take, path)
         if self.root == "floor":
             capture, bound, rest = with_root_joint(take.capture), take.bound, take.rest_rotations
@@ -125,7 +125,7 @@ class ExportOptions:
         if rate == own:
             start = round(start * own) / own
         count = int((stop - start) * rate + _ENDS) + 1
-        return sampled(take, start + np.arange(count) / rate, rate)
+        return sampled_take(take, start + np.arange(count) / rate, rate)
 
     def _from_rest_pose(self, take: Take, path: Path) -> Take:
         """Take with the chosen zero pose."""
@@ -145,7 +145,7 @@ class ExportOptions:
         return take
 
 
-def sampled(take: Take, seconds: FloatArray, frame_rate: float) -> Take:
+def sampled_take(take: Take, seconds: FloatArray, frame_rate: float) -> Take:
     """Take at ``seconds`` (N,) from its own first frame, as N frames at ``frame_rate``."""
     frames = seconds * take.frame_rate
     first, last = frames[0], frames[-1]
@@ -186,7 +186,7 @@ def sampled(take: Take, seconds: FloatArray, frame_rate: float) -> Take:
     )
 
 
-def placed(take: Take) -> Take:
+def placed_take(take: Take) -> Take:
     """Take at its position on the stage."""
     capture, place = take.capture, take.place
     if place.position == (0.0, 0.0) and place.heading == 0.0:

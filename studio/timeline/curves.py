@@ -20,7 +20,7 @@ from studio.engine.residuals import residuals_on
 from studio.timeline.axis import AXIS_MARGIN, TimeAxis
 from studio.timeline.shown import RowContext
 from studio.timeline.strip_states import strip_of
-from studio.timeline.subject import Body, Subject
+from studio.timeline.subject import ActiveMotion, BodyOnTimeline
 
 FloatArray = NDArray[np.float64]
 
@@ -54,7 +54,7 @@ class Quantity(StrEnum):
 
 
 @dataclass(frozen=True)
-class AddedQuantity:
+class PlugInQuantity:
     """Quantity that a plug-in measures; there is no curve where it fails."""
 
     measure: MotionMeasure
@@ -70,12 +70,12 @@ class AddedQuantity:
         return self.measure.unit
 
 
-Plotted = Quantity | AddedQuantity
+Plotted = Quantity | PlugInQuantity
 
 
 def plotted_quantities() -> tuple[Plotted, ...]:
     """All quantities that can be plotted."""
-    return (*Quantity, *map(AddedQuantity, ADDED_MEASURES.values()))
+    return (*Quantity, *map(PlugInQuantity, ADDED_MEASURES.values()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +99,7 @@ def foot_speed(adapted: AdaptedMotion, sides: tuple[int, ...] = (0, 1)) -> Float
     layout = BodyLayout(len(adapted.morphology.spine))
     if adapted.frame_count < 2:
         return np.zeros(adapted.frame_count)
-    balls = adapted.positions[:, [layout.toe(side) for side in sides]]
+    balls = adapted.positions[:, [layout.toe_point(side) for side in sides]]
     steps = np.concatenate([2.0 * (balls[1:2] - balls[:1]), balls[2:] - balls[:-2], 2.0 * (balls[-1:] - balls[-2:-1])])
     squares = np.einsum("fsi,fsi->fs", steps, steps).max(axis=1)
     return np.asarray(0.5 * adapted.frame_rate * np.sqrt(squares))
@@ -110,12 +110,12 @@ class CurveQuery:
     """Input of a curve: values only, which a worker may hold."""
 
     project: Project
-    subject: Subject
+    subject: ActiveMotion
     quantity: Plotted
     constraint_id: str | None
     """Constraint of which the error is plotted."""
 
-    def curve(self, body: Body, adapted: AdaptedMotion) -> Curve | None:
+    def curve(self, body: BodyOnTimeline, adapted: AdaptedMotion) -> Curve | None:
         """Curve of a body's result; None if it does not apply."""
         values = self._values(body.performer_id, adapted)
         if values is None:
@@ -134,7 +134,7 @@ class CurveQuery:
         return timing.begin + (adapted.first_frame + np.arange(adapted.frame_count)) / timing.frame_rate
 
     def _values(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray | None:
-        if isinstance(self.quantity, AddedQuantity):
+        if isinstance(self.quantity, PlugInQuantity):
             try:
                 return self.quantity.measure.of(adapted)
             except ValueError as error:
@@ -213,7 +213,7 @@ def error_measure(shown: RowContext) -> Measure:
     return measure_of(shown.project.constraints[constraint_id]) if constraint_id else LENGTH_MEASURE
 
 
-def seen_curve(curve: Curve, axis: TimeAxis) -> tuple[FloatArray, FloatArray]:
+def displayed_curve(curve: Curve, axis: TimeAxis) -> tuple[FloatArray, FloatArray]:
     """Times and values of a curve in the visible range, with one frame more on each side.
 
     If a pixel has many frames, as in a capture of an hour, the least and the greatest represent them.

@@ -13,7 +13,7 @@ from studio.viewport import picking
 from studio.viewport.mouse_gestures import CameraDrag, MoveDrag, RotateDrag, ScaleDrag
 from studio.viewport.rotate_gizmo import RotateGizmo
 from studio.viewport.scale_gizmo import ScaleGizmo
-from studio.viewport.selected_movable import zero_of
+from studio.viewport.selected_movable import rotation_reference
 
 if TYPE_CHECKING:
     from studio.viewport.camera import OrbitCamera
@@ -27,7 +27,7 @@ _CAMERA = {
 }
 
 
-def press(viewport: Viewport, document: Document, live: Live, event: QMouseEvent) -> None:
+def begin_gesture(viewport: Viewport, document: Document, live: Live, event: QMouseEvent) -> None:
     """Begin a gesture or select: Alt with any button, or the middle one, moves the camera; the left one drags, picks or
     selects.
     """
@@ -40,7 +40,7 @@ def press(viewport: Viewport, document: Document, live: Live, event: QMouseEvent
         _select(viewport, document, x, y)
 
 
-def move(viewport: Viewport, event: QMouseEvent) -> None:
+def update_hover(viewport: Viewport, event: QMouseEvent) -> None:
     """Update the running drag, or the highlight under the mouse if there is none."""
     x, y = event.position().x(), event.position().y()
     keys = event.modifiers()
@@ -63,7 +63,7 @@ def _grab_gizmo(viewport: Viewport, document: Document, live: Live, x: float, y:
         case ScaleGizmo():
             viewport.gesture = ScaleDrag(document, live, movable, gizmo, part, x, y, steps)
         case _:
-            zero = zero_of(movable, viewport.gizmo_space)
+            zero = rotation_reference(movable, viewport.gizmo_space)
             viewport.gesture = MoveDrag(document, live, movable, gizmo, part, x, y, steps, zero)
     return True
 

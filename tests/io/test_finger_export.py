@@ -13,7 +13,7 @@ from studio.core.body.kinematics import joint_world
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.rigs.zero_pose import with_zero_pose
 from studio.core.rotations import angle_between, from_rotation_vector, inverse, multiply, normalized, to_matrix
 from studio.core.solver.adapt import adapt
@@ -108,7 +108,7 @@ def take(tmp_path_factory: pytest.TempPathFactory) -> Take:
     write_fingered_character(path)
     character = load_character(path).character
     capture = fist_capture()
-    motion, actor = normalize(capture)
+    motion, actor = normalize_capture(capture)
     request = AdaptRequest(motion, character.morphology, actor=actor.morphology)
     adapted = adapt(request, capture.first_frame)
     return take_of_adapted(character.name, adapted, character, request, (capture, actor))
@@ -158,7 +158,7 @@ def test_fingers_close_on_the_palm(take: Take) -> None:
 
 def test_without_captured_fingers_hands_keep_their_shape(take: Take) -> None:
     plain = make_capture()
-    request = AdaptRequest(normalize(plain)[0], take.character.morphology)
+    request = AdaptRequest(normalize_capture(plain)[0], take.character.morphology)
     still = take_of_adapted("hero", adapt(request, plain.first_frame), take.character, request)
     chosen = ExportOptions().applied_to(still, Path("out.glb"))
     for joint in find_fingers(chosen.skeleton, chosen.capture.body_map).values():
@@ -179,7 +179,7 @@ def test_fingers_of_a_real_capture_turn_on_a_real_character(captures: Path) -> N
     character = load_character(captures / "characters" / "joe_hanim_kick.x3dv").character
     [path] = (captures / "bvh").rglob("pybvh_test3_fingers.bvh")
     capture = load_capture(path)
-    motion, actor = normalize(capture)
+    motion, actor = normalize_capture(capture)
     request = AdaptRequest(motion, character.morphology, actor=actor.morphology)
     adapted = adapt(request, capture.first_frame)
     carried = take_of_adapted("joe", adapted, character, request, (capture, actor))

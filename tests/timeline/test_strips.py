@@ -4,14 +4,14 @@ import pytest
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.base import BodyPoint
-from studio.timeline.strip_states import Strip, StripState, strip_heights, strip_of
+from studio.timeline.strip_states import ErrorStrip, StripState, strip_heights, strip_of
 from tests.builders import make_constraint, make_contact, make_project
 from tests.timeline.fakes import make_result
 
 
 def make_strip(errors, activation=1.0):
     errors = np.asarray(errors, float)
-    return Strip(0, errors, np.broadcast_to(float(activation), errors.shape))
+    return ErrorStrip(0, errors, np.broadcast_to(float(activation), errors.shape))
 
 
 @pytest.mark.parametrize(

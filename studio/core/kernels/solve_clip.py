@@ -16,7 +16,7 @@ from studio.core.kernels.records import (
     ClipProblem,
     ConstraintSet,
     Equations,
-    FlatRows,
+    FlattenedTaskRows,
     FrameBody,
     FrameProblem,
     FullNewtonScratch,
@@ -64,11 +64,11 @@ def solve_frames(request, body, motion, clearance, easing, out_residuals):
     count, joints = request.tasks.shape[0], request.chain.joints.shape[0]
     search = make_search(count, joints, motion.positions.shape[1])
     scratch = SolverScratch(search, make_clearance_scratch(clearance.volume), make_kept_tier(clearance, count, joints))
-    solve_each(request, body, motion, clearance, easing, scratch, out_residuals)
+    solve_run(request, body, motion, clearance, easing, scratch, out_residuals)
 
 
 @kernel
-def solve_each(request, body, motion, clearance, easing, scratch, out_residuals):
+def solve_run(request, body, motion, clearance, easing, scratch, out_residuals):
     """Solve all frames with the given scratch."""
     chain, made = pack(request.chain), scratch.search
     search = pack(pack_search(pack(made.rows), pack(made.equations), pack(made.damped), made))
@@ -245,7 +245,7 @@ def make_search(task_count, joint_count, point_count):
         np.empty(rows),
         steps.reshape((rows + 2, joint_count, 3)),
         np.empty((rows, rows + 12)),
-        FlatRows(jacobian, weighted, steps),
+        FlattenedTaskRows(jacobian, weighted, steps),
     )
     damped = FullNewtonScratch(
         np.empty((unknowns, unknowns + 1)), np.empty(unknowns), np.empty(unknowns), np.empty((joint_count, 3))

@@ -120,7 +120,7 @@ def _sole_points(adapted: AdaptedMotion) -> FloatArray:
     body, points = adapted.body, []
     frames = np.arange(adapted.first_frame, adapted.first_frame + adapted.frame_count)
     for side in range(2):
-        foot, ankle = body.layout.foot(side), adapted.positions[:, body.layout.ankle(side)]
+        foot, ankle = body.layout.foot_segment(side), adapted.positions[:, body.layout.ankle_point(side)]
         turns, measures = adapted.rotations[:, foot : foot + 2], at_frames(sole_rows(body, side), frames)
         points.append(Sole.of(ankle, turns[:, 0], turns[:, 1], measures).points)
     return np.array(points)
@@ -139,7 +139,7 @@ def knee_speeds(adapted: AdaptedMotion) -> FloatArray:
         return np.zeros((2, adapted.frame_count))
     speeds = []
     for side in range(2):
-        hip, knee, ankle = (adapted.positions[:, layout.hip(side) + step] for step in range(3))
+        hip, knee, ankle = (adapted.positions[:, layout.hip_point(side) + step] for step in range(3))
         thigh, shank = knee - hip, ankle - knee
         bend = np.arctan2(np.linalg.norm(np.cross(thigh, shank), axis=1), np.sum(thigh * shank, axis=1))
         speeds.append(np.abs(np.gradient(bend)) * adapted.frame_rate)

@@ -58,7 +58,7 @@ def on_own_rig(take: Take, suffix: str) -> Take:
     parents = rig.parents.astype(np.int64)
     body_map = rig_body_map(rig, body.layout.spine_count)
     still = Skeleton(rig.names, parents, _offsets(parents, positions), np.zeros(count, dtype=bool))
-    wrists = [body.layout.hand(side) for side in range(2)]
+    wrists = [body.layout.hand_segment(side) for side in range(2)]
     hands = axes[wrists] @ np.swapaxes(t_pose_rotations(body)[wrists], 1, 2)
     fingers = _finger_turns(take, still, body_map, hands)
     for joint in _below_hands(still, body_map) if fingers else ():

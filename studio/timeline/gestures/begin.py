@@ -44,7 +44,7 @@ def gesture_at(hit: Hit, shown: RowContext, press: QPointF, stretch: bool = Fals
     return None
 
 
-MOVED = ("constraints", "contacts", "clips", "props", "labels", "corrections", "sounds", "footage")
+MOVE_GESTURES = ("constraints", "contacts", "clips", "props", "labels", "corrections", "sounds", "footage")
 """Kinds of things whose bars are dragged as a whole."""
 
 
@@ -52,7 +52,7 @@ def cursor_at(hit: Hit) -> Cursor:
     """Cursor for a hit: arrows for movable parts, a hand for choices, a cross where a contact or label may be added."""
     if hit.part in HANDLES or hit.part in (*EDGES, ItemPart.KEY) or hit.kind == "playhead":
         return Cursor.SizeHorCursor
-    if hit.part == ItemPart.BODY and hit.kind in MOVED:
+    if hit.part == ItemPart.BODY and hit.kind in MOVE_GESTURES:
         return Cursor.OpenHandCursor
     if hit.part == ItemPart.FOLD or (
         hit.part == ItemPart.LABEL and hit.kind in ("constraints", "plot", "performers", "corrections")

@@ -63,7 +63,7 @@ def restrict_stiff_limbs(level, tasks):
 
 
 @kernel
-def carry_leg(side, start, segment_rotations, pose):
+def move_stiff_leg(side, start, segment_rotations, pose):
     """Pose a leg in its pelvis as in the motion, with the motion's foot rotation: a stiff leg moves with the hips."""
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     hip, thigh, pelvis = (

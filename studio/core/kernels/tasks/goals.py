@@ -17,7 +17,7 @@ RADIAN_LENGTH = 0.3
 
 
 @small_kernel
-def is_considered(row):
+def has_residual(row):
     """True if the residual of a task has to be measured: it is active or dropped."""
     return row.status == ACTIVE or row.status == DROPPED
 

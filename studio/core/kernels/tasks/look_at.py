@@ -34,7 +34,7 @@ def follow_look(row, pose):
 
 
 @kernel
-def keeps_looking(row):
+def constrains_gaze(row):
     """True if a held gaze keeps its angle to the target wherever the eyes move; False where it looks away from it."""
     return row.kind == LOOK_AT_TASK and row.kept_residual < LOOKS_AWAY
 

@@ -150,7 +150,7 @@ def pose_blend(fraction, frame, activations, problem):
     blend_residuals(fraction, problem)
     blend_states(fraction, search)
     pose_blended_state(frame, activations, problem)
-    if loses_tasks(problem):
+    if exceeds_blended_residuals(problem):
         blend_states(1.0 if fraction >= 0.5 else 0.0, search)
         for limb in range(4):
             search.blended_limbs[limb] = KEEPS_BLEND
@@ -160,7 +160,7 @@ def pose_blend(fraction, frame, activations, problem):
 
 
 @kernel
-def loses_tasks(problem):
+def exceeds_blended_residuals(problem):
     """True if the residual of a held task exceeds the blended one."""
     tasks = problem.tasks
     lost = False
