@@ -30,8 +30,8 @@ from studio.core.kernels.search.backtracking import BACKTRACKING
 from studio.core.kernels.search.levels import reset_rotations, solve_frame
 from studio.core.kernels.search.redundancy import update_joint_weights
 from studio.core.kernels.tasks.targets import set_goals, update_relative_weights
-from studio.core.kernels.tasks.task import IN_TRANSITION, INACTIVE
 from studio.core.kernels.tasks.task_kinds import update_goals
+from studio.core.kernels.tasks.task_status import INACTIVE, begin_transition
 from studio.core.kernels.time.acceleration_peaks import update_acceleration_peaks
 from studio.core.kernels.time.activation_blend import next_activation, pose_blend, save_solution, write_residuals
 from studio.core.kernels.time.smoothed_frames import pose_smoothed
@@ -175,7 +175,8 @@ def solve_activations(frame, tier, clip, problem):
         least = more
     if least > 0.0:
         for c in range(tasks.shape[0]):
-            tasks[c].status = IN_TRANSITION if tasks[c].status != INACTIVE else 0
+            if tasks[c].status != INACTIVE:
+                begin_transition(tasks[c])
     write_residuals(frame, problem, clip.residuals)
     return any_acts
 

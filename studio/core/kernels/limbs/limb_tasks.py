@@ -31,7 +31,8 @@ from studio.core.kernels.limbs.stiffness import limit_rotation, stiff_reach
 from studio.core.kernels.limits.limb_joint_limits import clamp_elbow_or_knee, damped_swivel, soft_clamp_above
 from studio.core.kernels.limits.swing_twist import bend_carrying_twist
 from studio.core.kernels.tasks.goals import end_position, interpolate_point, is_dormant, is_position, is_rotation
-from studio.core.kernels.tasks.task import ACTIVE, PRIORITY_TOLERANCE
+from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
+from studio.core.kernels.tasks.task_status import ACTIVE
 
 NEGLIGIBLE_ERROR = 0.25 * PRIORITY_TOLERANCE
 """Error in metres or radians that is ignored."""

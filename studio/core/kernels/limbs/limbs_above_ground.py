@@ -19,7 +19,7 @@ from studio.core.kernels.limbs.reach import bend_and_aim
 from studio.core.kernels.limits.limb_joint_limits import damped_swivel
 from studio.core.kernels.limits.swing_twist import bend_carrying_twist
 from studio.core.kernels.tasks.goals import moves_point
-from studio.core.kernels.tasks.task import ACTIVE
+from studio.core.kernels.tasks.task_status import ACTIVE
 
 GROUND_MARGIN = 0.05
 """Greatest height above the ground, in metres, below which a part of a limb begins to rise; 3/16 of it is kept."""

@@ -27,7 +27,7 @@ from studio.core.kernels.body_indices import (
 )
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.search.joints import pose_point
-from studio.core.kernels.tasks.task import ACTIVE
+from studio.core.kernels.tasks.task_status import ACTIVE
 
 RELEASE_POWER = 32
 """Power of a weight by which its bound vanishes towards 1: a weight of 0.9 acts as 0.93."""

@@ -17,7 +17,7 @@ from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.limb import MAX_EXTENSION, SOFT_IK_THRESHOLD, soft_extension
 from studio.core.kernels.limbs.reach import bend_and_aim, distance_range
-from studio.core.kernels.tasks.task import INACTIVE
+from studio.core.kernels.tasks.task_status import INACTIVE
 
 
 @kernel

@@ -27,8 +27,8 @@ from studio.core.kernels.search.backtracking import (
 from studio.core.kernels.search.body_placement import pose_body
 from studio.core.kernels.search.joints import pose_limb
 from studio.core.kernels.search.level_step import ALLOWED_VIOLATION
-from studio.core.kernels.tasks.task import IN_TRANSITION, INACTIVE
 from studio.core.kernels.tasks.task_kinds import residual_of, update_goals
+from studio.core.kernels.tasks.task_status import IN_TRANSITION, INACTIVE
 from studio.core.kernels.time.activation_blend import blend_states, write_limb_joint_rotations
 
 

@@ -23,8 +23,9 @@ from studio.core.kernels.limits.arm_clearance import (
 )
 from studio.core.kernels.records import CAPSULE, ClearanceScratch, Pose
 from studio.core.kernels.tasks.goals import has_residual, is_rotation
-from studio.core.kernels.tasks.task import INACTIVE, PRIORITY_TOLERANCE
+from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.kernels.tasks.task_kinds import residual_of, update_goals
+from studio.core.kernels.tasks.task_status import INACTIVE
 
 TASK_BELOW, TASK_BESIDE, TASK_ABOVE, TASK_IS_CONTACT = range(4)
 """Relation of a task to a self-collision constraint; a contact stands above all."""

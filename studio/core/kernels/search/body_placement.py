@@ -35,8 +35,8 @@ from studio.core.kernels.tasks.goals import (
     is_dormant,
     limb_follows,
 )
-from studio.core.kernels.tasks.task import ACTIVE
 from studio.core.kernels.tasks.task_kinds import residual_of, update_goals
+from studio.core.kernels.tasks.task_status import ACTIVE
 
 POINTS_ONLY = 2
 """Value of ``idle_limbs`` for a limb whose points alone were posed."""

@@ -14,7 +14,8 @@ from studio.core.kernels.search.null_space_step import apply_step, null_space_st
 from studio.core.kernels.tasks.goals import has_residual
 from studio.core.kernels.tasks.jacobian_rows import add_root_reach_rows, add_rows
 from studio.core.kernels.tasks.second_order import INEQUALITY_ROW, optimal_step_length
-from studio.core.kernels.tasks.task import ACTIVE, PRIORITY_TOLERANCE
+from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
+from studio.core.kernels.tasks.task_status import ACTIVE
 
 TASK_MET, ALLOWED_VIOLATION = 0.6 * PRIORITY_TOLERANCE, 0.4 * PRIORITY_TOLERANCE
 """Residual in metres at which a task is met, and change in metres or radians that one level may cause above."""

@@ -59,8 +59,8 @@ from studio.core.kernels.tasks.goals import (
     is_rotation,
     moves_point,
 )
-from studio.core.kernels.tasks.task import ACTIVE, DROPPED, INACTIVE
 from studio.core.kernels.tasks.task_kinds import residual_of
+from studio.core.kernels.tasks.task_status import ACTIVE, INACTIVE, drop_task
 
 LEVEL_STEPS, LATE_LEVEL_STEPS = 4, 5
 """Steps of a level, and further ones while it is nearly met or still gains: a body far out of reach would take many
@@ -242,7 +242,7 @@ def drop_conflicting_tasks(level, problem):
         for other in range(tasks.shape[0]):
             named = tasks[other].limbs[0] == limb or tasks[other].limbs[1] == limb
             if named and tasks[other].level == level and tasks[other].status == ACTIVE:
-                tasks[other].status, tasks[other].engaged = DROPPED, 0
+                drop_task(tasks[other])
                 found = True
     return found
 
@@ -286,7 +286,7 @@ def drop_level(level, tasks):
     """Drop the tasks of a level that cannot be met beside the levels above at this frame."""
     for c in range(tasks.shape[0]):
         if tasks[c].level == level and tasks[c].status != INACTIVE:
-            tasks[c].status, tasks[c].engaged = DROPPED, 0
+            drop_task(tasks[c])
 
 
 @kernel

@@ -12,7 +12,7 @@ from studio.core.kernels.limbs.limb import soft_extension
 from studio.core.kernels.search.joints import may_rotate
 from studio.core.kernels.tasks.balance import accumulate_masses, centre_of_mass, write_balance_jacobian
 from studio.core.kernels.tasks.goals import is_balance
-from studio.core.kernels.tasks.task import ACTIVE
+from studio.core.kernels.tasks.task_status import ACTIVE
 
 SOFT_MASS_TRAVEL, USABLE_MASS_TRAVEL = 0.5, 0.65
 """Fraction of the reachable travel of the centre of mass that is requested freely, and fraction of the travel predicted

@@ -2,7 +2,7 @@
 
 from studio.core.kernels.body.parts import body_point_position
 from studio.core.kernels.compiling import small_kernel
-from studio.core.kernels.tasks.task import ACTIVE, DROPPED
+from studio.core.kernels.tasks.task_status import ACTIVE, DROPPED
 
 POSITION_TASK = 0
 ORIENTATION_TASK = 1

@@ -42,7 +42,7 @@ from studio.core.kernels.tasks.second_order import (
     begin_zero_row,
     set_point_error,
 )
-from studio.core.kernels.tasks.task import ACTIVE, DROPPED
+from studio.core.kernels.tasks.task_status import ACTIVE, DROPPED
 from studio.core.kernels.tasks.upright import add_upright_rows
 
 

@@ -16,7 +16,8 @@ from studio.core.kernels.search.joints import add_point_jacobian, add_rotation_j
 from studio.core.kernels.search.null_space_step import MAX_ERROR
 from studio.core.kernels.tasks.goals import end_position, is_position
 from studio.core.kernels.tasks.second_order import EQUALITY_ROW, INEQUALITY_ROW, begin_zero_row, set_point_error
-from studio.core.kernels.tasks.task import ACTIVE, PRIORITY_TOLERANCE
+from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
+from studio.core.kernels.tasks.task_status import ACTIVE
 
 NEARLY_MET_LIMB = 2.5 * PRIORITY_TOLERANCE
 """Residual in metres up to which a limb's reach is held, and beyond which its root's position is held."""

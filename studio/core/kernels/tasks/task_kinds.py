@@ -25,7 +25,7 @@ from studio.core.kernels.tasks.goals import (
 from studio.core.kernels.tasks.look_at import follow_look, pin_look, set_look_goal
 from studio.core.kernels.tasks.orientation import follow_orientation, rotation_residual, set_orientation_goal
 from studio.core.kernels.tasks.position import follow_position, pin_position, position_residual, set_position_goal
-from studio.core.kernels.tasks.task import ACTIVE, UNPINNED
+from studio.core.kernels.tasks.task_status import ACTIVE, UNPINNED
 from studio.core.kernels.tasks.upright import follow_upright, pin_upright, set_upright_goal, upright_residual
 
 
