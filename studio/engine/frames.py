@@ -293,6 +293,6 @@ def _captures_of(project: Project, performer: Performer) -> list[Capture]:
 
 
 def unsolved_row_at(project: Project, performer: Performer, seconds: float) -> int:
-    """Row at ``seconds`` of the stage, as ``performance.row_at``, for a performer without a solved motion."""
+    """Index of the motion's frame at ``seconds`` of the stage, for a performer that is not solved yet."""
     frame = round(timing_of(project, performer).frame_at(seconds))
     return min(max(frame, 0), frame_count_of(project, performer) - 1)

@@ -38,7 +38,7 @@ def window(qtbot, tmp_path):
     project = make_project(characters=1)
     project = project.with_entity("characters", "character 0", bundled_characters()["adult_woman"])
     window = make_window(Settings(tmp_path / "studio.ini"), Document(project))
-    quiet = {name: lambda *_: None for name in ("show_progress", "close", "show_again")}
+    quiet = {name: lambda *_: None for name in ("show_progress", "close", "redraw")}
     window.bench.set_viewport(SimpleNamespace(view=VIEW, **quiet))
     window.bench.document.playhead.set_range(6, 18)
     (tmp_path / "out").mkdir()

@@ -161,10 +161,10 @@ class SeenViewport:
 
     sight = ONE_EYE
 
-    def set_sight(self, sight):
+    def set_stereo_view(self, sight):
         self.sight = sight
 
-    def show_soon(self):
+    def schedule_redraw(self):
         """Nothing is drawn."""
 
 

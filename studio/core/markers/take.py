@@ -46,7 +46,7 @@ class MarkerTake:
 
 @dataclass(frozen=True)
 class TrackedBody:
-    """Joint centres (F, 3) and positions by role: no gaps, metres, file axes, from frame 0 to the last
+    """Joint centres (F, 3) and positions by role, without gaps, in metres and file axes, from frame 0 to the last
     one with a body.
     """
 

@@ -73,7 +73,7 @@ class SegmentWeights(QWidget):
         self._add.setVisible(bool(left))
 
     def put(self, part: BodyPart, weight: float) -> None:
-        """Set a segment's own weight, as one step or a part of the gesture's."""
+        """Set a segment's own weight, as one undo step, or within that of a drag."""
         self._change(
             lambda chain: ((part, weight) if each == part else (each, old) for each, old in chain.segments),
             f"Set weight of {part.label.lower()}",
