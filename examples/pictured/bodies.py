@@ -53,12 +53,12 @@ def priorities() -> QImage:
     woman = bundled_characters()["adult_woman"]
     standing = stand(ready.motion, woman.morphology, ready.contacts, Ground())
     frame, layout = 0, woman.morphology.layout
-    arm = [standing.positions[frame, layout.collar(1) + k] for k in (1, 2, 3)]
+    arm = [standing.positions[frame, layout.collar_point(1) + k] for k in (1, 2, 3)]
     wrist_place = arm[0] + np.array([0.44, -0.06, -0.10])
     wrist = _position(BodyPart.RIGHT_FOREARM, wrist_place, 0)
     balance = BalanceConstraint(ADAPTED_MOTION_ID, "balance", BodyPoint(BodyPart.PELVIS), ROOT, 0, ALWAYS)
     alone = solve_constraints(standing, (balance, wrist), frame, frame)
-    shoulder, elbow, end = (alone.positions[0, layout.collar(1) + k] for k in (1, 2, 3))
+    shoulder, elbow, end = (alone.positions[0, layout.collar_point(1) + k] for k in (1, 2, 3))
     axis = (end - shoulder) / np.linalg.norm(end - shoulder)
     turned = shoulder + Rotation.from_rotvec(np.radians(50.0) * axis).apply(elbow - shoulder)
     both = []

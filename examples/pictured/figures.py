@@ -130,16 +130,16 @@ def canonical_body() -> Figure:
     chain(0, layout.neck_base + 1, INK)
     chain(layout.neck_base, 3, GREEN)
     for side, colour in ((0, BLUE), (1, RED)):
-        chain(layout.collar(side), 5, colour)
-        chain(layout.hip(side), 5, colour)
+        chain(layout.collar_point(side), 5, colour)
+        chain(layout.hip_point(side), 5, colour)
     for name, first, aside in (
-        ("clavicle", layout.collar(0), (8, 10)),
-        ("upper arm", layout.collar(0) + 1, (12, 0)),
-        ("forearm", layout.collar(0) + 2, (12, 0)),
-        ("hand", layout.collar(0) + 3, (12, 0)),
-        ("thigh", layout.hip(0), (12, -14)),
-        ("shank", layout.hip(0) + 1, (12, 0)),
-        ("foot and toe", layout.hip(0) + 2, (14, -10)),
+        ("clavicle", layout.collar_point(0), (8, 10)),
+        ("upper arm", layout.collar_point(0) + 1, (12, 0)),
+        ("forearm", layout.collar_point(0) + 2, (12, 0)),
+        ("hand", layout.collar_point(0) + 3, (12, 0)),
+        ("thigh", layout.hip_point(0), (12, -14)),
+        ("shank", layout.hip_point(0) + 1, (12, 0)),
+        ("foot and toe", layout.hip_point(0) + 2, (14, -10)),
     ):
         middle = flat[first : first + 2].mean(axis=0)
         _say(axes, (float(middle[0]), float(middle[1])), name, aside, BLUE)
@@ -310,7 +310,7 @@ def _ramp_acceleration(ramp: float, shape: EaseShape) -> float:
     body = bundled_characters()["adult_woman"].morphology
     before = stand(ready.motion, body, ready.contacts, Ground())
     middle = ready.motion.duration / 2
-    wrist = np.median(before.positions[:, body.layout.wrist(0)], axis=0) + np.array([0.1, 0.0, 0.28])
+    wrist = np.median(before.positions[:, body.layout.wrist_point(0)], axis=0) + np.array([0.1, 0.0, 0.28])
     curve = ActivationCurve(middle - ramp, middle, middle + 0.3, middle + 0.3 + ramp, shape)
     point, place = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True), (float(wrist[0]), float(wrist[1]), float(wrist[2]))
     asked = PositionConstraint(ADAPTED_MOTION_ID, "wrist", point, Chain(clavicle=0.0), 0, curve, target=place)

@@ -137,7 +137,7 @@ class CaptureEditor(Editor[Capture]):
 
     def depends_on(self, collection: str, entity_id: str) -> bool:
         """Its tags are those of its motions."""
-        return collection == "motions" or super().concerns(collection, entity_id)
+        return collection == "motions" or super().depends_on(collection, entity_id)
 
     def _show_report(self, capture: Capture) -> None:
         report = self._make_report(capture)

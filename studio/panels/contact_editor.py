@@ -63,7 +63,7 @@ class ContactEditor(Editor[ContactInterval]):
 
     def depends_on(self, collection: str, entity_id: str) -> bool:
         """True also for performers, which the scope names."""
-        return super().concerns(collection, entity_id) or collection == "performers"
+        return super().depends_on(collection, entity_id) or collection == "performers"
 
     def _ask(self, scope: Scope) -> None:
         text = f"Set scope of {contact_words(self.entity.point).lower()} contacts"

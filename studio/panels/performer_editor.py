@@ -78,7 +78,7 @@ class PerformerEditor(Editor[Performer]):
         """True if the form has to be refreshed for a change of this entity: its performer, or any character, since
         characters fill its list.
         """
-        return super().concerns(collection, entity_id) or collection == "characters"
+        return super().depends_on(collection, entity_id) or collection == "characters"
 
     def refresh(self) -> None:
         """Update all fields from the document."""

@@ -106,7 +106,7 @@ class PropEditor(Editor[Prop]):
 
     def depends_on(self, collection: str, entity_id: str) -> bool:
         """True also for performers, which may hold the prop, and for constraints, which may make it an obstacle."""
-        return super().concerns(collection, entity_id) or collection in ("performers", "constraints")
+        return super().depends_on(collection, entity_id) or collection in ("performers", "constraints")
 
     def _resize(self, size: tuple[float, ...]) -> None:
         """Resize the prop, and the constraints that make it an obstacle."""

@@ -42,7 +42,7 @@ class BehaviourEditor(Editor[Behaviour]):
 
     def depends_on(self, collection: str, entity_id: str) -> bool:
         """True also for performers, which the form names."""
-        return super().concerns(collection, entity_id) or collection == "performers"
+        return super().depends_on(collection, entity_id) or collection == "performers"
 
     def refresh(self) -> None:
         """Update all fields from the document."""

@@ -37,7 +37,7 @@ class DragKeys(TimelineGesture):
         elif abs(self._grabbed - here) * axis.frame_rate > 1e-3:
             factor = (caught.time - here) / (self._grabbed - here)
             self._drag.scale(factor, here)
-            self.mark = DragHint(caught.time, f"{words}  × {max(factor, 0.01):.3g}", caught.caught)
+            self.mark = DragHint(caught.time, f"{words}  × {max(factor, 0.01):.3g}", caught.is_snapped)
 
     def finish(self) -> None:
         """Request a solve of the whole clip."""
