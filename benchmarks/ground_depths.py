@@ -20,7 +20,7 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration, point_heights
-from studio.core.solver.adapt import hold, place_of
+from studio.core.solver.adapt import body_point_positions, solve_constraints
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import Standing, stand
 from studio.io.importing import GUESS_ALL
@@ -68,18 +68,18 @@ def standing_on(name: str, body: str) -> Standing:
 
 def press(standing: Standing, joint: BodyJoint, row: int) -> PositionConstraint:
     """Constraint that keeps a joint where it is at a frame."""
-    before, rate = hold(standing, ()), standing.motion.frame_rate
-    path, seconds = place_of(joint.point, before), np.arange(before.frame_count) / rate
+    before, rate = solve_constraints(standing, ()), standing.motion.frame_rate
+    path, seconds = body_point_positions(joint.point, before), np.arange(before.frame_count) / rate
     times = fitted_activation(seconds, path, float(seconds[row]), 0.0, float(seconds[-1]))
     return _position(joint, path[row], times)
 
 
 def far(standing: Standing, joint: BodyJoint, row: int, way: FloatArray) -> PositionConstraint:
     """Constraint that pulls a joint far ``way`` (3,) from where it is."""
-    before, now = hold(standing, ()), row / standing.motion.frame_rate
+    before, now = solve_constraints(standing, ()), row / standing.motion.frame_rate
     half = 0.5 * HELD
     times = ActivationCurve(now - half - RAMP, now - half, now + half, now + half + RAMP)
-    return _position(joint, place_of(joint.point, before)[row] + way, times)
+    return _position(joint, body_point_positions(joint.point, before)[row] + way, times)
 
 
 def _position(joint: BodyJoint, place: FloatArray, times: ActivationCurve) -> PositionConstraint:
@@ -89,7 +89,7 @@ def _position(joint: BodyJoint, place: FloatArray, times: ActivationCurve) -> Po
 
 def measure(case: str, standing: Standing, constraint: PositionConstraint, row: int) -> Result:
     """Depths of the solved motion beyond those of the unconstrained one."""
-    before, solved = hold(standing, ()), hold(standing, (constraint,), eased=True)
+    before, solved = solve_constraints(standing, ()), solve_constraints(standing, (constraint,), eased=True)
     heights = [point_heights(each, standing.ground) for each in (before, solved)]
     depths = np.minimum(heights[0], 0.0) - heights[1]
     frame, point = np.unravel_index(int(depths.argmax()), depths.shape)

@@ -20,7 +20,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.mesh.character import Character
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import from_matrix
-from studio.core.solver.adapt import adapt, place_of
+from studio.core.solver.adapt import adapt, body_point_positions
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.jobs.adaptation import ADAPTED_MOTION_ID
 
@@ -96,7 +96,7 @@ def many_wishes(adapted: AdaptedMotion) -> tuple[Constraint, ...]:
     wishes: list[Constraint] = []
     for number, (part, chain) in enumerate(_POINTS):
         point = BodyPoint(part, at_end=True)
-        place = np.median(place_of(point, adapted), axis=0) + ASIDE * np.roll([1.0, 0.0, 0.0], number)
+        place = np.median(body_point_positions(point, adapted), axis=0) + ASIDE * np.roll([1.0, 0.0, 0.0], number)
         wishes.append(
             PositionConstraint(ADAPTED_MOTION_ID, part.label, point, chain, number % 4, WHOLE_CASE, target=tuple(place))
         )
@@ -108,7 +108,7 @@ def many_wishes(adapted: AdaptedMotion) -> tuple[Constraint, ...]:
                 ADAPTED_MOTION_ID, part.label, BodyPoint(part), LIMB, 1, WHOLE_CASE, target=tuple(turn)
             ),
         )
-    eyes = np.median(place_of(EYES, adapted), axis=0)
+    eyes = np.median(body_point_positions(EYES, adapted), axis=0)
     wishes.insert(
         4, LookAtConstraint(ADAPTED_MOTION_ID, "Look", EYES, LIMB, 2, WHOLE_CASE, target=(eyes[0] + 3.0, eyes[1], 1.0))
     )

@@ -38,7 +38,7 @@ from benchmarks.listening import TICK, Silences, run_window  # noqa: E402
 from benchmarks.machine import machine  # noqa: E402
 from benchmarks.report import table  # noqa: E402
 from studio.app import capture_import, exporting  # noqa: E402
-from studio.app.application import import_views, make_application, make_window, settle, show_views  # noqa: E402
+from studio.app.application import freeze_loaded_objects, import_views, make_application, make_window, show_views  # noqa: E402
 from studio.app.main_window import MainWindow  # noqa: E402
 from studio.app.sample import empty_project  # noqa: E402
 from studio.app.settings import Settings  # noqa: E402
@@ -51,7 +51,7 @@ from studio.core.constraints.position import PositionConstraint  # noqa: E402
 from studio.core.curves.activation import ActivationCurve  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402
 from studio.document.document import Document  # noqa: E402
-from studio.engine.live_adaptation import normalised  # noqa: E402
+from studio.engine.live_adaptation import normalized_with_actor  # noqa: E402
 from studio.engine.saving import save_in_background  # noqa: E402
 from studio.engine.standing_solver import StandingSolver  # noqa: E402
 from studio.io.bvh.reader import read_bvh  # noqa: E402
@@ -95,7 +95,7 @@ def stages(path: Path) -> str:
     timed("the file's numbers", lambda: read_bvh(path))
     capture: Capture = timed("the capture, numbers included", lambda: load_capture(path))
     found: Annotations = timed("its contacts", lambda: known_of_motion(capture, Annotations(), ""))
-    motion, actor = timed("normalised", lambda: normalised(capture))
+    motion, actor = timed("normalised", lambda: normalized_with_actor(capture))
     solver, held = StandingSolver(), []
     tracemalloc.start()
     for character in bundled_characters().values():
@@ -122,7 +122,7 @@ def in_the_window(path: Path, folder: Path) -> str:
     import_views()
     show_views(window)
     first_run.run()
-    settle(window)
+    freeze_loaded_objects(window)
     run_window(2000)
     # The other bodies come while the first is there already: they are waited for at once.
     rows = [measured(*deed, LISTENED if place else 0) for place, deed in enumerate(deeds(window, path, folder))]
@@ -189,7 +189,7 @@ def cost_of(source: Path, minutes: int) -> dict[str, float]:
         begun = time.process_time()
         capture = load_capture(path, ImportOptions(frame_rate=LENGTHS_RATE))
         contacts = known_of_motion(capture, Annotations(), "").contacts or ()
-        motion, actor = normalised(capture)
+        motion, actor = normalized_with_actor(capture)
         opened, solver = time.process_time(), StandingSolver()
         held = [
             solver(AdaptRequest(motion, each.morphology, contacts, (one_moment(),), actor=actor), 0, None)
@@ -230,7 +230,7 @@ def main() -> None:
         return
     make_application()
     first_run.run()
-    normalised(load_capture(source))
+    normalized_with_actor(load_capture(source))
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "long.bvh"
         frames = long_file(source, path)

@@ -132,10 +132,10 @@ class _Frame:
         parents = layout.parent_segments()
         near, far = layout.proximal_points(), layout.distal_points()
         carried = {
-            layout.collar(0): layout.neck_base,
-            layout.collar(1): layout.neck_base,
-            layout.hip(0): 0,
-            layout.hip(1): 0,
+            layout.collar_point(0): layout.neck_base,
+            layout.collar_point(1): layout.neck_base,
+            layout.hip_point(0): 0,
+            layout.hip_point(1): 0,
         }
         for segment, parent in enumerate(parents):
             if parent >= 0:
@@ -153,14 +153,14 @@ class _Frame:
         begin, end = new[:, list(near)], new[:, list(far)]
         centres = np.einsum("s,bsi->bi", self.shares, begin + self.along[:, None] * (end - begin))
         return (
-            new[:, [layout.collar(side) + 1 for side in self.sides]],
+            new[:, [layout.collar_point(side) + 1 for side in self.sides]],
             centres[:, :2],
-            new[:, [layout.hip(k) for k in (0, 1)]],
+            new[:, [layout.hip_point(k) for k in (0, 1)]],
         )
 
     def _stretch_arm(self, side: int, target: FloatArray, points: FloatArray) -> None:
         """Straight towards its target, no further than that: a bent arm's mass lies about there, too."""
-        shoulder = self.layout.collar(side) + 1
+        shoulder = self.layout.collar_point(side) + 1
         way = target - points[:, shoulder]
         span = np.linalg.norm(way, axis=1, keepdims=True)
         share = np.minimum(span / self.body.arm[side].sum(), 1.0)
@@ -170,7 +170,7 @@ class _Frame:
 
     def _place_leg(self, side: int, points: FloatArray) -> None:
         """Ankle where it was; the knee bends to where it did, carried along by the shortest turn of the leg."""
-        hip = self.layout.hip(side)
+        hip = self.layout.hip_point(side)
         upper, lower = self.body.leg[side]
         ankle, before = self.points[hip + 2], self.points[hip + 2] - self.points[hip]
         before = before / np.linalg.norm(before)

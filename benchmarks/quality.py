@@ -14,7 +14,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration, centre_of_mass, contact_quality
-from studio.core.solver.adapt import adapt, hold
+from studio.core.solver.adapt import adapt, solve_constraints
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import Standing, stand
 
@@ -58,7 +58,7 @@ def quality(task: Task, source: AdaptedMotion) -> Quality:
         excesses = float(np.nanmedian(beyond)), float(np.nanmax(beyond))
     balance = None
     if balances:
-        before = centre_of_mass(hold(standing, ()))
+        before = centre_of_mass(solve_constraints(standing, ()))
         balance = float(1e3 * np.linalg.norm((centre_of_mass(adapted) - before)[:, :2], axis=1).max())
     body, segment = accelerations(adapted, source)
     return Quality(

@@ -27,11 +27,12 @@ from studio.core.grounds.ground import Ground  # noqa: E402
 from studio.core.mesh.character import Character  # noqa: E402
 from studio.core.normalized.round_trip import round_trip  # noqa: E402
 from studio.core.quality.motion_quality import PART_SEGMENTS, MotionQuality, motion_quality  # noqa: E402
-from studio.core.solver.adapt import hold  # noqa: E402
+from studio.core.solver.adapt import solve_constraints  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402
 from studio.core.solver.standing.stand import standing_of  # noqa: E402
 from studio.io.importing import load_capture  # noqa: E402
-from studio.jobs.adapt_report import Record, figures  # noqa: E402
+from studio.io.json_text import JsonObject  # noqa: E402
+from studio.jobs.adapt_report import quality_record  # noqa: E402
 from studio.jobs.adaptation import ReadyCapture, chosen_characters, made_ready  # noqa: E402
 
 CAPTURES = ROOT.parent / "shared" / "captures" / "bvh"
@@ -161,7 +162,7 @@ def trip_row(ready: ReadyCapture) -> list[str]:
 
 def quality_row(ready: ReadyCapture, characters: Mapping[str, Character], *, own: bool = False) -> list[str]:
     """Name, and for each figure the worst over the ``characters``, and the actor's ``own`` body."""
-    reports: list[Record] = []
+    reports: list[JsonObject] = []
     seen: list[MotionQuality] = []
     first, actor = ready.capture.first_frame, ready.actor.morphology
     on_actor = AdaptRequest(ready.motion, actor, ready.contacts, actor=actor, clears=True)
@@ -169,8 +170,10 @@ def quality_row(ready: ReadyCapture, characters: Mapping[str, Character], *, own
     requests += [replace(on_actor, morphology=each.morphology, volume=each.volume) for each in characters.values()]
     for asked in requests:
         standing = standing_of(asked)
-        reports.append(figures(standing, asked, hold(standing, (), first), ready.source, by_frame=False))
-        seen.append(motion_quality(hold(standing, ()), ready.source, ready.contacts, Ground(), first))
+        reports.append(
+            quality_record(standing, asked, solve_constraints(standing, (), first), ready.source, by_frame=False)
+        )
+        seen.append(motion_quality(solve_constraints(standing, ()), ready.source, ready.contacts, Ground(), first))
     found = [max(report[key] for report in reports) for key in _KEYS]
     found += [max(factor * getattr(each, name) for each in seen) for name, factor in SEEN.values()]
     found += [max(each.peaks[part] for each in seen) for part in PART_SEGMENTS]

@@ -23,10 +23,10 @@ from benchmarks.hits import draw_hits
 from benchmarks.machine import machine
 from benchmarks.report import table as markdown
 from studio.core.kernels import pose_search as at
-from studio.core.retrieval import BYTES_A_FRAME, Query, SearchTable, pose_distances, search
+from studio.core.retrieval import BYTES_A_FRAME, PoseQuery, SearchTable, pose_distances, search
 from studio.library.catalogue import Catalogue
-from studio.library.clusters import map_of, unturned
-from studio.library.indexing import index
+from studio.library.clusters import map_of, rotation_free_features
+from studio.library.indexing import index_folders
 from studio.library.library import Library
 from studio.library.mirroring import with_mirrored
 
@@ -59,7 +59,7 @@ As figure 8: the same target, 70 cm ahead and 110 cm high, finds a child, a woma
 ![One target, and the strikes that three bodies do](pictures/retrieval_bodies.svg)
 """
 
-Searcher = Callable[[Query], float]
+Searcher = Callable[[PoseQuery], float]
 
 
 def main(arguments: list[str]) -> None:
@@ -83,7 +83,7 @@ def real_poses() -> tuple[list[NDArray[np.float32]], list[NDArray[np.float64]]]:
     """Poses (F, 64) before hits, and paths (T, 3) of the hits, of the clips that are found."""
     folder = REAL / "strikes" if REAL.is_dir() else ROOT / "examples" / "captures"
     with TemporaryDirectory() as place, Catalogue(Path(place)) as catalogue:
-        index(catalogue, [folder])
+        index_folders(catalogue, [folder])
         library = with_mirrored(Library.of(catalogue))
     split = np.split(library.table.rows, library.table.first_rows[1:])
     return split, [clip.path.places for clip in library.clips]
@@ -105,7 +105,7 @@ def made_table(poses: list[NDArray[np.float32]], paths: list[NDArray[np.float64]
     return SearchTable(np.concatenate(rows), lengths[0], np.concatenate(hits), lengths[1], each % ACTORS, each % 4)
 
 
-def queries_of(table: SearchTable, count: int) -> list[Query]:
+def queries_of(table: SearchTable, count: int) -> list[PoseQuery]:
     """Poses near those of a table, and targets within reach."""
     random, made = np.random.default_rng(1), []
     for _ in range(count):
@@ -114,11 +114,11 @@ def queries_of(table: SearchTable, count: int) -> list[Query]:
         near[:, at.SQUARE] = np.square(near[:, : at.SQUARE], dtype=np.float64).sum(axis=1)
         angle, apart, height = random.uniform(-3, 3, (3, ACTORS, 4)) * [[[1.0]], [[0.1]], [[0.15]]] + [
             [[0.0]], [[0.9]], [[1.2]]]  # fmt: skip
-        made.append(Query(near, np.stack([apart * np.cos(angle), apart * np.sin(angle), height], axis=2)))
+        made.append(PoseQuery(near, np.stack([apart * np.cos(angle), apart * np.sin(angle), height], axis=2)))
     return made
 
 
-def timed(searcher: Searcher, queries: list[Query]) -> tuple[float, float]:
+def timed(searcher: Searcher, queries: list[PoseQuery]) -> tuple[float, float]:
     """Milliseconds of processor time, median and most."""
     searcher(queries[0])
     times = []
@@ -136,7 +136,7 @@ def every_frame(table: SearchTable) -> Searcher:
     by_actor = [np.flatnonzero(actors == actor) for actor in range(ACTORS)]
     paths = table.paths.reshape(table.clip_count, 8, 3)
 
-    def searcher(query: Query) -> float:
+    def searcher(query: PoseQuery) -> float:
         best = np.inf
         for actor, rows in enumerate(by_actor):
             posture, turns = pose_distances(query.poses[actor], table.rows[rows])
@@ -156,8 +156,8 @@ def every_frame(table: SearchTable) -> Searcher:
 
 def tree(table: SearchTable) -> Searcher:
     """scipy's k-d tree over what turns do not change: the nearest posture alone, and not the hit."""
-    built = cKDTree(unturned(table.rows))
-    return lambda query: built.query(unturned(query.poses))[0].min()
+    built = cKDTree(rotation_free_features(table.rows))
+    return lambda query: built.query(rotation_free_features(query.poses))[0].min()
 
 
 def nearest_cluster(table: SearchTable, count: int) -> Searcher:
@@ -165,10 +165,10 @@ def nearest_cluster(table: SearchTable, count: int) -> Searcher:
     made = map_of(table, count)
     members = [table.rows[made.clusters == group] for group in range(len(made.centres))]
 
-    def searcher(query: Query) -> float:
+    def searcher(query: PoseQuery) -> float:
         best = np.inf
         for pose in query.poses:
-            group = int(np.argmin(np.linalg.norm(made.centres - unturned(pose[None]), axis=1)))
+            group = int(np.argmin(np.linalg.norm(made.centres - rotation_free_features(pose[None]), axis=1)))
             best = min(best, float(pose_distances(pose, members[group])[0].min()))
         return best
 
@@ -210,7 +210,7 @@ def faiss_indexes(table: SearchTable) -> list[tuple[str, Searcher]]:
     except ImportError:
         return []
     faiss.omp_set_num_threads(1)
-    features = unturned(table.rows).astype(np.float32)
+    features = rotation_free_features(table.rows).astype(np.float32)
     cells = round(np.sqrt(len(features)))
     made = []
     for name, kind in (("every row", "Flat"), (f"1 of {PROBED} cells", f"IVF{cells},Flat")):
@@ -224,7 +224,9 @@ def faiss_indexes(table: SearchTable) -> list[tuple[str, Searcher]]:
 
 
 def _nearest_of(index: Any) -> Searcher:
-    return lambda query: float(np.sqrt(index.search(unturned(query.poses).astype(np.float32), 1)[0].min()))
+    return lambda query: float(
+        np.sqrt(index.search(rotation_free_features(query.poses).astype(np.float32), 1)[0].min())
+    )
 
 
 def sizes(tables: list[SearchTable], count: int) -> str:

@@ -24,7 +24,7 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.solver.adapt import adapt, hold, place_of
+from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
 from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import Standing, stand
@@ -84,7 +84,7 @@ def scene(standing: Standing, before: AdaptedMotion, seed: int) -> tuple[Constra
         times = ActivationCurve(*np.maximum.accumulate([begin - ramp, begin, begin + held, begin + held + ramp]))
         way = random.normal(size=3)
         frame = min(int((begin + 0.5 * held) * before.frame_rate), before.frame_count - 1)
-        place = place_of(point, before)[frame] + random.uniform(*AWAY) * way / np.linalg.norm(way)
+        place = body_point_positions(point, before)[frame] + random.uniform(*AWAY) * way / np.linalg.norm(way)
         name = f"{priority} {part.label}"
         made.append(
             PositionConstraint(ADAPTED_MOTION_ID, name, point, chain, priority, times, target=tuple(place.tolist()))
@@ -98,7 +98,7 @@ def scene(standing: Standing, before: AdaptedMotion, seed: int) -> tuple[Constra
 
 def measure(name: str, standing: Standing, seed: int, worst: float, exact: bool = False) -> list[Result]:
     """A scene with its first one, two, four and six constraints; ``worst`` microseconds a frame."""
-    before = hold(standing, ())
+    before = solve_constraints(standing, ())
     source = max(float(angular_acceleration(before.rotations, before.frame_rate).max()), QUIET_PEAK)
     asked, results, higher = scene(standing, before, seed), [], None
     for count in COUNTS:
@@ -127,7 +127,7 @@ def _misses(solved: AdaptedMotion, asked: Sequence[Constraint]) -> FloatArray:
     """(C, F) metres that points are off their places, by the pose itself; balances as the solver tells them."""
     return np.array(
         [
-            np.linalg.norm(place_of(each.point, solved) - np.array(each.target), axis=1)
+            np.linalg.norm(body_point_positions(each.point, solved) - np.array(each.target), axis=1)
             if isinstance(each, PositionConstraint)
             else np.nan_to_num(solved.residuals[number])
             for number, each in enumerate(asked)
@@ -140,7 +140,7 @@ def _timed(standing: Standing, asked: Sequence[Constraint], *, eased: bool) -> t
     costs = []
     for _ in range(2):
         start = time.process_time()
-        solved = hold(standing, asked, eased=eased)
+        solved = solve_constraints(standing, asked, eased=eased)
         costs.append(1e6 * (time.process_time() - start) / solved.frame_count)
     return solved, min(costs)
 

@@ -17,11 +17,11 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.mesh.character import Character
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import Prepare, perform
+from studio.core.solver.performers.performing import Prepare, adapt_performers
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Performer, Project
-from studio.jobs.performances import prepared
+from studio.jobs.performances import prepared_capture
 from studio.library.scenes.fight import fight_training
 from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, bodies, material
 from studio.live.playing_stage import LiveStage
@@ -40,7 +40,7 @@ def with_performers() -> Growth:
     for count in (1, *CHARACTERS):  # the first one loads what all need
         keys = list(stage.performers)[:count]
         start = time.process_time()
-        made = perform(stage, keys, prepared, adapt)
+        made = adapt_performers(stage, keys, prepared_capture, adapt)
         spent = time.process_time() - start
         assert not made.failures
         costs.append(1e6 * spent / (timing_of(stage, stage.performers[keys[0]]).last + 1))
@@ -84,7 +84,7 @@ def kept() -> Prepare:
 
     def prepare(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
         if id(capture) not in known:
-            known[id(capture)] = capture, prepared(capture)
+            known[id(capture)] = capture, prepared_capture(capture)
         return known[id(capture)][1]
 
     return prepare

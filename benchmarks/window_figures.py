@@ -28,13 +28,13 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import perform
+from studio.core.solver.performers.performing import adapt_performers
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.project import GROUND_ID, Project
 from studio.document.channels import Channel, Side
 from studio.document.key_edits import replace_fields
 from studio.document.keyed_fields import Keyed, KeyedField, KeyRef
-from studio.engine.live_adaptation import normalised
+from studio.engine.live_adaptation import normalized_with_actor
 from studio.library.scenes.fight import fight_training
 from studio.timeline.shown import RowContext
 from studio.timeline.tracks.value_curves import HandleRef, ValueCurves, plot_area
@@ -219,7 +219,7 @@ def _off(window: MainWindow, picture: Picture, project: Project) -> tuple[float,
         def solve(request: AdaptRequest) -> AdaptedMotion:
             return adapt(replace(request, eased=eased))
 
-        return perform(project, [active], normalised, solve).performances[active].adapted
+        return adapt_performers(project, [active], normalized_with_actor, solve).performances[active].adapted
 
     def distance(motion: AdaptedMotion) -> float:
         return float(1000 * np.abs(motion.positions[row] - points).max())

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from benchmarks.clips import BUNDLED, CHOSEN, REAL
 from benchmarks.listening import run_window
-from studio.app.application import import_views, make_application, make_window, settle, show_views
+from studio.app.application import freeze_loaded_objects, import_views, make_application, make_window, show_views
 from studio.app.main_window import MainWindow
 from studio.app.settings import Settings
 from studio.cli.bench_cases import ROOT_CHAIN
@@ -76,7 +76,7 @@ def open_window(project: Project, folder: Path) -> MainWindow:
     window.bench.document.new(project)
     import_views()
     show_views(window)
-    settle(window)
+    freeze_loaded_objects(window)
     assert window.bench.live.wait(300.0)
     return window
 

@@ -29,7 +29,7 @@ from studio.io.media.film import write_film  # noqa: E402
 from studio.io.png import write_png  # noqa: E402
 from studio.io.project.character_file import actor_character  # noqa: E402
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, chosen_characters, ready_capture  # noqa: E402
-from studio.jobs.performances import performances, stage_duration  # noqa: E402
+from studio.jobs.performances import stage_duration, stage_performances  # noqa: E402
 from studio.viewport.offscreen import render_frame  # noqa: E402
 
 SHARED = ROOT.parent / "shared" / "captures" / "bvh"
@@ -65,7 +65,7 @@ def pictures(path: Path, names: list[str]) -> Iterator[NDArray[np.uint8]]:
     ready = ready_capture(path, GUESS_ALL)
     actor = actor_character("Source", ready.actor.morphology)
     project = staged(ready.capture, ready.contacts, {SOURCE: actor, **chosen_characters(names)}, ADAPTED_MOTION_ID)
-    results = {key: each.adapted for key, each in performances(project).performances.items()}
+    results = {key: each.adapted for key, each in stage_performances(project).performances.items()}
     first = results[SOURCE].first_frame
     results[SOURCE] = ready.source.frames(first, first + results[SOURCE].frame_count - 1)
     alone = {key: replace(project, performers={key: project.performers[key]}) for key in project.performers}

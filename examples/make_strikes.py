@@ -12,7 +12,7 @@ from keyed.strikes import SECOND_ACTOR, STRIKES  # noqa: E402
 from keyed.write import write_capture  # noqa: E402
 
 from studio.core.mannequin.physique import Physique  # noqa: E402
-from studio.core.normalized.normalize import detected_contacts, normalize  # noqa: E402
+from studio.core.normalized.normalize import detected_contacts, normalize_capture  # noqa: E402
 from studio.core.solver.adapt import adapt  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402
 from studio.io.bvh.writer import write_bvh  # noqa: E402
@@ -42,7 +42,7 @@ def write_performed_by(physique: Physique, path: Path) -> int:
         keyed = Path(folder) / path.name
         write_capture(keyed, STRIKES[path.stem].targets())
         capture = load_capture(keyed)
-    motion, actor = normalize(capture)
+    motion, actor = normalize_capture(capture)
     body = physique.morphology()
     request = AdaptRequest(motion, body, detected_contacts(capture, ""), actor=actor.morphology)
     take = take_of_adapted(path.stem, adapt(request))

@@ -20,7 +20,7 @@ from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.quality.metrics import centre_of_mass
 from studio.core.rigs.character_skeleton import character_poses, character_skeleton, joint_points
-from studio.core.solver.adapt import adapt, hold
+from studio.core.solver.adapt import adapt, solve_constraints
 from studio.core.solver.asking.chains import segment_masses
 from studio.core.solver.asking.points import point_indices
 from studio.core.solver.standing.stand import stand
@@ -68,8 +68,8 @@ def our_answer(task: Task, microseconds: float) -> dict[str, Any]:
     """The studio's answers, judged as the peers' are: every frame of the clip."""
     request = task.request
     adapted = adapt(request)
-    before = hold(stand(request.motion, request.morphology, request.contacts, request.ground), ())
-    ankles = [request.morphology.layout.ankle(side) for side in range(2)]
+    before = solve_constraints(stand(request.motion, request.morphology, request.contacts, request.ground), ())
+    ankles = [request.morphology.layout.ankle_point(side) for side in range(2)]
     figures = {
         "miss": adapted.residuals[request.constraints.index(task.highest)],
         "slide": np.linalg.norm(adapted.positions[:, ankles] - before.positions[:, ankles], axis=2).max(axis=1),
@@ -85,7 +85,7 @@ def problem(task: Task) -> dict[str, Any]:
     request = task.request
     body: Morphology = request.morphology
     standing = stand(request.motion, body, request.contacts, request.ground)
-    skeleton, poses = character_skeleton(body), character_poses(hold(standing, ()))
+    skeleton, poses = character_skeleton(body), character_poses(solve_constraints(standing, ()))
     frames = np.linspace(0, request.motion.frame_count - 1, FRAMES).astype(int)
     places = [each for each in request.constraints if isinstance(each, PositionConstraint)]
     points = list(joint_points(body.layout))

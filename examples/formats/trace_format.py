@@ -16,7 +16,7 @@ from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.rotations import IDENTITY_QUATERNION
-from studio.io.atomic_write import write_whole
+from studio.io.atomic_write import write_atomically
 from studio.io.export import Take
 from studio.io.importing import ImportOptions
 from studio.io.registry import Format, Progress, ReadCapture
@@ -54,4 +54,4 @@ def write(path: Path, take: Take, progress: Progress) -> None:
     progress(0.0, f"Writing {path.name}")
     places = take.poses.local_translations[:, 0]
     lines = (f"{frame / take.frame_rate:.6f} {x} {y} {z}\n" for frame, (x, y, z) in enumerate(places))
-    write_whole(path, (HEAD + "".join(lines)).encode())
+    write_atomically(path, (HEAD + "".join(lines)).encode())

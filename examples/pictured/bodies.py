@@ -21,7 +21,7 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.character import Character
 from studio.core.mesh.skin import skin_vertices
-from studio.core.solver.adapt import hold
+from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import stand
 from studio.io.importing import GUESS_ALL
@@ -53,20 +53,20 @@ def priorities() -> QImage:
     woman = bundled_characters()["adult_woman"]
     standing = stand(ready.motion, woman.morphology, ready.contacts, Ground())
     frame, layout = 0, woman.morphology.layout
-    arm = [standing.positions[frame, layout.collar(1) + k] for k in (1, 2, 3)]
+    arm = [standing.positions[frame, layout.collar_point(1) + k] for k in (1, 2, 3)]
     wrist_place = arm[0] + np.array([0.44, -0.06, -0.10])
     wrist = _position(BodyPart.RIGHT_FOREARM, wrist_place, 0)
     balance = BalanceConstraint(ADAPTED_MOTION_ID, "balance", BodyPoint(BodyPart.PELVIS), ROOT, 0, ALWAYS)
-    alone = hold(standing, (balance, wrist), frame, frame)
-    shoulder, elbow, end = (alone.positions[0, layout.collar(1) + k] for k in (1, 2, 3))
+    alone = solve_constraints(standing, (balance, wrist), frame, frame)
+    shoulder, elbow, end = (alone.positions[0, layout.collar_point(1) + k] for k in (1, 2, 3))
     axis = (end - shoulder) / np.linalg.norm(end - shoulder)
     turned = shoulder + Rotation.from_rotvec(np.radians(50.0) * axis).apply(elbow - shoulder)
     both = []
     for place in (turned, turned + np.array([-0.05, -0.40, 0.02])):
         wishes = balance, wrist, _position(BodyPart.RIGHT_UPPER_ARM, place, 1)
         balls = [(wrist_place, WRIST), (place, ELBOW)]
-        both.append(Shown(woman, hold(standing, wishes, frame, frame), 0, balls))
-    return _drawn([Shown(woman, hold(standing, (), frame, frame), 0), *both], np.radians(-55.0), 1.3, 1.8)
+        both.append(Shown(woman, solve_constraints(standing, wishes, frame, frame), 0, balls))
+    return _drawn([Shown(woman, solve_constraints(standing, (), frame, frame), 0), *both], np.radians(-55.0), 1.3, 1.8)
 
 
 def bodies() -> QImage:
@@ -75,7 +75,7 @@ def bodies() -> QImage:
     shown = []
     for character in bundled_characters().values():
         standing = stand(ready.motion, character.morphology, ready.contacts, Ground())
-        shown.append(Shown(character, hold(standing, (), 154, 154), 0))
+        shown.append(Shown(character, solve_constraints(standing, (), 154, 154), 0))
     return _drawn(shown, np.radians(-40.0), 1.45, 2.35)
 
 

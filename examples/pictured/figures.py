@@ -16,15 +16,15 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve, EaseShape, ease
 from studio.core.grounds.ground import Ground
 from studio.core.grounds.steps import Steps
-from studio.core.kernels.algebra.smooth_steps import smooth_penetration
+from studio.core.kernels.algebra.smooth_steps import penetration_correction
 from studio.core.kernels.limbs.legs import required_root_lowering
 from studio.core.kernels.limbs.limb import SOFT_IK_THRESHOLD, SOLE_SOFT_IK_THRESHOLD, place_limb, soft_extension
 from studio.core.kernels.limits.limb_joint_limits import soft_clamp_above
 from studio.core.kernels.records import LimbShape, Pose
 from studio.core.kernels.search.reachability import soft_reachable_distance
-from studio.core.normalized.transition import pace_left, place_left
+from studio.core.normalized.transition import remaining_offset_fraction, remaining_speed_offset
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.solver.adapt import hold
+from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.standing.stand import stand
 from studio.core.solver.standing.support_polygon import corners, mass_path, standing_mask, support_polygons
 from studio.core.windows import highest
@@ -130,16 +130,16 @@ def canonical_body() -> Figure:
     chain(0, layout.neck_base + 1, INK)
     chain(layout.neck_base, 3, GREEN)
     for side, colour in ((0, BLUE), (1, RED)):
-        chain(layout.collar(side), 5, colour)
-        chain(layout.hip(side), 5, colour)
+        chain(layout.collar_point(side), 5, colour)
+        chain(layout.hip_point(side), 5, colour)
     for name, first, aside in (
-        ("clavicle", layout.collar(0), (8, 10)),
-        ("upper arm", layout.collar(0) + 1, (12, 0)),
-        ("forearm", layout.collar(0) + 2, (12, 0)),
-        ("hand", layout.collar(0) + 3, (12, 0)),
-        ("thigh", layout.hip(0), (12, -14)),
-        ("shank", layout.hip(0) + 1, (12, 0)),
-        ("foot and toe", layout.hip(0) + 2, (14, -10)),
+        ("clavicle", layout.collar_point(0), (8, 10)),
+        ("upper arm", layout.collar_point(0) + 1, (12, 0)),
+        ("forearm", layout.collar_point(0) + 2, (12, 0)),
+        ("hand", layout.collar_point(0) + 3, (12, 0)),
+        ("thigh", layout.hip_point(0), (12, -14)),
+        ("shank", layout.hip_point(0) + 1, (12, 0)),
+        ("foot and toe", layout.hip_point(0) + 2, (14, -10)),
     ):
         middle = flat[first : first + 2].mean(axis=0)
         _say(axes, (float(middle[0]), float(middle[1])), name, aside, BLUE)
@@ -163,9 +163,9 @@ def offset_decay() -> Figure:
     """Way in which an offset and a speed die away in a transition of 0.4 s."""
     times, figure = np.linspace(0.0, 0.5, 300), Figure(figsize=(9.0, 2.8), layout="constrained")
     left, right = figure.subplots(1, 2)
-    left.plot(times, place_left(times, 0.4), color=BLUE)
+    left.plot(times, remaining_offset_fraction(times, 0.4), color=BLUE)
     left.set(xlabel="time, s", ylabel="part of the offset that is left")
-    right.plot(times, pace_left(times, 0.4), color=RED)
+    right.plot(times, remaining_speed_offset(times, 0.4), color=RED)
     right.set(xlabel="time, s", ylabel="offset by a speed of 1 a second")
     return _tidied(figure)
 
@@ -173,7 +173,7 @@ def offset_decay() -> Figure:
 def foot_clearance() -> Figure:
     """Lift of a foot by its height over the ground, for a room of 2 cm."""
     heights, margin = np.linspace(-0.04, 0.04, 300), 0.02
-    lifts = np.array([smooth_penetration(each, margin) for each in heights])
+    lifts = np.array([penetration_correction(each, margin) for each in heights])
     figure = Figure(figsize=(9.0, 2.8), layout="constrained")
     axes = figure.subplots()
     axes.plot(100 * heights, 100 * heights, color=GREY, linestyle="--", label="height in the motion")
@@ -310,11 +310,11 @@ def _ramp_acceleration(ramp: float, shape: EaseShape) -> float:
     body = bundled_characters()["adult_woman"].morphology
     before = stand(ready.motion, body, ready.contacts, Ground())
     middle = ready.motion.duration / 2
-    wrist = np.median(before.positions[:, body.layout.wrist(0)], axis=0) + np.array([0.1, 0.0, 0.28])
+    wrist = np.median(before.positions[:, body.layout.wrist_point(0)], axis=0) + np.array([0.1, 0.0, 0.28])
     curve = ActivationCurve(middle - ramp, middle, middle + 0.3, middle + 0.3 + ramp, shape)
     point, place = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True), (float(wrist[0]), float(wrist[1]), float(wrist[2]))
     asked = PositionConstraint(ADAPTED_MOTION_ID, "wrist", point, Chain(clavicle=0.0), 0, curve, target=place)
-    after = hold(before, (asked,))
+    after = solve_constraints(before, (asked,))
     arm = slice(body.layout.spine_count + 3, body.layout.spine_count + 5)
     return float(angular_acceleration(after.rotations[:, arm], ready.motion.frame_rate).max())
 

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.constraints.base import BodyPoint
-from studio.core.solver.adapt import grounded, place_of
+from studio.core.solver.adapt import body_point_positions, grounded_motion
 from studio.core.solver.performers.performing import Performance
-from studio.core.solver.source import played_on
+from studio.core.solver.source import motion_on_body
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project
-from studio.jobs.adapt_report import figures
+from studio.jobs.adapt_report import quality_record
 
 FloatArray = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ class Adapted:
     def place_of(self, point: BodyPoint) -> FloatArray:
         """Positions of a point of the body, (F, 3) metres on the stage."""
         placement = Placement.of(self.project.performers[self.performer_id])
-        return placement.to_stage(place_of(point, self.performance.played))
+        return placement.to_stage(body_point_positions(point, self.performance.played))
 
     @property
     def residuals(self) -> dict[str, FloatArray]:
@@ -59,7 +59,7 @@ class Adapted:
         playing clip.
         """
         found: dict[str, FloatArray] = {}
-        for asked, row in zip(self.performance.asked, self.performance.played.residuals, strict=True):
+        for asked, row in zip(self.performance.clip_constraints, self.performance.played.residuals, strict=True):
             earlier = found.get(asked.constraint_id)
             found[asked.constraint_id] = row if earlier is None else np.where(np.isnan(row), earlier, row)
         return found
@@ -68,5 +68,5 @@ class Adapted:
     def report(self) -> dict[str, Any]:
         """Figures that ``adapt`` writes to ``report.json``: foot slide, penetration, constraints met, ..."""
         request, composite = self.performance.request, self.performance.composite
-        source = played_on(composite.motion, request.actor or request.morphology.still)
-        return figures(grounded(request), request, self.performance.played, source, by_frame=False)
+        source = motion_on_body(composite.motion, request.actor or request.morphology.first_frame_body)
+        return quality_record(grounded_motion(request), request, self.performance.played, source, by_frame=False)

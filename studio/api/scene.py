@@ -31,12 +31,12 @@ from studio.io.project.project_file import new_document_id, write_project
 from studio.io.staged_export import file_name, take_of_performer
 from studio.jobs.adaptation import chosen_characters, make_folder
 from studio.jobs.bundled_scenes import open_project
-from studio.jobs.performances import performances
+from studio.jobs.performances import stage_performances
 from studio.library.catalogue import Catalogue
 from studio.library.clip_labels import Kind, Limb
 from studio.library.indexing import bundled_library
 from studio.library.library import Library
-from studio.library.searching import Result, StrikeQuery, find, place_before
+from studio.library.searching import Result, StrikeQuery, place_before, search_strikes
 
 DEFAULT_EXPORT = ExportOptions()
 
@@ -183,7 +183,7 @@ class Scene:
         Raises StudioError if one of them cannot be adapted.
         """
         project = self.project
-        staged = performances(project)
+        staged = stage_performances(project)
         for key in performer_ids or staged.failures:
             if key in staged.failures:
                 raise StudioError(f"{project.performers[key].name} could not be adapted: {staged.failures[key]}")
@@ -247,7 +247,7 @@ class Scene:
         pose = replace(composite.motion, channels=composite.motion.channels[frame : frame + 1])
         body = adapted.performance.adapted.morphology
         asked = StrikeQuery(pose, body, place_before(pose, body, target), limbs=limbs, kinds=kinds)
-        return find(_library(library), asked, count)
+        return search_strikes(_library(library), asked, count)
 
     def save(self, path: Path | str) -> None:
         """Write the project to a ``.studio`` file."""

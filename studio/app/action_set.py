@@ -12,7 +12,7 @@ from studio.app.verbs import files
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.core.stage.saved_camera import CAMERA_SLOTS
-from studio.document.mnemonics import literal
+from studio.document.mnemonics import escaped_mnemonics
 from studio.document.stored_cameras import camera_in_slot
 from studio.panels.message_strip import Lifetime
 
@@ -83,10 +83,10 @@ class ActionSet(QObject):
         for slot in CAMERA_SLOTS:
             camera_id = camera_in_slot(self._bench.document.project, slot)
             name = cameras[camera_id].name if camera_id else f"camera {slot}"
-            self.by_id[f"camera_{slot}"].setText(literal(f"Look through {name}"))
+            self.by_id[f"camera_{slot}"].setText(escaped_mnemonics(f"Look through {name}"))
         stack = self._bench.document.undo_stack
-        self.by_id["undo"].setText(literal(f"Undo {_uncapitalised(stack.undoText())}".strip()))
-        self.by_id["redo"].setText(literal(f"Redo {_uncapitalised(stack.redoText())}".strip()))
+        self.by_id["undo"].setText(escaped_mnemonics(f"Undo {_uncapitalised(stack.undoText())}".strip()))
+        self.by_id["redo"].setText(escaped_mnemonics(f"Redo {_uncapitalised(stack.redoText())}".strip()))
 
     def apply_keys(self) -> None:
         """Give every action its keys by the key map and the user's own."""
@@ -131,7 +131,7 @@ class ActionSet(QObject):
     def _fill_recent(self) -> None:
         self.recent.clear()
         for path in self._bench.settings.recent:
-            action = self.recent.addAction(literal(path.name))
+            action = self.recent.addAction(escaped_mnemonics(path.name))
             action.setToolTip(str(path))
             action.triggered.connect(lambda _=False, path=path: files.open_path(self._bench, path))
         if self.recent.isEmpty():

@@ -17,13 +17,13 @@ from studio.app.relinking import relink_shown, shown_capture
 from studio.app.strike_search import label_strike, show_strikes, strike_chosen
 from studio.app.verbs import behaviours, cameras, clips, editing, files, media, playback, props, view
 from studio.app.verbs.constraining import (
-    adder,
     choose_joint,
+    constraint_adder,
     load_area_mesh,
     pick_skin,
+    priority_shifter,
     selected_area,
     selected_constraint,
-    shift,
 )
 from studio.app.workbench import Workbench
 from studio.core.constraints.base import KindInfo
@@ -123,7 +123,7 @@ FILE = (
     Action("new", "File", "New", files.new, ("Ctrl+N",), "New project with the bundled characters"),
     Action("open", "File", "Open…", files.open_project, ("Ctrl+O",), "Open a project"),
     Action("open_sample", "File", "Open sample", files.open_sample, tooltip="The sample clip on five characters"),
-    Action("recover", "File", "Recover unsaved work…", recovery_offer.choose,
+    Action("recover", "File", "Recover unsaved work…", recovery_offer.choose_recovery,
            tooltip="Unsaved work, kept for 30 days", ends_group=True),
     Action("save", "File", "Save", files.save, ("Ctrl+S",), "Save the project"),
     Action("save_as", "File", "Save as…", files.save_as, ("Ctrl+Shift+S",), "Save the project under another name"),
@@ -201,7 +201,8 @@ CLIP = (
            enabled=_performing),
     Action("split_clip", "Clip", "Split clip at playhead", clips.split, ("Ctrl+B",),
            "Split the clip at the playhead", _clip_chosen),
-    Action("mirror_clip", "Clip", "Mirror clip", clips.mirror, ("Ctrl+M",), "Swap left and right", _clip_chosen),
+    Action("mirror_clip", "Clip", "Mirror clip", clips.toggle_mirrored, ("Ctrl+M",), "Swap left and right",
+           _clip_chosen),
     Action("duplicate_clip", "Clip", "Duplicate clip", clips.duplicate, tooltip="Append a copy of the clip",
            enabled=_clip_chosen),
     Action("own_clip", "Clip", "Make clip unique", clips.make_own,
@@ -212,7 +213,7 @@ CLIP = (
 def _adding(kind: str, shown: KindInfo) -> Action:
     """Action that adds a constraint of a kind; C adds a position."""
     name, keys = ("add_constraint", ("C",)) if kind == "position" else (f"add_{kind}", ())
-    return Action(name, "Constraint", shown.action, adder(kind), keys, shown.hint, _ready)
+    return Action(name, "Constraint", shown.action, constraint_adder(kind), keys, shown.hint, _ready)
 
 
 CONSTRAINT = (
@@ -224,10 +225,10 @@ CONSTRAINT = (
     Action("area_mesh", "Constraint", "Load mesh for area…", load_area_mesh,
            tooltip="Load a mesh (OBJ, STL, PLY) as the shape of the selected area",
            enabled=lambda bench: selected_area(bench) is not None, ends_group=True),
-    Action("raise_priority", "Constraint", "Raise priority", shift(-1), ("Alt+Up",),
+    Action("raise_priority", "Constraint", "Raise priority", priority_shifter(-1), ("Alt+Up",),
            "Raise the priority of the selected constraints",
            lambda bench: selected_constraint(bench) is not None),
-    Action("lower_priority", "Constraint", "Lower priority", shift(1), ("Alt+Down",),
+    Action("lower_priority", "Constraint", "Lower priority", priority_shifter(1), ("Alt+Down",),
            "Lower the priority of the selected constraints",
            lambda bench: selected_constraint(bench) is not None, ends_group=True),
     Action("duplicate", "Constraint", "Duplicate", editing.duplicate, ("Ctrl+D",),
@@ -260,7 +261,7 @@ LIBRARY = (
 )  # fmt: skip
 
 BEHAVIOUR = (
-    Action("behaviour", "Behaviour", "Edit behaviour", behaviours.show, ("Shift+B",),
+    Action("behaviour", "Behaviour", "Edit behaviour", behaviours.show_behaviour, ("Shift+B",),
            "Edit the states of the active character during live play", ends_group=True),
     *(
         Action(key, "Behaviour", text, run, tooltip=tip, enabled=_with_bodies)
@@ -299,7 +300,7 @@ PLAY = (
            ends_group=True),
     Action("shuttle_back", "Play", "Play backwards", playback.shuttle_back, ("J",), "Press again to double the speed"),
     Action("stop", "Play", "Stop", playback.stop, ("K",)),
-    Action("shuttle_on", "Play", "Play forwards", playback.shuttle_on, ("L",), "Press again to double the speed"),
+    Action("shuttle_on", "Play", "Play forwards", playback.shuttle_forward, ("L",), "Press again to double the speed"),
     Action("loop", "Play", "Loop", playback.toggle_loop, ("Ctrl+L",), "Loop playback over the range",
            checked=lambda bench: bench.document.playhead.loop),
     Action("mute", "Play", "Mute sounds", media.toggle_muted, tooltip="Mute all sounds; they stay on the timeline",
@@ -338,12 +339,12 @@ VIEW = (
     Action("perspective", "View", "Perspective", view.perspective, ("0",), "Three-quarter view", _viewing,
            ends_group=True),
     *(
-        Action(f"camera_{slot}", "View", f"Look through camera {slot}", cameras.recall(slot), (f"F{slot + 4}",),
+        Action(f"camera_{slot}", "View", f"Look through camera {slot}", cameras.slot_recaller(slot), (f"F{slot + 4}",),
                "Look through the camera in this slot", _viewing)
         for slot in CAMERA_SLOTS
     ),
     *(
-        Action(f"store_camera_{slot}", "View", f"Store camera {slot}", cameras.store(slot),
+        Action(f"store_camera_{slot}", "View", f"Store camera {slot}", cameras.slot_storer(slot),
                (f"Shift+F{slot + 4}", f"Ctrl+F{slot + 4}"), "Store the current view in this slot", _viewing)
         for slot in CAMERA_SLOTS
     ),

@@ -71,7 +71,7 @@ def end_process(code: int) -> NoReturn:
     os._exit(code)
 
 
-def settle(window: MainWindow) -> None:
+def freeze_loaded_objects(window: MainWindow) -> None:
     """Freeze all loaded objects, so that garbage collection ignores them, which would freeze the window for 0.2 s.
 
     Hardly any of them becomes garbage: 3,500 objects of half a million.
@@ -103,7 +103,7 @@ def fill_window(
     """Start what takes longer: offer recovery, open files, make the views."""
     bench = window.bench
     if journals is not None:
-        recovery_offer.offer(bench, journals)
+        recovery_offer.offer_recovery(bench, journals)
     bench.document.new(sample.empty_project())  # somebody stands on the stage while the motion is read
     if paths:
         window.open_paths(paths)
@@ -121,7 +121,7 @@ def show_first(window: MainWindow, warm_up: WarmUp | None) -> None:
 
     def drawn() -> None:
         if warm_up is not None:
-            warm_up.go_on()
+            warm_up.release()
         window.bench.runner.run("Starting the timeline", lambda _: import_timeline(), lambda _: show_last(window))
 
     window.bench.viewport.started.connect(drawn)
@@ -131,7 +131,7 @@ def show_first(window: MainWindow, warm_up: WarmUp | None) -> None:
 def show_last(window: MainWindow) -> None:
     """Add the timeline, which completes the window."""
     show_timeline(window)
-    settle(window)
+    freeze_loaded_objects(window)
 
 
 def import_views() -> None:

@@ -26,7 +26,7 @@ from studio.io.project.character_file import bundled_characters
 from studio.io.registry import known_formats
 from studio.jobs.adapted_files import ACTOR_WORD, AdaptSettings
 from studio.jobs.batch import BatchResult, BatchSettings, FileDone, run_batch
-from studio.panels.fields import FIELD_ICON_PX, Choice, Section, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, Choice, Section, press_button, styled_label
 
 BATCH_DIALOG_WIDTH = 520
 ACTOR_CHOICE = (ACTOR_WORD, "The proportions of each captured actor")
@@ -97,7 +97,7 @@ class BatchDialog(QDialog):
         self.bar = QProgressBar()
         self.bar.setTextVisible(False)
         self.bar.setRange(0, 1000)
-        self.words: QLabel = labelled("", "hint")
+        self.words: QLabel = styled_label("", "hint")
         self.words.setMinimumHeight(2 * self.words.fontMetrics().height())
         self.start = press_button("Adapt", self.begin, "main")
         self.stop = press_button("Stop", lambda: self._bench.runner.cancel(self._task))

@@ -8,8 +8,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from studio.app.import_corrections import ReadAs, as_corrected, values_of, words
-from studio.app.relinking import finder, offer_relinking
+from studio.app.import_corrections import ReadAs, corrections_text, values_of, with_corrections
+from studio.app.relinking import offer_relinking, source_finder
 from studio.app.workbench import Workbench
 from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
@@ -52,26 +52,30 @@ def read_motion(
     """Read a capture and detect its contacts.
 
     Raises StudioError whose last sentence says that nothing was changed. ``known`` are the corrections of earlier
-    files, by kind; ``expect`` is called with the capture as soon as it is read.
+    files, by kind; ``prefetch_capture`` is called with the capture as soon as it is read.
     """
-    with changing_nothing():
+    with project_unchanged_on_error():
         read = read_capture(path, options, _reading(progress))
-        return ready_motion(read, path, options, progress, known, expect)
+        return read_motion_ready(read, path, options, progress, known, expect)
 
 
-def read_either(
+def read_capture_or_character(
     path: Path,
     progress: Progress,
     known: Mapping[str, dict[str, Any]],
     expect: Callable[[Capture], object],
 ) -> ReadMotion | ReadCharacter:
     """``read_motion`` of a file that may also hold a character."""
-    with changing_nothing():
+    with project_unchanged_on_error():
         read = read_file(path, GUESS_ALL, _reading(progress))
-        return read if isinstance(read, ReadCharacter) else ready_motion(read, path, GUESS_ALL, progress, known, expect)
+        return (
+            read
+            if isinstance(read, ReadCharacter)
+            else read_motion_ready(read, path, GUESS_ALL, progress, known, expect)
+        )
 
 
-def ready_motion(
+def read_motion_ready(
     read: ReadCapture,
     path: Path | None,
     options: ImportOptions,
@@ -80,10 +84,10 @@ def ready_motion(
     expect: Callable[[Capture], object] = lambda _capture: None,
 ) -> ReadMotion:
     """Read capture for a project, with its contacts; the arguments are those of ``read_motion``."""
-    from studio.core.normalized.drift import with_drift_told  # what computes is loaded after the window
+    from studio.core.normalized.drift import with_drift_reported  # what computes is loaded after the window
 
-    capture, read_as = as_corrected(read, options, known, _reading(progress))
-    capture = with_drift_told(capture)
+    capture, read_as = with_corrections(read, options, known, _reading(progress))
+    capture = with_drift_reported(capture)
     expect(capture)
     progress(READ_SHARE, "looking for contacts")
     remarks_on(capture)  # here, beside the window, whose views show them
@@ -92,7 +96,7 @@ def ready_motion(
 
 
 @contextmanager
-def changing_nothing() -> Iterator[None]:
+def project_unchanged_on_error() -> Iterator[None]:
     """Context that adds to every StudioError that the project is unchanged."""
     try:
         yield
@@ -109,7 +113,7 @@ def import_motion(bench: Workbench, path: Path, options: ImportOptions = GUESS_A
     known = bench.settings.corrections
 
     def read(progress: Progress) -> ReadMotion:
-        return read_motion(path, options, progress, known, bench.live.expect)
+        return read_motion(path, options, progress, known, bench.live.prefetch_capture)
 
     task: int = bench.runner.run(f"Opening {path.name}", read, lambda motion: show_import(bench, path, motion))
     return task
@@ -117,16 +121,16 @@ def import_motion(bench: Workbench, path: Path, options: ImportOptions = GUESS_A
 
 def show_import(bench: Workbench, path: Path, motion: ReadMotion) -> None:
     """Add a motion that was read from ``path`` to the project and the stage, and report repairs."""
-    put_motion(bench.document, motion, f"Import {path.name}")
+    add_read_motion(bench.document, motion, f"Import {path.name}")
     capture_id = list(bench.document.project.captures)[-1]
     bench.sources[capture_id] = path
     bench.settings.remember_source(path)
     bench.read_as[capture_id] = motion.read_as
-    tell_repairs(bench, capture_id)
-    tell_corrections(bench, capture_id)
+    report_repairs(bench, capture_id)
+    report_corrections(bench, capture_id)
 
 
-def put_motion(document: Document, read: ReadMotion, text: str) -> str:
+def add_read_motion(document: Document, read: ReadMotion, text: str) -> str:
     """Add capture, motion and contacts to the project, and the clip to the visible bodies: one undo step."""
     bodies = [] if document.project.performers else _bundled_bodies()
     with document.group(text):
@@ -151,7 +155,7 @@ def add_motion(document: Document, read: ReadMotion, text: str) -> str:
     return capture_id
 
 
-def perform_capture(bench: Workbench, capture_id: str) -> None:
+def play_capture(bench: Workbench, capture_id: str) -> None:
     """Let the visible bodies play a capture of the project."""
     document = bench.document
     motions = document.project.motions
@@ -169,16 +173,16 @@ def reimport(bench: Workbench, capture_id: str, option: dict[str, Any]) -> None:
     what, value = next(iter(option.items()))
     capture = bench.document.project.captures[capture_id]
     text = f"Clean {capture.name}" if what == "clean" else f"Read {capture.name} with {what.replace('_', ' ')} {value}"
-    read_again(bench, capture_id, ImportOptions(**overruled(bench, capture_id) | option), text)
+    reread_capture(bench, capture_id, ImportOptions(**user_options(bench, capture_id) | option), text)
 
 
-def solve_again(bench: Workbench, capture_id: str, take: MarkerTake) -> int:
+def resolve_markers(bench: Workbench, capture_id: str, take: MarkerTake) -> int:
     """Solve the body again from the markers ``take`` of a capture; returns the task."""
     text = f"Re-solve {bench.document.project.captures[capture_id].name}"
-    return read_again(bench, capture_id, ImportOptions(**overruled(bench, capture_id)), text, take)
+    return reread_capture(bench, capture_id, ImportOptions(**user_options(bench, capture_id)), text, take)
 
 
-def read_again(
+def reread_capture(
     bench: Workbench, capture_id: str, options: ImportOptions, text: str, take: MarkerTake | None = None
 ) -> int:
     """Interpret a capture with other options: its markers, by default those that it has, else its file; returns the
@@ -186,7 +190,7 @@ def read_again(
     """
     capture = bench.document.project.captures[capture_id]
     markers = take or capture.markers
-    find = finder(bench, capture_id)
+    find = source_finder(bench, capture_id)
 
     def read(progress: Progress) -> ReadMotion:
         if markers is None:
@@ -194,9 +198,9 @@ def read_again(
         from studio.io.markers.capture import capture_of_take  # late: it loads kernels
 
         chosen = replace(options, body_map=None, marker_map=None)
-        with changing_nothing():
+        with project_unchanged_on_error():
             solved = capture_of_take(markers, chosen, capture.repairs, _reading(progress))
-            return ready_motion(ReadCapture(solved), None, chosen, progress)
+            return read_motion_ready(ReadCapture(solved), None, chosen, progress)
 
     def done(motion: ReadMotion) -> None:
         if capture_id in bench.document.project.captures:
@@ -204,7 +208,7 @@ def read_again(
             if capture_id in bench.read_as:
                 bench.read_as[capture_id] = replace(bench.read_as[capture_id], options=options)
             replace_motion(bench.document, capture_id, motion.capture, motion.annotations, text)
-            tell_repairs(bench, capture_id)
+            report_repairs(bench, capture_id)
             if motion.path is not None:
                 bench.sources[capture_id] = motion.path
                 if old.digest not in ("", motion.capture.digest):
@@ -215,14 +219,14 @@ def read_again(
 
     def missed(error: StudioError) -> None:
         if isinstance(error, SourceMissing):
-            again = partial(read_again, bench, capture_id, options, text)
+            again = partial(reread_capture, bench, capture_id, options, text)
             offer_relinking(bench, capture_id, error, again)
 
     task: int = bench.runner.run(text, read, done, missed)
     return task
 
 
-def tell_repairs(bench: Workbench, capture_id: str) -> None:
+def report_repairs(bench: Workbench, capture_id: str) -> None:
     """Report the repairs, with a link to the import report; without repairs, remove the message before."""
     capture = bench.document.project.captures[capture_id]
     if capture.markers is not None and capture.body_map is None:
@@ -243,7 +247,7 @@ def repair_words(capture: Capture) -> str:
     return f"{capture.source} was read with {count} repair{'' if count == 1 else 's'}: {first}"
 
 
-def overruled(bench: Workbench, capture_id: str) -> dict[str, Any]:
+def user_options(bench: Workbench, capture_id: str) -> dict[str, Any]:
     """Options that keep the user's settings of a capture: all values that are not listed as guesses."""
     capture = bench.document.project.captures[capture_id]
     guessed = {guess.subject.replace(" ", "_") for guess in capture.guesses}
@@ -263,7 +267,7 @@ def keep_corrections(bench: Workbench, collection: str, capture_id: str) -> None
         bench.settings.correct(read_as.kind, read_as.corrections(capture))
 
 
-def tell_corrections(bench: Workbench, capture_id: str) -> None:
+def report_corrections(bench: Workbench, capture_id: str) -> None:
     """Report that a file was read with the corrections of others of its kind, with a button to guess again."""
     read_as, capture = bench.read_as[capture_id], bench.document.project.captures[capture_id]
     corrections = read_as.corrections(capture)
@@ -273,11 +277,10 @@ def tell_corrections(bench: Workbench, capture_id: str) -> None:
     def guess() -> None:
         bench.settings.correct(read_as.kind, {})
         if capture_id in bench.document.project.captures:
-            read_again(bench, capture_id, GUESS_ALL, f"Re-import {capture.name} with detected settings")
+            reread_capture(bench, capture_id, GUESS_ALL, f"Re-import {capture.name} with detected settings")
 
-    sentence = (
-        f"{capture.source} was imported with your earlier corrections for this kind of file: {words(corrections)}."
-    )
+    applied = corrections_text(corrections)
+    sentence = f"{capture.source} was imported with your earlier corrections for this kind of file: {applied}."
     bench.inform(sentence, ("Keep", bench.clear_message), ("Detect again", guess), until=Lifetime.PROJECT_OPENED)
 
 

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from studio.app.capture_import import changing_nothing, import_motion
+from studio.app.capture_import import import_motion, project_unchanged_on_error
 from studio.app.workbench import Workbench
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.capture import Guess
-from studio.core.captures.remarks import remarks_on_body
+from studio.core.captures.remarks import body_remarks
 from studio.core.errors import StudioError
 from studio.core.mesh.character import Character
 from studio.core.names import free_name
@@ -20,7 +20,7 @@ from studio.core.stage.project import Performer
 from studio.core.stage.staging import end_of_row
 from studio.document import colours
 from studio.document.document import Document
-from studio.io.figure.body import remapped
+from studio.io.figure.body import remapped_character
 from studio.io.importing import GUESS_ALL, load_character
 from studio.io.project.character_file import actor_character
 from studio.io.registry import Progress, ReadCharacter, known_formats
@@ -33,7 +33,7 @@ def import_character(bench: Workbench, path: Path) -> int:
     """Read a character file, then put the character on the stage; returns the task."""
 
     def work(progress: Progress) -> ReadCharacter:
-        with changing_nothing():
+        with project_unchanged_on_error():
             try:
                 return load_character(path, GUESS_ALL, progress)
             except StudioError as error:
@@ -47,11 +47,13 @@ def import_character(bench: Workbench, path: Path) -> int:
 
 def show_import(bench: Workbench, path: Path, read: ReadCharacter) -> None:
     """Put a character that was read from ``path`` on the stage, and report repairs or guesses."""
-    put_character(bench.document, marked(read.character, bench.document), f"Import {path.name}")
+    add_read_character(
+        bench.document, with_identification_colour(read.character, bench.document), f"Import {path.name}"
+    )
     _tell(bench, path, read)
 
 
-def marked(character: Character, document: Document) -> Character:
+def with_identification_colour(character: Character, document: Document) -> Character:
     """Character with a free identification colour in lists and plots if its skin has the colours of its materials."""
     if character.skin.appearance is None:
         return character
@@ -74,12 +76,12 @@ def make_actor_character(bench: Workbench, capture_id: str) -> None:
 
     def work(progress: Callable[[float, str], None]) -> Character:
         progress(0.1, f"Measuring the actor of {capture.name}")
-        from studio.core.normalized.normalize import normalize  # late: it loads kernels
+        from studio.core.normalized.normalize import normalize_capture  # late: it loads kernels
 
-        _, actor = normalize(capture)
+        _, actor = normalize_capture(capture)
         return actor_character(f"Actor of {capture.name}", actor.morphology, colour)
 
-    bench.runner.run(text, work, lambda character: put_character(document, character, text))
+    bench.runner.run(text, work, lambda character: add_read_character(document, character, text))
 
 
 def remap_character(bench: Workbench, character_id: str, joints: Mapping[str, str], text: str) -> int:
@@ -91,7 +93,7 @@ def remap_character(bench: Workbench, character_id: str, joints: Mapping[str, st
 
     def work(progress: Progress) -> Character:
         progress(0.1, text)
-        made = remapped(character, joints)
+        made = remapped_character(character, joints)
         progress(1.0, text)
         return made
 
@@ -104,7 +106,7 @@ def remap_character(bench: Workbench, character_id: str, joints: Mapping[str, st
     return task
 
 
-def put_character(document: Document, character: Character, text: str) -> str:
+def add_read_character(document: Document, character: Character, text: str) -> str:
     """Add the character, and a selected performer beside the others: one undo step. A duplicate name is numbered."""
     project = document.project
     taken = {each.name for each in project.characters.values()} | {each.name for each in project.performers.values()}
@@ -135,14 +137,14 @@ def _half_breadth(character: Character) -> float:
 def _tell(bench: Workbench, path: Path, read: ReadCharacter) -> None:
     """Report repairs, uncertain guesses and a motion in the file; without any, remove the message before."""
     count, sentences = len(read.repairs), []
-    daring = [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in read.guesses if is_daring(guess)]
+    daring = [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in read.guesses if is_uncertain(guess)]
     if count:
         first = read.repairs[0].removeprefix(path.name).lstrip(",: ")
         sentences.append(f"{path.name} was read with {count} repair{'' if count == 1 else 's'}: {first}")
     elif daring:
         sentences.append(f"{path.name} was imported; assumed {' '.join(daring)}")
     actions: list[tuple[str, Callable[[], object]]] = [("Close", bench.clear_message)]
-    sentences += [f"Warning: {remark.sentence}" for remark in remarks_on_body(read.character.build)]
+    sentences += [f"Warning: {remark.sentence}" for remark in body_remarks(read.character.build)]
     if read.moves:
         sentences.append("The file also contains animation." if sentences else f"{path.name} also contains animation.")
         actions.insert(0, ("Import its motion", lambda: import_motion(bench, path)))
@@ -152,6 +154,6 @@ def _tell(bench: Workbench, path: Path, read: ReadCharacter) -> None:
         bench.clear_message()
 
 
-def is_daring(guess: Guess) -> bool:
+def is_uncertain(guess: Guess) -> bool:
     """True if a guess goes beyond known names."""
     return guess.subject != "body map" or "by shape" in guess.value

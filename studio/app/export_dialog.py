@@ -323,7 +323,7 @@ def _ask_motion(bench: Workbench, suffix: str) -> None:
 def _ask_film(bench: Workbench, suffix: str, size: tuple[int, int], rate: float) -> None:
     motion_id = bench.document.active_motion_id
     name = safe_name(bench.document.project.motions[motion_id].name if motion_id else "film")
-    _ask_file(bench, suffix, name + suffix, lambda path: filming.film(bench, path, size, rate))
+    _ask_file(bench, suffix, name + suffix, lambda path: filming.render_film(bench, path, size, rate))
 
 
 def _ask_file(bench: Workbench, suffix: str, name: str, then: Callable[[Path], object]) -> None:

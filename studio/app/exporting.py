@@ -4,13 +4,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 from studio.app.workbench import Workbench
-from studio.core.captures.annotations import Annotations, within
+from studio.core.captures.annotations import Annotations, labels_in_range
 from studio.core.errors import StudioError
 from studio.io.export import take_of_capture, write_take
 from studio.io.export_options import ExportOptions
 from studio.io.staged_export import take_of_performer
 from studio.io.takes.exported_stage import exported_stage, write_stage
-from studio.jobs.performances import performances
+from studio.jobs.performances import stage_performances
 
 Progress = Callable[[float, str], None]
 ADAPTING_SHARE = 0.3
@@ -30,7 +30,7 @@ def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | No
 
     def work(progress: Progress) -> list[Path]:
         progress(0.0, "Adapting")
-        made = performances(project)
+        made = stage_performances(project)
         each_share = (1.0 - ADAPTING_SHARE) / len(paths)
         for place, (key, path) in enumerate(paths.items()):
             if key not in made.performances:
@@ -38,10 +38,10 @@ def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | No
                 raise StudioError(f"{project.performers[key].name} cannot be exported. {reason}")
             take = take_of_performer(project, key, made.performances[key], along=chosen.carries(path))
             begun = ADAPTING_SHARE + place * each_share
-            write_take(chosen.applied_to(take, path), path, partly(progress, begun, each_share))
+            write_take(chosen.applied_to(take, path), path, partial_progress(progress, begun, each_share))
         return list(paths.values())
 
-    task: int = bench.runner.run("Export", work, lambda written: bench.inform(words_of(written)))
+    task: int = bench.runner.run("Export", work, lambda written: bench.inform(exported_text(written)))
     return task
 
 
@@ -51,14 +51,14 @@ def export_stage(bench: Workbench, path: Path, options: ExportOptions | None = N
 
     def work(progress: Progress) -> list[Path]:
         progress(0.0, "Adapting")
-        made = performances(project)
+        made = stage_performances(project)
         for key, reason in made.failures.items():
             raise StudioError(f"{project.performers[key].name} cannot be exported. {reason}")
         stage = exported_stage(project, made.performances, chosen, path)
-        write_stage(stage, path, partly(progress, ADAPTING_SHARE, 1.0 - ADAPTING_SHARE))
+        write_stage(stage, path, partial_progress(progress, ADAPTING_SHARE, 1.0 - ADAPTING_SHARE))
         return [path]
 
-    task: int = bench.runner.run("Export", work, lambda written: bench.inform(words_of(written)))
+    task: int = bench.runner.run("Export", work, lambda written: bench.inform(exported_text(written)))
     return task
 
 
@@ -71,22 +71,24 @@ def export_motion(bench: Workbench, path: Path) -> int:
     contacts = tuple(each for each in project.contacts_of(motion_id).values() if not each.scope.is_narrow)
     constraints = tuple(each for each in project.constraints_of(motion_id).values() if not each.scope.is_narrow)
     labels = tuple(project.labels_of(motion_id).values())
-    take = take_of_capture(capture, Annotations(contacts, constraints, within(labels, 0, capture.frame_count - 1)))
+    take = take_of_capture(
+        capture, Annotations(contacts, constraints, labels_in_range(labels, 0, capture.frame_count - 1))
+    )
 
     def work(progress: Progress) -> list[Path]:
         write_take(take, path, progress)
         return [path]
 
-    task: int = bench.runner.run("Export", work, lambda written: bench.inform(words_of(written)))
+    task: int = bench.runner.run("Export", work, lambda written: bench.inform(exported_text(written)))
     return task
 
 
-def partly(progress: Progress, begun: float, share: float) -> Progress:
+def partial_progress(progress: Progress, begun: float, share: float) -> Progress:
     """Progress of a part of the job, which begins at ``begun`` and is the fraction ``share`` of the whole."""
     return lambda done, text: progress(begun + share * done, text)
 
 
-def words_of(written: list[Path]) -> str:
+def exported_text(written: list[Path]) -> str:
     """``Exported kick.bvh to /home/…``."""
     if len(written) == 1:
         return f"Exported {written[0].name} to {written[0].parent}."

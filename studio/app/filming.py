@@ -12,15 +12,15 @@ from pathlib import Path
 
 import numpy as np
 
-from studio.app.exporting import words_of
+from studio.app.exporting import exported_text
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.core.stage.project import Project
 from studio.io.atomic_write import new_folder
-from studio.io.child_process import child_process, said_lines, wait_for
+from studio.io.child_process import child_process, output_lines, wait_for
 from studio.io.json_text import JsonObject
 from studio.io.media.film import film_encoder, is_film
-from studio.viewport.shots import Shots, send
+from studio.viewport.shots import Shots, send_shots
 
 Progress = Callable[[float, str], None]
 
@@ -30,7 +30,7 @@ MOST_PICTURES = 1_000_000
 """Nine hours of thirty a second."""
 
 
-def film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate: float) -> int:
+def render_film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate: float) -> int:
     """Draw the range of the playhead as in the viewport; returns the task.
 
     ``size`` is width and height in pixels, ``frame_rate`` pictures a second; a ``path`` that does not end with .mp4
@@ -60,7 +60,7 @@ def film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate: float)
                 _follow(renderer, progress)
         return [path]
 
-    task: int = bench.runner.run("Video", work, lambda written: bench.inform(words_of(written)))
+    task: int = bench.runner.run("Video", work, lambda written: bench.inform(exported_text(written)))
     return task
 
 
@@ -76,7 +76,7 @@ def _played(project: Project) -> Project:
 def _renderer(shots: Shots) -> Iterator["subprocess.Popen[bytes]"]:
     """Child process that draws them."""
     with tempfile.TemporaryFile() as asked:
-        send(shots, asked)
+        send_shots(shots, asked)
         asked.seek(0)
         with child_process(RENDERER, asked, subprocess.PIPE, subprocess.PIPE) as renderer:
             yield renderer
@@ -86,7 +86,7 @@ def _follow(renderer: "subprocess.Popen[bytes]", progress: Progress) -> None:
     """Report the child's progress. Raises StudioError with its error, or if it ends without one."""
     share, text, last = 0.0, "Starting", ""
     assert renderer.stderr is not None
-    for line in said_lines(renderer.stderr):
+    for line in output_lines(renderer.stderr):
         match _record(line or ""):
             case {"error": sentence}:
                 raise StudioError(sentence)

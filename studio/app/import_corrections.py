@@ -62,7 +62,7 @@ def values_of(capture: Capture) -> Options:
     }
 
 
-def as_corrected(
+def with_corrections(
     read: ReadCapture, options: ImportOptions, known: Mapping[str, Options], progress: Progress
 ) -> tuple[Capture, ReadAs]:
     """Capture of a file that was read with ``options``, interpreted with the corrections of its kind.
@@ -82,7 +82,7 @@ def as_corrected(
         return replace(capture, repairs=(*capture.repairs, sentence)), read_as
 
 
-def words(corrections: Options) -> str:
+def corrections_text(corrections: Options) -> str:
     """``unit inch, floor 0.1``."""
     return ", ".join(
         option.replace("_", " ") + ("" if isinstance(value, dict) else f" {value}")

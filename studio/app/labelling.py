@@ -6,15 +6,15 @@ from studio.library.clip_labels import ClipLabel
 from studio.panels.clip_form import ClipForm
 
 if TYPE_CHECKING:
-    from studio.app.strike_search import Striking
+    from studio.app.strike_search import StrikeSearchController
     from studio.library.label_motion import OpenedClip
     from studio.library.library import Library, LibraryClip
 
 
-class Labelling:
+class LabelController:
     """Connection of the clip's form with the catalogue."""
 
-    def __init__(self, striking: "Striking") -> None:
+    def __init__(self, striking: "StrikeSearchController") -> None:
         self._striking = striking
         self.form = ClipForm()
         self._number = -1
@@ -42,11 +42,11 @@ class Labelling:
 
         def work(_: object) -> "Library":
             from studio.library.catalogue import Catalogue
-            from studio.library.indexing import corrected
+            from studio.library.indexing import correct_label
             from studio.library.library import Library
 
             with Catalogue(folder) as catalogue:
-                corrected(catalogue, number, label)
+                correct_label(catalogue, number, label)
                 return Library.of(catalogue)
 
         def done(library: "Library") -> None:

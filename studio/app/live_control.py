@@ -22,7 +22,7 @@ from studio.live.recording import Recorder, Replay
 from studio.live.streamer import Broadcast, StreamedPose
 from studio.live.tracker import LOOPBACK, PORT, Inbox, UdpInput
 from studio.panels.live_panel import InputRow, LivePanel, SenderRow
-from studio.viewport.eyes import CENTRE_EYE, Eye
+from studio.viewport.eyes import CENTRE_EYE, EyePosition
 
 if TYPE_CHECKING:
     from studio.engine.driven import PoseSource  # loads the solver
@@ -85,7 +85,7 @@ class LiveControl:
         self._out_port, self._seen, self._told_at = OUT_PORT, 0, time.monotonic()
         self._gesture, self._moved_at = 0, 0.0
         self._tick = QTimer(self.panel, interval=POLL_MILLISECONDS)
-        self._tick.timeout.connect(self.look)
+        self._tick.timeout.connect(self.poll_sources)
         self._telling = QTimer(self.panel, interval=REPORT_MILLISECONDS)
         self._telling.timeout.connect(self.tell)
         panel = self.panel
@@ -208,7 +208,7 @@ class LiveControl:
 
     # At every tick
 
-    def look(self) -> None:
+    def poll_sources(self) -> None:
         """Take the values received since the last call, and send the visible bodies."""
         taken = sum(source.inbox.counts.taken for source in self.sources.values())
         if taken != self._seen:
@@ -278,12 +278,12 @@ class LiveControl:
         place = None if self.head_from is None else self._head()
         if place is not None and self.head_from is not None:
             ahead, left, up = (place - self.head_from).tolist()
-            self._look_from(Eye(-left, up, -ahead))
+            self._look_from(EyePosition(-left, up, -ahead))
 
-    def _look_from(self, head: Eye) -> None:
+    def _look_from(self, head: EyePosition) -> None:
         if self.bench.has_viewport:
             viewport = self.bench.viewport
-            viewport.set_sight(replace(viewport.sight, head=head))
+            viewport.set_stereo_view(replace(viewport.sight, head=head))
 
     def _rest(self) -> None:
         if self._moved_at:
@@ -299,7 +299,10 @@ class LiveControl:
         rows, counts = [], [0, 0, 0]
         for key, source in self.sources.items():
             number = source.inbox.counts
-            counts = [old + new for old, new in zip(counts, (number.taken, number.bad, number.strangers), strict=True)]
+            counts = [
+                old + new
+                for old, new in zip(counts, (number.taken, number.malformed, number.unknown_senders), strict=True)
+            ]
             drives = self._drives(key)
             name = f"{source.name}, drives {drives}" if drives else source.name
             rate = source.rate("", number.taken, seconds)
@@ -360,7 +363,7 @@ class LiveControl:
 
     def _repaint(self) -> None:
         if self.bench.has_viewport:
-            self.bench.viewport.show_soon()
+            self.bench.viewport.schedule_redraw()
 
 
 def names_in(words: str) -> tuple[str, ...]:

@@ -33,13 +33,13 @@ from studio.app.footage_playback import FootagePlayback
 from studio.app.guided_tour import GuidedTour
 from studio.app.live_control import LiveControl
 from studio.app.marker_dialog import open_markers
-from studio.app.playing_live import LivePlaying
+from studio.app.playing_live import LivePlayController
 from studio.app.plug_in_panels import add_panel_actions
 from studio.app.pose_library import PoseLibrary
 from studio.app.preferences import FITTED, Preferences, key_map_of, save_preferences
 from studio.app.problem_tour import ProblemTour
 from studio.app.sound_playback import SoundPlayback
-from studio.app.strike_search import Striking
+from studio.app.strike_search import StrikeSearchController
 from studio.app.top_bar import TopBar
 from studio.app.verbs import editing, files
 from studio.app.verbs.behaviours import READY_MADE
@@ -49,7 +49,7 @@ from studio.engine.problem_search import ProblemSearch
 from studio.panels.behaviour.panel import BehaviourPanel
 from studio.panels.command_palette import CommandPalette, ShortcutSheet
 from studio.panels.console import Console
-from studio.panels.fields import labelled
+from studio.panels.fields import styled_label
 from studio.panels.history import History
 from studio.panels.inspector import Inspector
 from studio.panels.library_drops import BODIES, LibraryDrops
@@ -204,7 +204,7 @@ class MainWindow(QMainWindow):
         self._sheet.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self._sheet.show()
 
-    def arrange(self, on: bool) -> None:
+    def set_dock_titles_shown(self, on: bool) -> None:
         """Show or hide the title bars of docks, by which they are moved."""
         self.arranging = on
         for dock in self.docks.values():
@@ -217,7 +217,7 @@ class MainWindow(QMainWindow):
         self.restoreState(self._first_state)
         self._size_docks()
 
-    def when_saved(self, then: Callable[[], object]) -> None:
+    def run_when_saved(self, then: Callable[[], object]) -> None:
         """Run ``then`` now, or after the user has answered about unsaved changes; the journal keeps them."""
         document = self.bench.document
         if not document.dirty:
@@ -228,7 +228,7 @@ class MainWindow(QMainWindow):
             self._after_save = then
             files.save(self.bench)
 
-        self.question.ask(
+        self.question.ask_user(
             f"{self._document_name()} has unsaved changes.",
             ("Save", save_first),
             ("Don't save", then),
@@ -253,7 +253,7 @@ class MainWindow(QMainWindow):
         centre = QWidget()
         self._stage_layout = QGridLayout(centre)
         self._stage_layout.setContentsMargins(0, 0, 0, 0)
-        self._waiting = labelled("Starting the 3D view", "hint")
+        self._waiting = styled_label("Starting the 3D view", "hint")
         self._waiting.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._stage_layout.addWidget(self._waiting, 0, 0)
         notes = QVBoxLayout()  # over the view, whose size is the same with them and without
@@ -273,7 +273,7 @@ class MainWindow(QMainWindow):
         self.library = LibraryPanel(self.bench.document)
         self.inspector = Inspector(self.bench.document, self.bench.live)
         self.history = History(self.bench.document.undo_stack)
-        self.striking = Striking(self.bench)
+        self.striking = StrikeSearchController(self.bench)
         self.live_control = LiveControl(self.bench)
         self.pose_library = PoseLibrary(self.bench)
         self.footage_playback = FootagePlayback(self.bench, self)
@@ -314,7 +314,7 @@ class MainWindow(QMainWindow):
         for first, others in TABBED_PANELS.items():
             for second in others:
                 self.tabifyDockWidget(self.docks[first], self.docks[second])
-        self.arrange(False)
+        self.set_dock_titles_shown(False)
         self._first_state = self.saveState()
 
     def _add_dock_action(self, dock: QDockWidget) -> None:
@@ -341,8 +341,8 @@ class MainWindow(QMainWindow):
             (Lifetime.EDITED, document.undo_stack.indexChanged),
             (Lifetime.SELECTED, document.selection.changed),
         ):
-            signal.connect(lambda *_, event=event: self.strip.outlive(event))
-        self.live_playing = LivePlaying(bench, self)
+            signal.connect(lambda *_, event=event: self.strip.clear_at(event))
+        self.live_playing = LivePlayController(bench, self)
         self.sound_playback: SoundPlayback = SoundPlayback(bench, self)
         bench.live.play.state_changed.connect(self.behaviour.show_running)
         document.saved_state_changed.connect(self._saved_state_changed)
@@ -356,7 +356,7 @@ class MainWindow(QMainWindow):
         self.status.progress.cancel_requested.connect(runner.cancel)
         self.status.report_requested.connect(lambda: editing.select_capture(bench))
         self.status.progress.message_posted.connect(self._show_progress)
-        self.library.performance_requested.connect(lambda capture: capture_import.perform_capture(bench, capture))
+        self.library.performance_requested.connect(lambda capture: capture_import.play_capture(bench, capture))
         self.inspector.reimport_requested.connect(self._reimport)
         self.inspector.markers_requested.connect(lambda capture: open_markers(bench, capture))
         self.inspector.character_requested.connect(
@@ -475,7 +475,7 @@ class MainWindow(QMainWindow):
         """Ask about unsaved work without a modal dialog; then stop everything, views first."""
         if self.bench.document.dirty and not self._leaving:
             event.ignore()
-            self.when_saved(self.leave)
+            self.run_when_saved(self.leave)
             return
         self.bench.settings.remember_layout(self.saveGeometry(), self.saveState())
         if self.bench.has_viewport:

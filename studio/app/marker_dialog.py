@@ -6,13 +6,13 @@ from dataclasses import replace
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QDialog, QHBoxLayout, QTabWidget, QVBoxLayout
 
-from studio.app.capture_import import solve_again
+from studio.app.capture_import import resolve_markers
 from studio.app.workbench import Workbench
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.core.markers.cleaning import StepReport, clean
+from studio.core.markers.cleaning import StepReport, cleaned_trial
 from studio.core.markers.take import MarkerTake, mapped_labels
-from studio.panels.fields import FIELD_ICON_PX, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, press_button, styled_label
 from studio.panels.markers.assistant import MarkerAssistant
 from studio.panels.markers.cleaning_steps import StepList
 
@@ -83,7 +83,7 @@ class MarkerDialog(QDialog):
     def _make_foot(self) -> QHBoxLayout:
         row = QHBoxLayout()
         row.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)
-        self.words = labelled("", "hint")
+        self.words = styled_label("", "hint")
         self.apply = press_button("Apply", self.solve, "main")
         self.apply.setToolTip("Re-solve the skeleton with this marker map and these cleaning steps")
         row.addWidget(self.words, 1)
@@ -104,7 +104,7 @@ class MarkerDialog(QDialog):
     def solve(self) -> None:
         """Apply the settings to the capture."""
         self.apply.setEnabled(False)
-        solve_again(self._bench, self._capture_id, self.take)
+        resolve_markers(self._bench, self._capture_id, self.take)
 
     def _clean(self) -> None:
         """Run the cleaning steps in the background to show their reports before they are applied."""
@@ -112,7 +112,7 @@ class MarkerDialog(QDialog):
 
         def work(progress: Callable[[float, str], None]) -> tuple[StepReport, ...]:
             progress(0.0, "Cleaning")
-            return clean(take.trial.only(mapped_labels(take)), take.steps)[1]
+            return cleaned_trial(take.trial.with_labels(mapped_labels(take)), take.steps)[1]
 
         def done(reports: tuple[StepReport, ...]) -> None:
             if self._is_open and self.steps.steps == take.steps:

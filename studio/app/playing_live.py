@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QAbstractSpinBox, QApplication, QComboBox, QLineEd
 
 from studio.app.strike_edit import clips_until
 from studio.app.workbench import Workbench
-from studio.core.names import counted
+from studio.core.names import counted_noun
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import KeyCondition
 from studio.core.stage.project import Entity, Performer, Project, new_id
@@ -25,7 +25,7 @@ KEY_EVENTS = (QEvent.Type.ShortcutOverride, QEvent.Type.KeyPress)
 PLAYS_LIVE = "The stage plays live."
 
 
-class LivePlaying(QObject):
+class LivePlayController(QObject):
     """Connection of the live stage with the window: handles keys and clicks while it runs, and stores takes."""
 
     def __init__(self, bench: Workbench, parent: QObject) -> None:
@@ -33,7 +33,7 @@ class LivePlaying(QObject):
         self._bench, self._play = bench, bench.live.play
         self._clips = bench.document.selection.of("clips")
         self._play.running_changed.connect(self._listen)
-        self._play.recorded.connect(partial(put_take, bench))
+        self._play.recorded.connect(partial(insert_take, bench))
         bench.document.selection.changed.connect(self._start_chosen)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
@@ -96,7 +96,7 @@ class LivePlaying(QObject):
         performer = self._bench.document.project.performers.get(key)
         for clip in performer.clips if performer else ():
             if clip.id == self._clips[-1]:
-                self._play.start(key, afresh(clip))
+                self._play.start(key, detached_clip(clip))
 
 
 def toggle(bench: Workbench) -> None:
@@ -124,7 +124,7 @@ def record(bench: Workbench) -> None:
     bench.live.play.record()
 
 
-def put_take(bench: Workbench, take: StageTake) -> None:
+def insert_take(bench: Workbench, take: StageTake) -> None:
     """Add a recorded take to the rows of its performers from the playhead on, as one undo step."""
     document = bench.document
     project, begin = document.project, document.playhead.time
@@ -145,7 +145,7 @@ def put_take(bench: Workbench, take: StageTake) -> None:
     document.playhead.set_time(begin)
     clips = sum(len(each.clips) for each in rows)
     bench.inform(
-        f"Recorded {take.end - take.begin:.1f} s: the clips of {counted(len(rows), 'character')} are replaced by"
+        f"Recorded {take.end - take.begin:.1f} s: the clips of {counted_noun(len(rows), 'character')} are replaced by"
         f" {clips}. Undo restores them.",
         until=Lifetime.EDITED,
     )
@@ -164,10 +164,12 @@ def clips_of(project: Project, performer_id: str) -> list[Clip]:
     """Clips that a performer plays by the keys 1 to 9: those of its row, each once."""
     performer = project.performers.get(performer_id)
     clips = performer.clips if performer else ()
-    return list({(clip.motion_id, clip.first, clip.last): afresh(clip) for clip in reversed(clips)}.values())[::-1]
+    return list({(clip.motion_id, clip.first, clip.last): detached_clip(clip) for clip in reversed(clips)}.values())[
+        ::-1
+    ]
 
 
-def afresh(clip: Clip) -> Clip:
+def detached_clip(clip: Clip) -> Clip:
     """Clip of a row detached from it, to begin anywhere."""
     return replace(clip, joined=True, turn=0.0, offset=(0.0, 0.0))
 
@@ -177,7 +179,7 @@ def keys_of(project: Project) -> dict[str, list[str]]:
     keys: dict[str, dict[str, None]] = {}
     for behaviour in project.behaviours.values():
         names = [project.performers[each.performer_id].name for each in behaviour.cast]
-        concerned = names[0] if len(names) == 1 else counted(len(names), "character")
+        concerned = names[0] if len(names) == 1 else counted_noun(len(names), "character")
         for transition in behaviour.transitions:
             for condition in transition.conditions:
                 if isinstance(condition, KeyCondition):

@@ -7,7 +7,7 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QDockWidget, QWidget
 
 from studio.core.errors import StudioError
-from studio.document.mnemonics import literal
+from studio.document.mnemonics import escaped_mnemonics
 from studio.io import plug_ins
 
 if TYPE_CHECKING:
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 def add_panel_actions(window: "MainWindow") -> None:
     """Add an entry to the menu *View* of the main window for each panel of a package, without loading it."""
-    for offer in plug_ins.offers(plug_ins.PANELS_GROUP):
-        action = QAction(literal(f"{offer.name.replace('_', ' ').capitalize()} panel"), window)
+    for offer in plug_ins.plug_in_entries(plug_ins.PANELS_GROUP):
+        action = QAction(escaped_mnemonics(f"{offer.name.replace('_', ' ').capitalize()} panel"), window)
         action.setToolTip(f"Added by {offer.package}")
         action.triggered.connect(lambda _=False, offer=offer: show_plug_in(window, offer))
         window.actions_by_id.menus["View"].addAction(action)
@@ -36,7 +36,7 @@ def show_plug_in(window: "MainWindow", offer: plug_ins.PlugInEntry) -> None:
         window.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, dock)
         window.tabifyDockWidget(window.docks["Inspector"], dock)
         window.docks[key] = dock
-        window.arrange(window.arranging)
+        window.set_dock_titles_shown(window.arranging)
     window.show_dock(key)
 
 

@@ -12,7 +12,7 @@ from studio.core.names import free_name
 from studio.core.stage.correction import PoseOffsets
 from studio.core.stage.local_pose import POSE_REGIONS, local_pose, turns_to
 from studio.document.correction_edits import correction_at, set_pose
-from studio.engine.performance import Posed, pose_of
+from studio.engine.performance import PosedPerformer, pose_of
 from studio.library.saved_poses import SavedPose, delete_pose, read_poses, rename_pose, write_pose
 from studio.panels.pose_list import PosePanel
 from studio.panels.thumbnails import pose_picture
@@ -94,7 +94,7 @@ class PoseLibrary:
         self.panel.show_poses(listed, problems, row)
         return row
 
-    def _shown(self) -> tuple[str, Posed]:
+    def _shown(self) -> tuple[str, PosedPerformer]:
         """Active performer's id and pose at the playhead."""
         document = self._bench.document
         key = document.active_performer_id or ""
@@ -110,6 +110,6 @@ class PoseLibrary:
             self._bench.say(str(error))
 
 
-def _hips_height(shown: Posed) -> float:
+def _hips_height(shown: PosedPerformer) -> float:
     """Height of the hips in leg lengths."""
     return float(shown.motion.positions[shown.row, 0, 2]) / shown.motion.body.leg_length

@@ -8,7 +8,7 @@ from studio.app.workbench import Workbench
 from studio.panels.pose_map import PoseGroup, PoseMapView
 
 if TYPE_CHECKING:
-    from studio.app.strike_search import Striking
+    from studio.app.strike_search import StrikeSearchController
     from studio.library.clusters import PoseMap
     from studio.library.library import Library, LibraryClip
 
@@ -16,16 +16,16 @@ GROUPS = 24
 HIP_JOINTS, KNEE_JOINT = (12, 16), 1
 
 
-class PoseMapping:
+class PoseMapController:
     """Controller of the pose map: draws the open library's poses in groups, and lists the clips of a chosen group."""
 
-    def __init__(self, striking: "Striking") -> None:
+    def __init__(self, striking: "StrikeSearchController") -> None:
         self._striking = striking
         self.view = PoseMapView()
         self._map: PoseMap | None = None
         self._library: Library | None = None
         self.view.opened.connect(striking.search)
-        self.view.group_highlighted.connect(self.look_at)
+        self.view.group_highlighted.connect(self.show_group)
         self.view.pose_chosen.connect(self.choose)
 
     def show(self, library: "Library") -> None:
@@ -47,7 +47,7 @@ class PoseMapping:
 
         self._striking.bench.runner.run("Drawing the map of the library", work, done)
 
-    def look_at(self, group: int) -> None:
+    def show_group(self, group: int) -> None:
         """Show the clip of a group's most typical pose as a ghost, from that pose on; none if ``group`` is negative."""
         if group < 0 or self._map is None or self._library is None:
             self._striking.show_ghost(None, 0)

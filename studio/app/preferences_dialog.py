@@ -20,7 +20,7 @@ from studio.app.preferences import (
 from studio.app.workbench import Workbench
 from studio.core.changed_records import with_fields
 from studio.document import colours
-from studio.panels.fields import Choice, NumberField, Section, labelled, room_on_screen
+from studio.panels.fields import Choice, NumberField, Section, room_on_screen, styled_label
 from studio.viewport.navigation import CAMERA_DRAGS, Navigation
 
 NUMBERS = (
@@ -69,14 +69,14 @@ class PreferencesDialog(QDialog):
         self.map.show_value(bench.preferences.key_map)
         self.map.value_chosen.connect(lambda key: self._change(key_map=key))
         keys.add_row("Keymap", self.map)
-        self.navigation = labelled("", "hint")
+        self.navigation = styled_label("", "hint")
         keys.add_row("Camera", self.navigation)
         self.table = QTableWidget(len(ACTIONS), 2)
         self.table.setAccessibleName("Keyboard shortcuts")
         self.table.setHorizontalHeaderLabels(("Action", "Shortcuts"))
         self.table.verticalHeader().hide()
         self.table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
-        self.words = labelled("", "hint")
+        self.words = styled_label("", "hint")
         column = QVBoxLayout(self)
         for widget in (section, onion, work, look, keys, self.table, self.words):
             column.addWidget(widget)

@@ -23,7 +23,7 @@ class ProblemTour(QObject):
     def go(self, step: int) -> None:
         """Go to the next problem (1) or the previous one (-1), as soon as the stage is measured."""
         self._step = step
-        if self._search.ask():
+        if self._search.request_summary():
             self._found()
 
     def show(self, row: SummaryRow, aspect: str) -> None:

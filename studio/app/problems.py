@@ -34,7 +34,7 @@ def start_log() -> None:
     )
 
 
-def sentence_of(error: BaseException) -> str:
+def error_sentence(error: BaseException) -> str:
     """Error as a sentence: a StudioError unchanged, an internal error by its kind with advice."""
     if isinstance(error, StudioError):
         return str(error)
@@ -63,7 +63,7 @@ class ProblemHooks(QObject):
             return
         if not isinstance(error, StudioError):
             _log.error("An exception reached the event loop", exc_info=(kind, error, trace))
-        self.message_posted.emit(sentence_of(error))
+        self.message_posted.emit(error_sentence(error))
 
     def _on_thread_error(self, failure: threading.ExceptHookArgs) -> None:
         if failure.exc_value is not None:

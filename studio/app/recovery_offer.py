@@ -5,40 +5,46 @@ from pathlib import Path
 
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
-from studio.document.recovery import Session, put_aside, put_damaged_aside, recoverable_sessions, tidy
+from studio.document.recovery import (
+    Session,
+    decline_session,
+    put_damaged_aside,
+    recoverable_sessions,
+    remove_useless_sessions,
+)
 
 
-def offer(bench: Workbench, folder: Path) -> None:
+def offer_recovery(bench: Workbench, folder: Path) -> None:
     """Offer the newest session that ended without being closed, if there is one; remove useless ones."""
     bench.journals = folder
     try:
         for sentence in put_damaged_aside(folder):
             bench.say(sentence)
         sessions = recoverable_sessions(folder)
-        tidy(folder)
+        remove_useless_sessions(folder)
     except OSError as error:
         bench.say(f"The recovery folder '{folder}' cannot be read: {error.strerror}.")
         return
     if sessions:
-        bench.window.recovery.offer(words_of(sessions[0]), lambda: _recover(bench, sessions[0]))
+        bench.window.recovery.offer(session_message(sessions[0]), lambda: _recover(bench, sessions[0]))
 
 
-def choose(bench: Workbench) -> None:
+def choose_recovery(bench: Workbench) -> None:
     """List all unsaved earlier work, newest first, declined sessions included."""
     sessions = recoverable_sessions(bench.journals, declined=True) if bench.journals else ()
     if not sessions:
         raise StudioError("There is no unsaved work of the last 30 days to recover.")
-    bench.window.choose("Recover unsaved work", [(line_of(each), _recovery(bench, each)) for each in sessions])
+    bench.window.choose("Recover unsaved work", [(session_title(each), _recovery(bench, each)) for each in sessions])
 
 
-def line_of(session: Session) -> tuple[str, str]:
+def session_title(session: Session) -> tuple[str, str]:
     """Name, and time with number of edits, of a session: ``walk.studio`` and ``4 May 14:32 · 12 edits``."""
     begun = session.begun.astimezone()
     return session.path.name if session.path else "Untitled", f"{begun.day} {begun:%b %H:%M} · {_edits(session)}"
 
 
 def _recovery(bench: Workbench, session: Session) -> Callable[[], object]:
-    return lambda: bench.window.when_saved(lambda: _recover(bench, session))
+    return lambda: bench.window.run_when_saved(lambda: _recover(bench, session))
 
 
 def _recover(bench: Workbench, session: Session) -> None:
@@ -46,10 +52,10 @@ def _recover(bench: Workbench, session: Session) -> None:
     try:
         bench.document.recover(session)
     except StudioError as error:
-        raise StudioError(put_aside(session, str(error))) from error
+        raise StudioError(decline_session(session, str(error))) from error
 
 
-def words_of(session: Session) -> str:
+def session_message(session: Session) -> str:
     """``Unsaved work on walk.studio from 14:32 was found: 12 edits.``"""
     name = f" on {session.path.name}" if session.path else ""
     return f"Unsaved work{name} from {session.begun.astimezone():%H:%M} was found: {_edits(session)}."

@@ -11,7 +11,7 @@ from studio.io.registry import Progress
 from studio.io.source_files import SourceFile, SourceMissing, digest_of, find_source
 
 
-def finder(bench: Workbench, capture_id: str) -> Callable[[Progress], SourceFile]:
+def source_finder(bench: Workbench, capture_id: str) -> Callable[[Progress], SourceFile]:
     """Job that finds the source file of a capture; it raises SourceMissing if there is none."""
     capture, known = bench.document.project.captures[capture_id], bench.sources.get(capture_id)
     folders = known_folders(bench)
@@ -50,11 +50,11 @@ def relink(bench: Workbench, capture_id: str) -> int:
             ask_source(bench, capture_id)
 
     def found(source: SourceFile) -> None:
-        link(bench, capture_id, source)
+        link_source(bench, capture_id, source)
         other = ("Choose another…", lambda: ask_source(bench, capture_id))
         bench.say(_words(bench, capture_id, source), ("Close", bench.clear_message), other)
 
-    task: int = bench.runner.run(f"Looking for {capture.source}", finder(bench, capture_id), found, missed)
+    task: int = bench.runner.run(f"Looking for {capture.source}", source_finder(bench, capture_id), found, missed)
     return task
 
 
@@ -72,7 +72,7 @@ def ask_source(bench: Workbench, capture_id: str, then: Callable[[], object] = l
 
     def chosen(path: Path) -> None:
         def linked(source: SourceFile) -> None:
-            link(bench, capture_id, source)
+            link_source(bench, capture_id, source)
             bench.say(_words(bench, capture_id, source))
             then()
 
@@ -81,7 +81,7 @@ def ask_source(bench: Workbench, capture_id: str, then: Callable[[], object] = l
     ask_file(bench, f"Source file of {capture.name}", motions("capture_reader"), chosen)
 
 
-def link(bench: Workbench, capture_id: str, source: SourceFile) -> None:
+def link_source(bench: Workbench, capture_id: str, source: SourceFile) -> None:
     """Make a file the source of a capture; another name or content is an undo step."""
     capture = bench.document.project.captures.get(capture_id)
     if capture is None:

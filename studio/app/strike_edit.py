@@ -59,7 +59,7 @@ def put_strike(bench: Workbench, wish: StrikeRequest, source: ReadMotion | str) 
     Raises StudioError, and changes nothing, if the body or target is missing.
     """
     from studio.library.clip_labels import Kind
-    from studio.library.striking import EASED_IN, aimed
+    from studio.library.striking import EASED_IN, aimed_constraint
 
     document, found, key = bench.document, wish.found, wish.performer_id
     project = document.project
@@ -89,10 +89,10 @@ def put_strike(bench: Workbench, wish: StrikeRequest, source: ReadMotion | str) 
         body = document.project.characters[performer.character_id].morphology
         target: Place = wish.target.follow
         if wish.frozen is not None:
-            space = space_of_last(document.project, key, {**motions, motion_id: found.clip.take.motion}, body)
+            space = space_of_last_frame(document.project, key, {**motions, motion_id: found.clip.take.motion}, body)
             x, y, z = space.to_motion(wish.frozen).tolist()
             target = (x, y, z)
-        document.add("constraints", aimed(found, clip, target, body), text)
+        document.add("constraints", aimed_constraint(found, clip, target, body), text)
     document.selection.set(("performers", key), ("clips", clip.id))
 
 
@@ -104,7 +104,7 @@ def _motions_of(bench: Workbench, performer_id: str) -> dict[str, "NormalizedMot
     return {clips[each.piece.origin[0]].motion_id: each.piece.motion for each in played}
 
 
-def space_of_last(
+def space_of_last_frame(
     project: Project, performer_id: str, motions: Mapping[str, "NormalizedMotion"], body: "Morphology"
 ) -> Placement:
     """Placement on the stage of the motion of a performer's last clip, joined to the clip before."""
@@ -113,7 +113,7 @@ def space_of_last(
     last = composite_of(project, performer_id, motions.__getitem__).played[-1].placement
     x, y = last.offset
     inner = Placement((body.leg_length * x, body.leg_length * y), last.turn)
-    return Placement.of(project.performers[performer_id]).around(inner)
+    return Placement.of(project.performers[performer_id]).compose(inner)
 
 
 def clips_until(performer: Performer, time: float, frame_rates: dict[str, float]) -> tuple[Clip, ...]:

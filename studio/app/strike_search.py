@@ -8,13 +8,13 @@ from PySide6.QtWidgets import QStackedWidget
 
 from studio.app.capture_import import read_motion
 from studio.app.file_dialogs import ask_folder
-from studio.app.labelling import Labelling
-from studio.app.pose_mapping import PoseMapping
+from studio.app.labelling import LabelController
+from studio.app.pose_mapping import PoseMapController
 from studio.app.strike_edit import StrikeRequest, put_strike
 from studio.app.strike_target import StrikeTarget, targets_of
 from studio.app.workbench import Workbench
 from studio.cli.arguments import library_folder
-from studio.core.captures.contacts import standing_at
+from studio.core.captures.contacts import points_on_ground
 from studio.core.errors import StudioError
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.placement import Placement
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from studio.library.striking import TriedStrike
 
 
-class Striking:
+class StrikeSearchController:
     """Connection of the panel, the library on disk and the document."""
 
     def __init__(self, bench: Workbench, folder: Path | None = None) -> None:
@@ -50,8 +50,8 @@ class Striking:
         limbs = [(limb, limb.words.capitalize()) for limb in Limb]
         kinds = [(kind, kind.capitalize()) for kind in Kind if kind is not Kind.NONE]
         self.panel = Strikes(limbs, kinds)
-        self.labelling = Labelling(self)
-        self.mapping = PoseMapping(self)
+        self.labelling = LabelController(self)
+        self.mapping = PoseMapController(self)
         self.pages = QStackedWidget()
         for page in (self.panel, self.labelling.form):
             self.pages.addWidget(page)
@@ -65,7 +65,7 @@ class Striking:
         self.panel.folder_requested.connect(lambda: ask_folder(bench, "Add to the motion library", self.add_folder))
         self.panel.search_requested.connect(self.search)
         self.panel.strike_chosen.connect(self.play)
-        self.panel.strike_highlighted.connect(self.look_at)
+        self.panel.strike_highlighted.connect(self.aim_at)
         bench.document.entity_changed.connect(self._entity_changed)
         bench.document.project_opened.connect(self._offer_targets)
         bench.live.adapted.connect(lambda _: self.search() if self._waits else None)
@@ -94,12 +94,12 @@ class Striking:
 
         def work(progress: Progress) -> "tuple[IndexReport | None, Library, str]":
             from studio.library.catalogue import Catalogue
-            from studio.library.indexing import index
+            from studio.library.indexing import index_folders
             from studio.library.library import Library
 
             with Catalogue(self.folder) as catalogue:
                 try:
-                    report = index(catalogue, [folder], progress)
+                    report = index_folders(catalogue, [folder], progress)
                 except CancelledError:
                     report = None
                 library = Library.of(catalogue)
@@ -123,12 +123,12 @@ class Striking:
 
         def work(progress: Progress) -> "tuple[Library, str]":
             from studio.library.catalogue import Catalogue
-            from studio.library.indexing import index, whole_library
+            from studio.library.indexing import index_folders, whole_library
 
             with Catalogue(self.folder) as catalogue:
                 is_new = not catalogue.paths() or catalogue.repaired
                 if is_new and not catalogue.read_only:  # it begins with the strikes that come with the studio
-                    index(catalogue, [bundled_strikes_folder()], progress)
+                    index_folders(catalogue, [bundled_strikes_folder()], progress)
                 library = whole_library(catalogue, progress)
                 return library, catalogue.remarks
 
@@ -144,7 +144,7 @@ class Striking:
         """Let a performer, by default the active one, play the listed strike from ``time`` on, by default the
         playhead's; errors are reported as a message.
         """
-        self.look_at(-1)
+        self.aim_at(-1)
         document = self.bench.document
         key = performer_id or document.active_performer_id
         if not 0 <= place < len(self.listed) or key is None or key not in document.project.performers:
@@ -169,7 +169,7 @@ class Striking:
 
     def _wish(self, clip: "LibraryClip", performer_id: str, time: float) -> StrikeRequest:
         """Request for a clip from the frame that fits the body then; StudioError if the body or target is missing."""
-        from studio.library.searching import find
+        from studio.library.searching import search_strikes
 
         project, target = self.bench.document.project, self.panel.target.value
         if not isinstance(target, StrikeTarget):
@@ -182,13 +182,13 @@ class Striking:
             raise StudioError(
                 f"{name} has no clip yet, or the target is hidden. Wait until both are solved, then try again."
             )
-        found = find(self.library, replace(asked, limbs=(), kinds=(), numbers=(clip.number,)), 1)
+        found = search_strikes(self.library, replace(asked, limbs=(), kinds=(), numbers=(clip.number,)), 1)
         if not found:
             raise StudioError("That clip is no longer in the library. Search again.")
         frozen = None if self.panel.follows else target.place(project, self.bench.live.result, time)
         return StrikeRequest(found[0], performer_id, time, target, frozen)
 
-    def look_at(self, place: int) -> None:
+    def aim_at(self, place: int) -> None:
         """Show the listed strike as a ghost; none if ``place`` is negative."""
         if 0 <= place < len(self.found) and self._sought is not None:
             asked, where = self._sought
@@ -211,31 +211,31 @@ class Striking:
             if self.bench.has_viewport:
                 self.bench.viewport.preview.show(None)
             return
-        from studio.library.searching import laid_on
+        from studio.library.searching import result_at_frame
 
         where = Placement.of(document.project.performers[key])
-        self._show_ghost(laid_on(clip, frame, asked), asked, where)
+        self._show_ghost(result_at_frame(clip, frame, asked), asked, where)
 
     def _show_ghost(self, found: "Result", asked: "StrikeQuery", where: Placement) -> None:
         if not self.bench.has_viewport:  # the window has no 3D view
             return
         from studio.core.body.sticks import bone_pairs
-        from studio.library.searching import outline
+        from studio.library.searching import strike_path
 
-        points = where.to_stage(outline(found, asked))
+        points = where.to_stage(strike_path(found, asked))
         self.bench.viewport.preview.show(points, bone_pairs(asked.body.layout))
 
     def search_in(self, library: "Library") -> None:
         """Search strikes in a library, and show the results."""
-        from studio.library.searching import find
-        from studio.library.striking import tried
+        from studio.library.searching import search_strikes
+        from studio.library.striking import tried_strikes
 
         self.library = library
         if self.mapping.view.isVisible():
             self.mapping.show(library)
         active, now = self.bench.document.active_performer_id, self.bench.document.playhead.time
         asked = None if active is None else self._strike_query(active, now)
-        self.found = [] if asked is None else tried(find(library, asked), asked)
+        self.found = [] if asked is None else tried_strikes(search_strikes(library, asked), asked)
         if asked is not None and active is not None:
             self._sought = asked, Placement.of(self.bench.document.project.performers[active])
         hint = self._unasked(active or "") if asked is None else READY if self.found else NO_MATCH_HINT
@@ -271,7 +271,7 @@ class Striking:
 
     def _posed(self, performer_id: str, time: float) -> "StrikeQuery | None":
         """Query of a body at ``time``, without a target; None without a motion, or if nothing can be solved."""
-        from studio.core.normalized.encode import encode
+        from studio.core.normalized.encode import encode_motion
         from studio.core.normalized.pieces import MotionPiece
         from studio.library.searching import StrikeQuery
 
@@ -281,9 +281,9 @@ class Striking:
             return None
         row = row_at(adapted, timing_of(project, performer), time)
         rows = slice(row, row + 1)
-        pose = encode(adapted.positions[rows], adapted.rotations[rows], adapted.morphology, adapted.frame_rate)
+        pose = encode_motion(adapted.positions[rows], adapted.rotations[rows], adapted.morphology, adapted.frame_rate)
         frame = adapted.first_frame + row
-        stands = standing_at(adapted.contacts, frame)
+        stands = points_on_ground(adapted.contacts, frame)
         whole = adapted.composite
         playing = None if whole is None else MotionPiece(whole.motion, whole.contacts, 0, frame)
         return StrikeQuery(pose, adapted.morphology, (0.0, 0.0, 0.0), contacts=stands, playing=playing)

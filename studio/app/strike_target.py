@@ -30,7 +30,7 @@ class StrikeTarget:
 
     @property
     def follow(self) -> Follow:
-        """Target of a constraint that follows it."""
+        """Target value of a constraint that follows this prop or performer."""
         return FollowProp(self.id) if self.collection == "props" else FollowPerformer(self.id, FACE)
 
     def place(self, project: Project, result_of: Results, time: float) -> FloatArray | None:

@@ -10,7 +10,7 @@ from studio.cli.import_arguments import import_options
 from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import QUALITY_TITLES, print_json, print_table
 from studio.core.errors import StudioError
-from studio.core.names import counted
+from studio.core.names import counted_noun
 from studio.core.plausible import PLACE_RANGE
 from studio.core.stage.placement import Placement
 from studio.io.json_text import JsonObject, write_json
@@ -80,7 +80,7 @@ def places_of(said: Sequence[Sequence[str]]) -> dict[str, Placement]:
 
 def print_report(report: JsonObject) -> None:
     """Print the report as tables: one line for each character, and one for each constraint and character."""
-    print(f"{report['source']}: {counted(report['frames'], 'frame')} at {report['frame_rate']:g} fps\n")
+    print(f"{report['source']}: {counted_noun(report['frames'], 'frame')} at {report['frame_rate']:g} fps\n")
     titles = ("character", *QUALITY_TITLES.values(), "us/frame")
     keys = (*QUALITY_TITLES, "microseconds_per_frame")
     rows = [[record["name"], *(f"{record[key]:.2f}" for key in keys)] for record in report["characters"]]

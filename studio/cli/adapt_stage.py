@@ -10,9 +10,9 @@ from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import QUALITY_TITLES, print_json, print_table
 from studio.core.errors import StudioError
 from studio.core.names import safe_name
-from studio.core.solver.adapt import grounded
+from studio.core.solver.adapt import grounded_motion
 from studio.core.solver.performers.performing import Performance
-from studio.core.solver.source import played_on
+from studio.core.solver.source import motion_on_body
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project
 from studio.io.export import write_take
@@ -20,10 +20,10 @@ from studio.io.json_text import JsonObject, write_json
 from studio.io.registry import known_formats
 from studio.io.staged_export import take_of_performer
 from studio.io.takes.exported_stage import exported_stage, write_stage
-from studio.jobs.adapt_report import figures, place_record
+from studio.jobs.adapt_report import place_record, quality_record
 from studio.jobs.adaptation import make_folder
 from studio.jobs.bundled_scenes import open_project
-from studio.jobs.performances import performances
+from studio.jobs.performances import stage_performances
 from studio.startup.kernel_warm_up import compile_first
 
 OF_CAPTURES = ("capture", "character", "constraints", "ground", "place")
@@ -52,7 +52,7 @@ def run_stage(arguments: Namespace) -> int:
     written = arguments.out / "report.json"
     refuse_replacing([*paths.values(), written], arguments.stage, arguments.overwrite)
     compile_first()
-    made = performances(project)
+    made = stage_performances(project)
     make_folder(arguments.out)
     if arguments.one_file:
         path = next(iter(paths.values()))
@@ -110,7 +110,7 @@ def _free(stem: str, taken: Iterable[str], suffix: str) -> str:
 def performer_record(project: Project, key: str, performance: Performance, path: Path, *, by_frame: bool) -> JsonObject:
     """Part of the report about a performer."""
     request, composite = performance.request, performance.composite
-    source = played_on(composite.motion, request.actor or request.morphology.still)
+    source = motion_on_body(composite.motion, request.actor or request.morphology.first_frame_body)
     performer = project.performers[key]
     return {
         "name": performer.name,
@@ -119,8 +119,8 @@ def performer_record(project: Project, key: str, performance: Performance, path:
         "clips": [project.motions[clip.motion_id].name for clip in performer.clips],
         "begin": composite.timing.start,
         "frame_rate": composite.timing.frame_rate,
-        "sweeps": performance.sweeps,
-        **figures(grounded(request), request, performance.played, source, by_frame),
+        "sweeps": performance.iterations,
+        **quality_record(grounded_motion(request), request, performance.played, source, by_frame),
     }
 
 

@@ -8,7 +8,7 @@ from argparse import Namespace
 from studio.cli.adapt import adapt_settings
 from studio.cli.printing import print_json
 from studio.core.errors import Stopped
-from studio.core.names import counted
+from studio.core.names import counted_noun
 from studio.jobs.batch import BatchResult, BatchSettings, FileDone, run_batch
 from studio.jobs.batch_summary import rows_of
 from studio.startup.kernel_warm_up import compile_first
@@ -37,7 +37,7 @@ def run(arguments: Namespace) -> int:
         compile_first()
         result = run_batch(settings, tell)
     except KeyboardInterrupt:
-        done = f"{last.number} of {counted(last.count, 'file')}" if last.count else "no file"
+        done = f"{last.number} of {counted_noun(last.count, 'file')}" if last.count else "no file"
         raise Stopped(f"Stopped after {done}; run the same command to continue.") from None
     _print_result(result, arguments.json)
     return 1 if result.failed else 0

@@ -12,8 +12,8 @@ from studio.core.body.kinematics import joint_world
 from studio.core.errors import StudioError
 from studio.core.mesh.character import Character
 from studio.core.mesh.skin import skin_vertices
-from studio.core.normalized.normalize import normalize
-from studio.core.normalized.realize import realize
+from studio.core.normalized.normalize import normalize_capture
+from studio.core.normalized.realize import realize_motion
 from studio.core.rigs.character_skeleton import character_poses, character_skeleton
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
@@ -68,7 +68,7 @@ def frame_cases(ready: ReadyCapture, character: Character) -> list[Case]:
     skeleton, poses = character_skeleton(body), character_poses(adapt(standing))
     return [
         Case(BenchJob("forward kinematics alone", lambda: joint_world(skeleton, poses), count)),
-        Case(BenchJob("retarget a posture", lambda: realize(motion, body), count), 21.0, 0.5),
+        Case(BenchJob("retarget a posture", lambda: realize_motion(motion, body), count), 21.0, 0.5),
         Case(BenchJob("retarget, feet held on the ground", lambda: adapt(standing), count)),
         *(
             Case(BenchJob(task.name, lambda task=task: adapt(task.request), count), task.paper, task.aim)  # type: ignore[misc]
@@ -85,7 +85,7 @@ def file_cases(path: Path, ready: ReadyCapture, character: Character) -> list[Ca
     return [
         Case(BenchJob("skin of one character", lambda: skin_vertices(character.skin, character.build, body, *pose))),
         Case(BenchJob(f"import of {path.name}", lambda: load_capture(path))),
-        Case(BenchJob(f"normalise {path.name}", lambda: normalize(ready.capture))),
+        Case(BenchJob(f"normalise {path.name}", lambda: normalize_capture(ready.capture))),
     ]
 
 

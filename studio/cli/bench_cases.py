@@ -21,7 +21,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import normalized
-from studio.core.solver.adapt import hold
+from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import Standing, stand
@@ -84,7 +84,7 @@ def make_tasks(motion: NormalizedMotion, contacts: tuple[ContactInterval, ...], 
     held = replace(bare, contacts=contacts)
     balance = BalanceConstraint(ADAPTED_MOTION_ID, "Balance", BodyPoint(BodyPart.PELVIS), ROOT_CHAIN, 0, WHOLE_CASE)
     reachable, strict = wrist(right, "near", LIMB), wrist(right, "near", WITH_TRUNK)
-    elbow, aside = elbow_aside(hold(standing, (strict,), tracks=bare.tracks), right)
+    elbow, aside = elbow_aside(solve_constraints(standing, (strict,), tracks=bare.tracks), right)
     return (
         Task("+ one reachable limb", replace(bare, constraints=(reachable,)), 34.0, 2.0),
         Task("the same, feet held", replace(held, constraints=(reachable,)), 34.0),
@@ -132,14 +132,14 @@ def wrist(side: int, target: str, chain: Chain, priority: int = 0) -> PositionCo
 
 def before_shoulder(standing: Standing, side: int, reach: float) -> FloatArray:
     """Positions (F, 3) ``reach`` arm lengths before, and a little outside and below, a shoulder."""
-    length = float(standing.morphology.still.arm[side].sum())
+    length = float(standing.morphology.first_frame_body.arm[side].sum())
     return np.asarray(_shoulder(standing, side) + reach * length * _directions(standing, side))
 
 
 def beyond_arm(standing: Standing, side: int) -> FloatArray:
     """Positions (F, 3) that the arm alone misses by ``TARGET_BEYOND_REACH``, as it is solved."""
     far = before_shoulder(standing, side, FAR_TARGET)
-    missed = hold(standing, (wrist(side, "far", LIMB),), tracks={_follow("far"): _track(far)}).residuals[0]
+    missed = solve_constraints(standing, (wrist(side, "far", LIMB),), tracks={_follow("far"): _track(far)}).residuals[0]
     return np.asarray(far - (missed - TARGET_BEYOND_REACH)[:, None] * _directions(standing, side))
 
 
@@ -148,7 +148,7 @@ def elbow_aside(solved: AdaptedMotion, side: int) -> tuple[PositionConstraint, T
     shoulder-wrist.
     """
     layout = solved.morphology.layout
-    shoulder, elbow, end = (solved.positions[:, layout.collar(side) + k] for k in (1, 2, 3))
+    shoulder, elbow, end = (solved.positions[:, layout.collar_point(side) + k] for k in (1, 2, 3))
     axis = normalized(end - shoulder)
     out = elbow - shoulder
     out = normalized(out - np.sum(out * axis, axis=1, keepdims=True) * axis)
@@ -156,7 +156,7 @@ def elbow_aside(solved: AdaptedMotion, side: int) -> tuple[PositionConstraint, T
 
 
 def _shoulder(standing: Standing, side: int) -> FloatArray:
-    return standing.positions[:, standing.morphology.layout.collar(side) + 1]
+    return standing.positions[:, standing.morphology.layout.collar_point(side) + 1]
 
 
 def _directions(standing: Standing, side: int) -> FloatArray:

@@ -12,13 +12,13 @@ from studio.cli.import_arguments import import_options
 from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import print_json
 from studio.core.captures.capture import Guess
-from studio.core.names import counted
+from studio.core.names import counted_noun
 from studio.io.export import Take, format_for, take_of_capture, take_of_standing, write_take
 from studio.io.importing import ImportOptions, known_of_motion, load_character, read_capture, read_file
 from studio.io.project.character_file import actor_character
 from studio.io.registry import ReadCharacter, format_of, known_formats
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, cleaning_records, ready_read
-from studio.startup.kernel_warm_up import tell_what_reading_waits_for
+from studio.startup.kernel_warm_up import print_wait_reason
 
 
 def run(arguments: Namespace) -> int:
@@ -53,7 +53,8 @@ def run(arguments: Namespace) -> int:
         )
         return 0
     print(
-        f"{arguments.target}: {written.name}, {counted(capture.frame_count, 'frame')} of {counted(joints, 'joint')}",
+        f"{arguments.target}: {written.name}, {counted_noun(capture.frame_count, 'frame')}"
+        f" of {counted_noun(joints, 'joint')}",
         end=" ",
     )
     print(f"at {capture.frame_rate:g} fps.")
@@ -77,7 +78,7 @@ def _take_of(source: Path, options: ImportOptions) -> Take:
         still = load_character(source, options)
         standing = take_of_standing(still.character)
         return replace(standing, capture=replace(standing.capture, guesses=still.guesses, repairs=still.repairs))
-    tell_what_reading_waits_for()
+    print_wait_reason()
     read = read_capture(source, options)
     return take_of_capture(read.capture, known_of_motion(read.capture, read.annotations, ADAPTED_MOTION_ID))
 
@@ -116,7 +117,7 @@ def _convert_character(arguments: Namespace) -> int:
 
 
 def _character_of(source: Path, options: ImportOptions) -> ReadCharacter:
-    tell_what_reading_waits_for()
+    print_wait_reason()
     read = read_file(source, options)
     if isinstance(read, ReadCharacter):
         return read

@@ -3,9 +3,9 @@
 from argparse import Namespace
 
 from studio.cli.printing import print_json, print_table
-from studio.core.names import counted
+from studio.core.names import counted_noun
 from studio.library.catalogue import Catalogue
-from studio.library.indexing import index, whole_library
+from studio.library.indexing import index_folders, whole_library
 from studio.library.library import LibraryClip
 from studio.resources_folder import bundled_strikes_folder
 from studio.startup.progress import progress_line
@@ -15,7 +15,7 @@ def run(arguments: Namespace) -> int:
     """Index, then list the content of the library; returns 1 if a file or folder could not be used."""
     with Catalogue(arguments.library) as catalogue:
         folders = [*arguments.folders, *([bundled_strikes_folder()] if arguments.bundled else [])]
-        report = index(catalogue, folders, progress_line())
+        report = index_folders(catalogue, folders, progress_line())
         library = whole_library(catalogue, progress_line())
         problems = {"catalogue": catalogue.remarks} if catalogue.remarks else {}
     problems |= report.problems
@@ -30,8 +30,8 @@ def run(arguments: Namespace) -> int:
             for clip in library.clips
         ]
         print_table(("clip", "take", "limb", "kind", "segment", "first", "last", "hit", "confirmed"), rows)
-        found = f"{counted(len(library.clips), 'clip')} of {counted(len(library.actors), 'actor')}"
-        print(f"\n{found}; {counted(report.read, 'file')} indexed now.")
+        found = f"{counted_noun(len(library.clips), 'clip')} of {counted_noun(len(library.actors), 'actor')}"
+        print(f"\n{found}; {counted_noun(report.read, 'file')} indexed now.")
         for name, problem in problems.items():
             print(f"{name}: {problem}")
     return 1 if report.problems else 0

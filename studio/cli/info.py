@@ -12,12 +12,12 @@ import numpy as np
 from studio.cli.import_arguments import import_options
 from studio.cli.printing import print_json
 from studio.core.captures.capture import Capture, Guess
-from studio.core.captures.remarks import remarks_on, remarks_on_body
+from studio.core.captures.remarks import body_remarks, remarks_on
 from studio.core.errors import StudioError
 from studio.core.markers.take import MarkerTake, centre_errors
-from studio.core.names import counted
+from studio.core.names import counted_noun
 from studio.core.normalized.drift import floor_drift
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.normalized.round_trip import round_trip
 from studio.core.rigs.character_skeleton import character_body_map, character_skeleton
 from studio.core.stage.project import COLLECTIONS
@@ -26,7 +26,7 @@ from studio.io.json_text import JsonObject
 from studio.io.project.project_file import read_project
 from studio.io.registry import ReadCapture, ReadCharacter
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, cleaning_records, spans_by_foot
-from studio.startup.kernel_warm_up import tell_what_reading_waits_for
+from studio.startup.kernel_warm_up import print_wait_reason
 
 _NOTHING: JsonObject = {
     "ok": True,
@@ -70,7 +70,7 @@ def described(path: Path, options: ImportOptions) -> JsonObject:
 
 
 def _foreign(path: Path, options: ImportOptions) -> JsonObject:
-    tell_what_reading_waits_for()
+    print_wait_reason()
     read = read_file(path, options)
     return _character(read) if isinstance(read, ReadCharacter) else _capture(read)
 
@@ -124,7 +124,7 @@ def _sentences(guesses: Iterable[Guess]) -> list[str]:
 def _round_trip(capture: Capture) -> JsonObject | None:
     if capture.body_map is None:
         return None
-    error = round_trip(capture, *normalize(capture))
+    error = round_trip(capture, *normalize_capture(capture))
     return {"position_mm": 1000.0 * error.position, "rotation_deg": degrees(error.rotation)}
 
 
@@ -140,7 +140,7 @@ def _character(read: ReadCharacter) -> JsonObject:
         "body_map": dict(read.joints) or character_body_map(character.morphology.layout).to_json(skeleton),
         "assumptions": _sentences(read.guesses),
         "repairs": list(read.repairs),
-        "remarks": [remark.sentence for remark in remarks_on_body(character.build)],
+        "remarks": [remark.sentence for remark in body_remarks(character.build)],
         "name": character.name,
         "stature": character.morphology.stature,
         "vertices": len(character.skin.vertices),
@@ -200,11 +200,14 @@ def _words(record: JsonObject, key: str) -> str:
         case "contacts":
             return ", ".join(f"{len(spans)} {_label(foot)}" for foot, spans in value.items())
         case "contents":
-            return ", ".join(counted(count, name.removesuffix("s")) for name, count in value.items() if count)
+            return ", ".join(counted_noun(count, name.removesuffix("s")) for name, count in value.items() if count)
         case "markers":
-            counts = [f"{counted(value['markers'], 'marker')} of {counted(value['points'], 'point')}"]
-            counts += [counted(value["signals"], "signal"), counted(len(value["force_plates"]), "force plate")]
-            counts += [counted(len(value["events"]), "event")]
+            counts = [f"{counted_noun(value['markers'], 'marker')} of {counted_noun(value['points'], 'point')}"]
+            counts += [
+                counted_noun(value["signals"], "signal"),
+                counted_noun(len(value["force_plates"]), "force plate"),
+            ]
+            counts += [counted_noun(len(value["events"]), "event")]
             worst = max(value["joint_centres_mm"].values(), default=None)
             near = [] if worst is None else [f"joint centres within {worst:.4f} mm of those stored"]
             return ", ".join(counts + near)

@@ -62,7 +62,10 @@ def run(arguments: Namespace) -> int:
     print(report.words)
     if arguments.head:
         counts = inbox.counts
-        print(f"{counts.taken} packets received, {counts.bad} invalid, {counts.strangers} from unknown senders")
+        print(
+            f"{counts.taken} packets received, {counts.malformed} invalid,"
+            f" {counts.unknown_senders} from unknown senders"
+        )
     return STOPPED if report.stopped else 0
 
 
@@ -98,7 +101,7 @@ def target_of(arguments: Namespace, inbox: Inbox, stature: float, stack: ExitSta
 
     def target_at(now: float) -> FloatArray:
         while packets is not None and waiting[0] is not None and waiting[0][0] <= now:
-            inbox.feed(waiting[0][1])
+            inbox.receive(waiting[0][1])
             waiting[0] = next(packets, None)
         place = inbox.place(arguments.head)
         last[0] = last[0] if place is None else place

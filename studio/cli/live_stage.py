@@ -12,12 +12,12 @@ from studio.cli.printing import STOPPED, print_json, print_table
 from studio.core.constraints.base import Constraint
 from studio.core.curves.activation import FULLY_ACTIVE
 from studio.core.errors import StudioError
-from studio.core.names import counted
+from studio.core.names import counted_noun
 from studio.core.stage.project import Project
 from studio.io.json_text import JsonObject
 from studio.jobs.adapt_report import REACHED_DEG, REACHED_MM, residual_record
 from studio.jobs.bundled_scenes import open_project
-from studio.jobs.performances import prepared
+from studio.jobs.performances import prepared_capture
 from studio.live.playing_stage import LiveStage
 from studio.startup.kernel_warm_up import compile_first
 
@@ -91,7 +91,7 @@ def played(project: Project, seconds: float, presses: Iterable[tuple[float, str]
 
     Ctrl-C ends it early, with the report of the steps until then.
     """
-    stage, waiting = LiveStage(project, prepared), list(presses)
+    stage, waiting = LiveStage(project, prepared_capture), list(presses)
     parts = {key: PerformerTally(each.name) for key, each in project.performers.items() if each.visible and each.clips}
     if not parts:
         raise StudioError("No visible character has a clip: there is nothing to play live.")
@@ -133,7 +133,7 @@ def _note(stage: LiveStage, parts: dict[str, PerformerTally]) -> None:
         if key in stage.running:
             state = stage.running[key].state
             part.states[state] = part.states.get(state, 0) + 1
-        for (name, constraint, share), miss in zip(stage.asked(key), result.residuals[:, 0], strict=True):
+        for (name, constraint, share), miss in zip(stage.active_constraints(key), result.residuals[:, 0], strict=True):
             if name and share >= FULLY_ACTIVE and np.isfinite(miss):
                 part.held.setdefault(name, ConstraintTally(constraint)).add(float(miss))
 
@@ -141,7 +141,7 @@ def _note(stage: LiveStage, parts: dict[str, PerformerTally]) -> None:
 def print_report(report: JsonObject) -> None:
     """Print the speed, one line for each performer and each constraint, and the failures."""
     print(
-        f"{counted(report['steps'], 'step')}, {report['steps_a_second']:.0f} per second of CPU time, slowest"
+        f"{counted_noun(report['steps'], 'step')}, {report['steps_a_second']:.0f} per second of CPU time, slowest"
         f" {report['slowest_step_ms']:.1f} ms\n"
     )
     performers = report["performers"]

@@ -81,7 +81,7 @@ def _discard_output() -> None:
 def _run(given: Sequence[str]) -> int:
     prepare_process()
     plug_ins.load_registered()
-    added = {offer.name: offer for offer in plug_ins.offers(plug_ins.VERBS_GROUP) if offer.name not in VERBS}
+    added = {offer.name: offer for offer in plug_ins.plug_in_entries(plug_ins.VERBS_GROUP) if offer.name not in VERBS}
     verb = next((word for word in given if word in VERBS or word in added), None)
     files = [word for word in given if word.lower().endswith(opened())] if verb is None else []
     try:

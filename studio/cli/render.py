@@ -12,7 +12,7 @@ from studio.cli.import_arguments import import_options
 from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import print_json
 from studio.core.errors import StudioError
-from studio.core.names import counted
+from studio.core.names import counted_noun
 from studio.core.stage.project import Project
 from studio.core.stage.saved_camera import CameraPlacement
 from studio.core.stage.staging import staged
@@ -20,7 +20,7 @@ from studio.io.media.film import write_moving
 from studio.io.png import write_png
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, chosen_characters, make_folder, ready_capture
 from studio.jobs.bundled_scenes import is_project, open_project
-from studio.jobs.performances import performances, stage_duration
+from studio.jobs.performances import stage_duration, stage_performances
 from studio.startup.kernel_warm_up import compile_first
 from studio.startup.process import check_libraries
 from studio.startup.progress import Progress, progress_line
@@ -42,7 +42,7 @@ def run(arguments: Namespace) -> int:
     compile_first()
     project = staged_project(arguments)
     placement = placement_of(project, arguments)
-    made = performances(project)
+    made = stage_performances(project)
     results = {key: each.adapted for key, each in made.performances.items()}
     failed = [f"{project.performers[key].name}: {reason}" for key, reason in made.failures.items()]
     if failed and not results:
@@ -113,7 +113,7 @@ def _say(arguments: Namespace, frames: int, characters: int, failed: Sequence[st
         print_json({**record, "frames": frames, "characters": characters, "failed": failed})
     else:
         size = f"{arguments.size[0]}x{arguments.size[1]}"
-        print(f"{arguments.out}: {counted(frames, 'image')} of {size}, {counted(characters, 'character')}.")
+        print(f"{arguments.out}: {counted_noun(frames, 'image')} of {size}, {counted_noun(characters, 'character')}.")
         for sentence in failed:
             print(f"Not adapted: {sentence}")
     return 0

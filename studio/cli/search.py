@@ -10,12 +10,12 @@ from studio.cli.printing import print_json, print_table
 from studio.core.errors import StudioError
 from studio.io.importing import GUESS_ALL
 from studio.jobs.adaptation import chosen_characters, ready_capture
-from studio.library.searching import Result, StrikeQuery, find, place_before
+from studio.library.searching import Result, StrikeQuery, place_before, search_strikes
 
 
 def run(arguments: Namespace) -> int:
     """Search and print the results."""
-    found = find(library_with_clips(arguments), asked_by(arguments), arguments.count)
+    found = search_strikes(library_with_clips(arguments), asked_by(arguments), arguments.count)
     if arguments.json:
         print_json({"ok": True, "results": [result_record(each) for each in found]})
         return 0

@@ -20,7 +20,7 @@ def safe_name(name: str) -> str:
     return re.sub(r'[\\/:*?"<>|]', "_", name)
 
 
-def readable(text: str) -> str:
+def readable_name(text: str) -> str:
     """``text`` with the replacement character in place of bytes of file names that are not UTF-8."""
     return text.encode(errors="surrogateescape").decode(errors="replace")
 
@@ -30,6 +30,6 @@ def tags_in(text: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(word.strip() for word in text.split(",") if word.strip()))
 
 
-def counted(number: int, thing: str, things: str = "") -> str:
+def counted_noun(number: int, thing: str, things: str = "") -> str:
     """Number and noun, such as ``1 character``, ``3 characters``; ``things`` is the plural, by default with an s."""
     return f"{number} {thing if number == 1 else things or f'{thing}s'}"

@@ -25,8 +25,8 @@ BYTES_A_FRAME = 4 * at.POSE_WIDTH + (4 * at.POSE_WIDTH + 8 * (1 + 4 + 3 + 1)) //
 
 def searched_points(layout: BodyLayout) -> IntArray:
     """(20,) canonical points by which poses are compared."""
-    arms = [layout.collar(side) + k for side in (0, 1) for k in (1, 2, 3, 4)]
-    legs = [layout.hip(side) + k for side in (0, 1) for k in (0, 1, 2, 3)]
+    arms = [layout.collar_point(side) + k for side in (0, 1) for k in (1, 2, 3, 4)]
+    legs = [layout.hip_point(side) + k for side in (0, 1) for k in (0, 1, 2, 3)]
     return np.array([0, layout.neck_base, layout.head_joint, layout.head_end, *arms, *legs])
 
 
@@ -109,9 +109,9 @@ class SearchTable:
         return np.asarray(np.cumsum(self.frame_counts) - self.frame_counts, dtype=np.int64)
 
     @cached_property
-    def blocks(self) -> "Blocks":
+    def blocks(self) -> "FrameBlocks":
         """Blocks of frames, with bounds of their cost, that are searched before single frames."""
-        return Blocks.of(self)
+        return FrameBlocks.of(self)
 
     @cached_property
     def searched(self) -> at.FrameTable:
@@ -123,7 +123,7 @@ class SearchTable:
 
 
 @dataclass(frozen=True, eq=False)
-class Blocks:
+class FrameBlocks:
     """Blocks of frames of one clip: ``spans`` (B, 3) clip, first row and count, and the bounds of their frames' cost.
 
     ``middles`` (B, 64), ``radii`` (B,) metres from there to the farthest frame; ``rings`` (B, 4) least and greatest
@@ -136,7 +136,7 @@ class Blocks:
     rings: FloatArray
 
     @classmethod
-    def of(cls, table: SearchTable) -> "Blocks":
+    def of(cls, table: SearchTable) -> "FrameBlocks":
         """Blocks of a table, with bounds from the middle frame of each."""
         counts, begins = table.frame_counts, table.first_rows
         spans = np.array(
@@ -149,12 +149,12 @@ class Blocks:
         ).reshape(-1, 3)
         middles = np.ascontiguousarray(table.rows[spans[:, 1] + spans[:, 2] // 2])
         radii, rings = np.empty(len(spans)), np.empty((len(spans), 4))
-        at.judge_blocks(spans, table.rows, table.paths, table.clips, middles, radii, rings)
+        at.write_block_bounds(spans, table.rows, table.paths, table.clips, middles, radii, rings)
         return cls(spans, middles, radii, rings)
 
 
 @dataclass(frozen=True, eq=False)
-class Query:
+class PoseQuery:
     """Query of a search: ``poses`` (A, 64), the performer's pose on every actor, and ``targets`` (A, 4, 3), the target
     of each limb of each actor, in metres about the middle of that pose, heights above the ground.
     """
@@ -182,7 +182,7 @@ class SearchMatch:
     turn: float
 
 
-def search(table: SearchTable, query: Query, count: int = 8, allowed: ArrayLike | None = None) -> list[SearchMatch]:
+def search(table: SearchTable, query: PoseQuery, count: int = 8, allowed: ArrayLike | None = None) -> list[SearchMatch]:
     """Best frame of each of the ``count`` clips with the least cost, the best first; ``allowed`` (C,) excludes clips.
 
     The result equals that of trying every frame, apart from ties.
@@ -192,7 +192,7 @@ def search(table: SearchTable, query: Query, count: int = 8, allowed: ArrayLike 
     asked = at.SearchQuery(query.poses, query.targets, float(query.posture_weight), float(query.reach_weight))
     if not len(bounds) or count < 1:
         return []
-    at.bound_blocks(table.searched, among, asked, bounds)
+    at.write_block_cost_bounds(table.searched, among, asked, bounds)
     begin = min(2 * count, len(bounds))
     first = np.argpartition(bounds, begin - 1)[:begin]
     found = at.SearchHits(np.empty((count, 4)), np.empty((count, 3), dtype=np.int64))

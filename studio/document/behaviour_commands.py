@@ -65,7 +65,7 @@ def edit_behaviour(
     document.replace("behaviours", behaviour_id, new, text, gesture)
 
 
-def let_play(document: EditedProject, performer_id: str, behaviour_id: str | None, partner_id: str = "") -> None:
+def set_cast(document: EditedProject, performer_id: str, behaviour_id: str | None, partner_id: str = "") -> None:
     """Let a performer play a behaviour against a partner, in place of any other one; with None it plays its clips."""
     name = document.project.performers[performer_id].name
     chosen = document.project.behaviours[behaviour_id].name if behaviour_id else "own clips"
@@ -73,9 +73,9 @@ def let_play(document: EditedProject, performer_id: str, behaviour_id: str | Non
     with document.group(text):
         for key, behaviour in document.project.behaviours.items():
             if key == behaviour_id:
-                edit_behaviour(document, key, lambda old: edits.played_by(old, performer_id, partner_id), text)
+                edit_behaviour(document, key, lambda old: edits.with_performer(old, performer_id, partner_id), text)
             elif behaviour.role_of(performer_id):
-                edit_behaviour(document, key, lambda old: edits.not_played_by(old, performer_id), text)
+                edit_behaviour(document, key, lambda old: edits.without_performer(old, performer_id), text)
 
 
 def add_behaviour(document: EditedProject, performer_id: str, behaviour: Behaviour, partner_id: str = "") -> str:
@@ -85,11 +85,11 @@ def add_behaviour(document: EditedProject, performer_id: str, behaviour: Behavio
     )
     with document.group(f"Add behaviour {named.name}"):
         behaviour_id = document.add("behaviours", named, "Add behaviour")
-        let_play(document, performer_id, behaviour_id, partner_id)
+        set_cast(document, performer_id, behaviour_id, partner_id)
     return behaviour_id
 
 
-def make_own(document: EditedProject, performer_id: str, behaviour_id: str) -> str:
+def detach_behaviour(document: EditedProject, performer_id: str, behaviour_id: str) -> str:
     """Give a performer its own copy of a shared behaviour, and return the copy's id."""
     project = document.project
     behaviour = project.behaviours[behaviour_id]

@@ -9,7 +9,7 @@ from studio.core.curves.retiming import Speed
 from studio.core.errors import StudioError
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
-from studio.core.stage.clip_row import ClipEdit, edited, players_of, split, with_row
+from studio.core.stage.clip_row import ClipEdit, clip_halves, players_of, with_clip_edited, with_row
 from studio.core.stage.layer import Layer
 from studio.core.stage.project import Project, new_id, new_ids
 from studio.document.edited_project import EditedProject
@@ -24,7 +24,7 @@ def edit_clip(document: EditedProject, clip_id: str, edit: ClipEdit, text: str, 
     with document.group(text, gesture):
         for key, performer in players_of(document.project, clip_id).items():
             try:
-                document.replace("performers", key, edited(performer, clip_id, edit), text)
+                document.replace("performers", key, with_clip_edited(performer, clip_id, edit), text)
             except ValueError as error:
                 raise StudioError(str(error)) from error
 
@@ -53,12 +53,12 @@ def remove_clips(document: EditedProject, clip_ids: Iterable[str], text: str) ->
 
 
 def split_clip(document: EditedProject, clip_id: str, time: float) -> str:
-    """Split a clip at a time of the stage, and return the id of the last part. Raises StudioError as ``split``."""
+    """Split a clip at a time of the stage, and return the id of the last part. Raises as ``clip_halves``."""
     clip = document.project.clips[clip_id]
     text, names = f"Split {name_of(document.project, clip)}", new_ids(MOST_PARTS)
     rate = document.project.frame_rate_of(clip)
     with document.group(text):
-        edit_clip(document, clip_id, lambda each: split(each, rate, time, iter(names)), text)
+        edit_clip(document, clip_id, lambda each: clip_halves(each, rate, time, iter(names)), text)
         made = [name for name in names if name in document.project.clips]
         for name in made:
             ask_also(document, clip_id, name, text)
@@ -142,12 +142,12 @@ def layer_of(project: Project, clip_id: str) -> Layer | None:
     return next((layer for layer in layers if layer.clip.id == clip_id), None)
 
 
-def make_own(document: EditedProject, performer_id: str, clip_id: str) -> str:
+def detach_clip(document: EditedProject, performer_id: str, clip_id: str) -> str:
     """Give a performer a copy of its own of a shared clip, with the clip's constraints; return the copy's id."""
     performer, name = document.project.performers[performer_id], new_id()
     text = f"Make {name_of(document.project, document.project.clips[clip_id])} unique for {performer.name}"
     with document.group(text):
-        own = edited(performer, clip_id, lambda clip: (replace(clip, id=name),))
+        own = with_clip_edited(performer, clip_id, lambda clip: (replace(clip, id=name),))
         document.replace("performers", performer_id, own, text)
         ask_also(document, clip_id, name, text)
     return name

@@ -12,7 +12,7 @@ from typing import NoReturn
 from studio.core.body.growth import KeyedProportions
 from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.base import Constraint
-from studio.core.constraints.carried_over import MIRROR, ClipTransform, carried_over, mirrored_constraint
+from studio.core.constraints.carried_over import MIRROR, ClipTransform, constraint_on_clip, mirrored_constraint
 from studio.core.constraints.objections import objection
 from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.core.constraints.scope import EVERYONE, Scope
@@ -54,7 +54,7 @@ NOTHING_TO_PASTE = "There is nothing to paste. Copy constraints, contacts, corre
 _NUMBERS = re.compile(r"\[\s+(-?[\d.e+-]+(?:,\s+-?[\d.e+-]+)*)\s+\]")
 
 
-def copied(document: EditedProject) -> str:
+def selection_as_json(document: EditedProject) -> str:
     """Selected keys, or else constraints, contacts and corrections, as JSON; empty if there are none."""
     keys = _key_records(document)
     record: JsonObject = {
@@ -72,8 +72,8 @@ def copied(document: EditedProject) -> str:
     return _NUMBERS.sub(lambda found: "[" + re.sub(r"\s+", " ", found[1]) + "]", text)
 
 
-def paste(document: EditedProject, text: str, mirrored: bool = False) -> None:
-    """Paste the text of ``copied`` as one step, and select the result.
+def paste_json(document: EditedProject, text: str, mirrored: bool = False) -> None:
+    """Paste the text of ``selection_as_json`` as one step, and select the result.
 
     Keys are pasted into the same fields of the selected entities, from the playhead on. Constraints and contacts keep
     their times if pasted on another motion or body, or mirrored; else they begin at the playhead. Raises StudioError if
@@ -170,7 +170,7 @@ def _paste_entities(document: EditedProject, record: JsonObject, mirrored: bool)
         begins = [each.activation.start for each in constraints] + [each.first / rate for each in contacts]
         here = float(clip.motion_seconds(document.playhead.time, rate))
         seconds = round((here - min(begins)) * rate) / rate
-        constraints = [carried_over(each, _later(seconds)) for each in constraints]
+        constraints = [constraint_on_clip(each, _later(seconds)) for each in constraints]
         frames = round(seconds * rate)
         contacts = [replace(each, first=each.first + frames, last=each.last + frames) for each in contacts]
     if mirrored:
@@ -369,11 +369,11 @@ def _mirrored(project: Project, field: KeyedField, keyed: Keys) -> Keys:
         case KeyedPoses():
             return keyed.mirrored()
         case KeyedOwnPlace():
-            values = tuple(map(tuple, MIRROR.ways(keyed.values).tolist()))
-            return replace(keyed.with_rates(MIRROR.ways), values=values)
+            values = tuple(map(tuple, MIRROR.directions(keyed.values).tolist()))
+            return replace(keyed.with_rates(MIRROR.directions), values=values)
         case KeyedPlace():
             values = tuple(map(tuple, MIRROR.places(keyed.values).tolist()))
-            return replace(keyed.with_rates(MIRROR.ways), values=values)
+            return replace(keyed.with_rates(MIRROR.directions), values=values)
         case KeyedTurn():
             entity = project.get(*field.item)
             assert isinstance(entity, Constraint)

@@ -84,7 +84,7 @@ def character_colour(number: int) -> str:
     if turn == 0:
         return colour
     factor = 0.72 ** ((turn + 1) // 2)
-    return mixed(colour, "#000000" if turn % 2 else "#ffffff", 1.0 - factor)
+    return mixed_colour(colour, "#000000" if turn % 2 else "#ffffff", 1.0 - factor)
 
 
 def kind_colour(kind: str) -> str:
@@ -92,7 +92,7 @@ def kind_colour(kind: str) -> str:
     return KINDS.get(kind, TEXT_SECOND)
 
 
-def mixed(colour: str, other: str, share: float) -> str:
+def mixed_colour(colour: str, other: str, share: float) -> str:
     """``colour`` blended towards ``other`` by ``share`` from 0 to 1."""
     return "#" + "".join(
         f"{round((1.0 - share) * int(colour[k : k + 2], 16) + share * int(other[k : k + 2], 16)):02x}"

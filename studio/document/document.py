@@ -12,7 +12,7 @@ from studio.document.commands.replace import Edit, ReplaceValue
 from studio.document.edited_project import EditedProject
 from studio.document.file_lock import FileLock
 from studio.document.journal import Journal, JournalEntry, StateHash
-from studio.document.recovery import Session, mark_recovered, recover
+from studio.document.recovery import Session, mark_recovered, recovered_session
 from studio.io.project.archive import Stamp
 from studio.io.project.project_file import (
     ChangedOnDisk,
@@ -30,7 +30,7 @@ PLAYHEAD_SAVE_MILLISECONDS = 500
 
 
 @dataclass(frozen=True, eq=False)
-class Saving:
+class SaveSnapshot:
     """Snapshot for a save: immutable values, so that a worker may write while editing goes on."""
 
     project: Project
@@ -138,7 +138,9 @@ class Document(EditedProject):
         for problem in (*opened.problems, *opened.remarks):
             self.problem_reported.emit(problem)
 
-    def saving(self, path: Path | None = None, thumbnail: bytes | None = None, overwrite: bool = False) -> Saving:
+    def make_save(
+        self, path: Path | None = None, thumbnail: bytes | None = None, overwrite: bool = False
+    ) -> SaveSnapshot:
         """Make a snapshot to be written by a worker; call ``saved`` afterwards.
 
         ``overwrite`` replaces a file that another program has changed. Raises StudioError if there is no file to save
@@ -153,9 +155,9 @@ class Document(EditedProject):
         document_id = self._document_id if own or self._path is None else new_document_id()
         expected = self._stamp if own and not overwrite else None
         locks = None if own or overwrite or self._folder is None else self._folder / LOCKS
-        return Saving(self.project, target, document_id, self.revision, expected, thumbnail, locks)
+        return SaveSnapshot(self.project, target, document_id, self.revision, expected, thumbnail, locks)
 
-    def saved(self, saving: Saving, stamp: Stamp) -> None:
+    def saved(self, saving: SaveSnapshot, stamp: Stamp) -> None:
         """Note that the file of ``saving`` is written, and is this project's file from now on."""
         self._path, self._stamp, self._read_only = saving.path, stamp, ""
         self._unsaved_base = False
@@ -172,13 +174,13 @@ class Document(EditedProject):
         self.saved_state_changed.emit()
 
     def save(self, path: Path | None = None, thumbnail: bytes | None = None, overwrite: bool = False) -> None:
-        """Save and wait for it; ``engine.saving`` does it in the background. Raises as ``saving`` and its write."""
-        saving = self.saving(path, thumbnail, overwrite)
+        """Save and wait for it; ``engine.saving`` does it in the background. Raises as ``make_save`` and its write."""
+        saving = self.make_save(path, thumbnail, overwrite)
         self.saved(saving, saving.write())
 
     def recover(self, session: Session) -> None:
         """Show the last state of a session that died, with its undo history if that can be rebuilt."""
-        recovered = recover(session)
+        recovered = recovered_session(session)
         self._become(recovered.base, session.path, session.document_id, session.stamp, "", unsaved=True)
         self._replay(recovered.steps)
         hashes = StateHash()
@@ -267,7 +269,7 @@ class Document(EditedProject):
 
     def _keep_playhead(self) -> None:
         if self.journal is not None and not self.playhead.playing:
-            self.journal.stand(self.playhead.state)
+            self.journal.record_playhead(self.playhead.state)
 
     def _replay(self, steps: tuple[JournalEntry, ...]) -> None:
         for step in steps:

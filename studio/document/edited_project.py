@@ -16,10 +16,17 @@ from studio.core.errors import StudioError
 from studio.core.solver.performers.rows import stage_span
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import CLASSES, GROUND_ID, Entity, Performer, Project, new_ids, references
-from studio.document.commands.removal import removal
-from studio.document.commands.replace import Edit, ReplaceValue, applied, merged, reverted, same_value
+from studio.document.commands.removal import removal_edits
+from studio.document.commands.replace import (
+    Edit,
+    ReplaceValue,
+    merged_edits,
+    reverted_edits,
+    same_value,
+    with_edits_applied,
+)
 from studio.document.key_selection import KeySelection
-from studio.document.mirrored import mirrored_change, mirrored_entity, mirrored_project
+from studio.document.mirrored import mirrored_edit, mirrored_entity, mirrored_project
 from studio.document.playhead import INITIAL_PLAYHEAD, Playhead
 from studio.document.selection import Item, Selection
 
@@ -100,7 +107,7 @@ class EditedProject(QObject):
         if not same_value(old, new):
             if self._group is None:
                 edits = (Edit(collection, entity_id, old, new),)
-                self._refuse(self._project, applied(self._project, edits), edits)
+                self._refuse(self._project, with_edits_applied(self._project, edits), edits)
             self._change((Edit(collection, entity_id, old, new),), text, gesture)
 
     def replace_shown(
@@ -109,7 +116,7 @@ class EditedProject(QObject):
         """``replace`` for a ``new`` entity made from the one of ``shown_project``."""
         old = self._existing(collection, entity_id)
         if self._plays_mirrored(old):
-            new = mirrored_change(old, new)
+            new = mirrored_edit(old, new)
         self.replace(collection, entity_id, new, text, gesture)
 
     def add_shown(self, collection: str, entity: Entity, text: str) -> str:
@@ -139,7 +146,7 @@ class EditedProject(QObject):
             for number, (entity_id, entity) in enumerate(entities.items())
         )
         if edits and self._group is None:
-            self._refuse(self._project, applied(self._project, edits), edits)
+            self._refuse(self._project, with_edits_applied(self._project, edits), edits)
         if edits:
             self._change(edits, text, None)
         return list(entities)
@@ -149,7 +156,7 @@ class EditedProject(QObject):
         self._existing(collection, entity_id)
         if (collection, entity_id) == ("grounds", GROUND_ID):
             raise StudioError("The stage always has a ground. Set its height instead of removing it.")
-        self._change(removal(self._project, collection, entity_id), text, None)
+        self._change(removal_edits(self._project, collection, entity_id), text, None)
 
     @contextmanager
     def group(self, text: str, gesture: int | None = None) -> Iterator[None]:
@@ -163,10 +170,10 @@ class EditedProject(QObject):
             self._refuse(before, self._project, self._group)
         except BaseException:
             undone, self._group = tuple(self._group), None
-            self._show(reverted(undone))
+            self._show(reverted_edits(undone))
             raise
         edits, self._group = tuple(self._group), None
-        edits = merged((), edits)
+        edits = merged_edits((), edits)
         if edits:
             self._shown_already = True
             self.undo_stack.push(ReplaceValue(self._step, edits, text, gesture))
@@ -176,7 +183,7 @@ class EditedProject(QObject):
         self._gesture += 1
         return self._gesture
 
-    def take_back(self, gesture: int) -> None:
+    def undo_gesture(self, gesture: int) -> None:
         """Undo the step of a gesture for good, if it is the newest one."""
         newest = self.undo_stack.command(self.undo_stack.index() - 1)
         if isinstance(newest, ReplaceValue) and newest.gesture == gesture:
@@ -313,7 +320,7 @@ class EditedProject(QObject):
     def _show(self, edits: tuple[Edit, ...]) -> None:
         before, playhead = stage_span(self._project), self.playhead
         whole = before is None or (before.first, before.last) == (playhead.first, playhead.last)
-        self._project = applied(self._project, edits)
+        self._project = with_edits_applied(self._project, edits)
         self._revision += 1
         gone = {edit.item for edit in edits if edit.new is None}
         self.selection.set(*(item for item in self.selection.items if item not in gone and self._may_be_seen(item)))

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
 
-from studio.core.names import counted
+from studio.core.names import counted_noun
 from studio.core.stage.project import COLLECTIONS, Entity, Project
 from studio.document.commands.replace import Edit
 from studio.document.file_lock import FileLock
@@ -129,8 +129,8 @@ class Journal(QObject):
         if self._stopped:
             return "Backup stopped - save the project"
         if self.acknowledged == self.recorded:
-            return f"All changes backed up - {counted(self.recorded, 'edit')}"
-        return f"Backing up - {self.acknowledged} of {counted(self.recorded, 'edit')}"
+            return f"All changes backed up - {counted_noun(self.recorded, 'edit')}"
+        return f"Backing up - {self.acknowledged} of {counted_noun(self.recorded, 'edit')}"
 
     def record(self, step: JournalEntry) -> None:
         """Queue a step for writing; does not wait."""
@@ -147,7 +147,7 @@ class Journal(QObject):
         if self._thread is not None:
             self._queue.put(_Save(project, path, stamp))
 
-    def stand(self, playhead: PlayheadState) -> None:
+    def record_playhead(self, playhead: PlayheadState) -> None:
         """Store the state of the playhead, once there is something to recover."""
         if self._thread is not None:
             self._queue.put(playhead)

@@ -101,7 +101,7 @@ class KeyDrag:
             stage = all_to_stage(project, clip, field, np.array(value.times)[[*places]])
             moved[field] = dict(zip(places, all_from_stage(project, clip, field, change(stage)).tolist(), strict=True))
             values[field] = with_times(changed.get(field, value), moved[field], speed)
-        self._put(values, f"{verb} {words_for(self.count)}")
+        self._put(values, f"{verb} {keys_undo_text(self.count)}")
         in_order = all(
             len(value.times) == len(self.before[field].times)
             and all(value.times[place] == time for place, time in moved[field].items())
@@ -122,7 +122,7 @@ class KeyDrag:
         replace_fields(self._document, there, text, self._gesture)
 
 
-def words_for(count: int) -> str:
+def keys_undo_text(count: int) -> str:
     """Number of keys in words: ``key`` or ``3 keys``."""
     return "key" if count == 1 else f"{count} keys"
 
@@ -160,7 +160,7 @@ def delete_keys(document: EditedProject) -> bool:
         values[field] = (
             value.without_keys(set(places)) if len(places) < len(value.times) else _fixed(document, field, value)
         )
-    text = f"Delete {words_for(count)}"
+    text = f"Delete {keys_undo_text(count)}"
     with document.group(text):
         replace_fields(document, values, text)
         for item in gone:

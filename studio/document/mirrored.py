@@ -25,7 +25,7 @@ def mirrored_entity(entity: RecordT) -> RecordT:
     return entity
 
 
-def mirrored_change(stored: RecordT, new: RecordT) -> RecordT:
+def mirrored_edit(stored: RecordT, new: RecordT) -> RecordT:
     """``stored`` with the edits that a view made in its mirror image ``new``.
 
     Fields that the view did not change stay the same objects.

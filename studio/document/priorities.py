@@ -8,18 +8,20 @@ from studio.core.constraints.base import Constraint
 from studio.document.document import Document
 
 
-def ties_of(constraints: Mapping[str, Constraint], order: Sequence[str]) -> list[bool]:
+def shared_priorities(constraints: Mapping[str, Constraint], order: Sequence[str]) -> list[bool]:
     """True for each constraint that has the priority of the one before it."""
     return [False, *(constraints[above].priority == constraints[below].priority for above, below in pairwise(order))]
 
 
-def ties_with_moved(constraints: Mapping[str, Constraint], order: Sequence[str], moved: Collection[str]) -> list[bool]:
-    """``ties_of`` after the ``moved`` constraints were put to their places in the order.
+def shared_priorities_after_move(
+    constraints: Mapping[str, Constraint], order: Sequence[str], moved: Collection[str]
+) -> list[bool]:
+    """``shared_priorities`` after the ``moved`` constraints were put to their places in the order.
 
     Between two others of equal priority they join them; beside each other they share one only if they did before.
     """
     others = [key for key in order if key not in moved]
-    shared = {below for below, tied in zip(others, ties_of(constraints, others), strict=True) if tied}
+    shared = {below for below, tied in zip(others, shared_priorities(constraints, others), strict=True) if tied}
     below = dict[str, str | None]()
     following: str | None = None
     for key in reversed(order):
@@ -59,5 +61,7 @@ def shift_priorities(document: Document, constraint_ids: Collection[str], step: 
     text = f"Reorder priority of {names[0] if len(names) == 1 else f'{len(names)} constraints'}"
     with document.group(text):
         for order in orders:
-            put_priorities(document, order, ties_with_moved(project.constraints, order, constraint_ids), text)
+            put_priorities(
+                document, order, shared_priorities_after_move(project.constraints, order, constraint_ids), text
+            )
     return bool(orders)

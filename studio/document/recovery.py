@@ -12,9 +12,9 @@ from typing import Any
 
 from studio.core.changed_records import with_fields
 from studio.core.errors import StudioError
-from studio.core.names import counted
+from studio.core.names import counted_noun
 from studio.core.stage.project import Project
-from studio.document.commands.replace import Edit, applied
+from studio.document.commands.replace import Edit, with_edits_applied
 from studio.document.file_lock import FileLock
 from studio.document.journal import JournalEntry, StateHash, files_of, lock_of, remove_session, steps_of
 from studio.document.playhead import PlayheadState
@@ -77,21 +77,21 @@ def recoverable_sessions(folder: Path, declined: bool = False) -> tuple[Session,
 def put_damaged_aside(folder: Path) -> tuple[str, ...]:
     """Move unreadable journals into a folder beside; one sentence about each."""
     damaged = [session for _, session in _abandoned(folder) if session is not None and session.damage]
-    return tuple(put_aside(session, session.damage) for session in damaged)
+    return tuple(decline_session(session, session.damage) for session in damaged)
 
 
-def put_aside(session: Session, reason: str) -> str:
+def decline_session(session: Session, reason: str) -> str:
     """Move a journal into a folder in which nothing is deleted; returns a sentence about it."""
     aside = session.file.parent / DAMAGED_FOLDER
     aside.mkdir(mode=0o700, exist_ok=True)
     for file in files_of(session.file):
         if file.exists():
             file.replace(aside / file.name)
-    edits = f" of {counted(session.written, 'edit')}" if session.written else ""
+    edits = f" of {counted_noun(session.written, 'edit')}" if session.written else ""
     return f"A journal{edits} from {session.begun:%Y-%m-%d %H:%M} cannot be read ({reason}). It is kept in '{aside}'."
 
 
-def tidy(folder: Path, now: datetime | None = None) -> None:
+def remove_useless_sessions(folder: Path, now: datetime | None = None) -> None:
     """Remove sessions without unsaved edits, and those declined a month ago."""
     long_ago = (now or datetime.now()) - KEPT_WHEN_DECLINED
     for file, session in _abandoned(folder):
@@ -116,7 +116,7 @@ def _abandoned(folder: Path) -> list[tuple[Path, Session | None]]:
     return found
 
 
-def recover(session: Session) -> Recovered:
+def recovered_session(session: Session) -> Recovered:
     """Last state of a session.
 
     Raises StudioError if not even its first state can be read. States are checked against their hashes; steps after a
@@ -130,7 +130,7 @@ def recover(session: Session) -> Recovered:
         raise StudioError(f"The journal '{session.file.name}' cannot be read: {error}") from error
     problems = recovered.problems
     if last < session.written:
-        lost = f"{session.written - last} of the {counted(session.written, 'edit')}"
+        lost = f"{session.written - last} of the {counted_noun(session.written, 'edit')}"
         problems += (f"{lost} in the backup could not be read: it is damaged.",)
     return replace(recovered, problems=problems, playhead=playhead)
 
@@ -296,7 +296,7 @@ def _replayed(base: Project | None, rows: list[StoredRow], load: LoadArray, hash
     for number, verb, text, gesture, content, state in rows:
         try:
             edits = tuple(_edit(record, project, load) for record in json.loads(content))
-            after = applied(project, edits)
+            after = with_edits_applied(project, edits)
             if hashes.of(after) != state:
                 raise ValueError("its checksum does not match")
         except (ValueError, KeyError, TypeError, StudioError) as error:

@@ -19,7 +19,7 @@ nothing but values."""
 _log = logging.getLogger(__name__)
 
 
-def join_all(threads: Iterable[threading.Thread], patience: float) -> None:
+def join_threads(threads: Iterable[threading.Thread], patience: float) -> None:
     """Wait for threads, ``patience`` seconds for all of them; later ones end with the process."""
     end = time.monotonic() + patience
     for thread in threads:
@@ -120,7 +120,7 @@ class TaskRunner(QObject):
         self._ended.disconnect(self._end)
         for task in self._tasks.values():
             task.progress.cancel()
-        join_all((task.thread for task in self._tasks.values()), patience)
+        join_threads((task.thread for task in self._tasks.values()), patience)
         self._tasks.clear()
 
     def _tell(self, signal: SignalInstance, *values: object) -> None:

@@ -11,7 +11,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.mesh.skin import SkinnedMesh
 from studio.core.mesh.volume import fitted_volume
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.solver.performers.awaiting import awaited
+from studio.core.solver.performers.awaiting import with_anticipated_targets
 from studio.core.solver.performers.dependency_cycles import CycleMember
 from studio.core.solver.performers.rows import (
     ClipConstraint,
@@ -22,7 +22,13 @@ from studio.core.solver.performers.rows import (
     is_plain,
     timing_of,
 )
-from studio.core.solver.performers.stage import Followed, asked_of, props_of, tracks_followed_by, tracks_of
+from studio.core.solver.performers.stage import (
+    Followed,
+    constraints_of_performer,
+    props_of,
+    tracks_followed_by,
+    tracks_of,
+)
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.clip import Clip
 from studio.core.stage.correction import Correction
@@ -45,7 +51,7 @@ class BodyRequest:
     motions: tuple[tuple[int, Clip, tuple[ContactInterval, ...]], ...]
     """Identity of the capture, clip and contacts of each clip, then of those of layers."""
     morphology: AnyMorphology
-    asked: tuple[ClipConstraint, ...]
+    constraints: tuple[ClipConstraint, ...]
     ground: Ground
     followed: tuple[Followed, ...]
     placement: Placement
@@ -59,7 +65,7 @@ class BodyRequest:
     corrections: tuple[Correction, ...] = ()
     """Corrections in seconds of the motion of the row."""
 
-    def stands_as(self, other: "BodyRequest | None") -> bool:
+    def has_same_grounding(self, other: "BodyRequest | None") -> bool:
         """True if the grounded motion is the same as another one's."""
         mine = self.motions, self.layers, self.morphology, self.ground, self.skin, self.limited, self.clears
         return other is not None and mine == (
@@ -74,7 +80,7 @@ def body_request_of(project: Project, key: str, cycle: tuple[str, ...], result_o
     followed = tracks_followed_by(project, key, result_of, cycle)
     if followed is None:
         return None
-    asked = asked_of(project, key)
+    asked = constraints_of_performer(project, key)
     captures = [project.captures[project.motions[clip.motion_id].capture_id] for clip in performer.all_clips]
     alone = len(captures) == 1 and is_plain(performer.clips[0])  # then it is all the same when it begins
     clips = [replace(clip, start=0.0, first=0) if alone else clip for clip in performer.all_clips]
@@ -101,8 +107,8 @@ def player_of(project: Project, key: str, wanted: BodyRequest, prepare: Prepare)
 
     composite = composite_of(project, key, lambda motion_id: prepared(motion_id)[0])
     actor = prepared(wanted.performer.clips[0].motion_id)[1]
-    constraints = constraints_in(wanted.asked, composite, wanted.morphology.leg_length)
-    tracks = awaited(tracks_of(wanted.followed, composite), constraints, composite.timing.frame_rate)
+    constraints = constraints_in(wanted.constraints, composite, wanted.morphology.leg_length)
+    tracks = with_anticipated_targets(tracks_of(wanted.followed, composite), constraints, composite.timing.frame_rate)
     volume = None if wanted.skin is None else fitted_volume(*wanted.skin)
     request = AdaptRequest(
         composite.motion, wanted.morphology, composite.contacts, constraints, wanted.ground, tracks, volume,

@@ -63,7 +63,7 @@ class DrivenPerformers:
     def _solved(
         self, project: Project, key: str, seconds: float, pose: NormalizedMotion, results: Mapping[str, AdaptedMotion]
     ) -> AdaptedMotion:
-        from studio.live.driving import driven  # loads the solver
+        from studio.live.driving import driven_frame  # loads the solver
         from studio.live.planting import LiveGrounding
 
         performer, clock = project.performers[key], time.monotonic()
@@ -71,7 +71,7 @@ class DrivenPerformers:
         if not performer.clips:
             body = project.characters[performer.character_id].morphology
             ground = project.ground.seen_from(performer.position, performer.heading)
-            return driven(AdaptRequest(pose, body, ground=ground), 0, pose, planted, clock)
+            return driven_frame(AdaptRequest(pose, body, ground=ground), 0, pose, planted, clock)
         known = results.get(key)
         wanted = body_request_of(project, key, (key,), results.get)
         if wanted is None or known is None:
@@ -80,4 +80,4 @@ class DrivenPerformers:
             self._requests[key] = wanted, player_of(project, key, wanted, self._prepare).request
         row = round(timing_of(project, performer).frame_at(seconds))
         row = min(max(row, 0), frame_count_of(project, performer) - 1)
-        return replace(driven(self._requests[key][1], row, pose, planted, clock), composite=known.composite)
+        return replace(driven_frame(self._requests[key][1], row, pose, planted, clock), composite=known.composite)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QObject, Signal
 
 from studio.core.errors import StudioError
-from studio.engine.background_tasks import CLOSE_WAIT_SECONDS, join_all
+from studio.engine.background_tasks import CLOSE_WAIT_SECONDS, join_threads
 from studio.io.media.footage_file import footage_frames
 
 Picture = NDArray[np.uint8]
@@ -86,7 +86,7 @@ class FootageFrames(QObject):
             self._closed = True
             self._changed.notify()
         if self._thread is not None:
-            join_all((self._thread,), CLOSE_WAIT_SECONDS)
+            join_threads((self._thread,), CLOSE_WAIT_SECONDS)
 
     def _serve(self) -> None:
         while True:

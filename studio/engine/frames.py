@@ -1,11 +1,11 @@
 """Frames: the one frame of each body that a picture shows, solved for the present requests.
 
-A frame is solved from its own pose alone (``core.solver.adapt.hold``), so it equals the frame of the whole clip except
-for temporal smoothing. Performers that are being edited are solved before the picture is drawn, on the window's own
-thread: that costs less than a message to another thread, and the body follows the mouse in the same picture. The others
-are solved in the background while that picture is drawn, half of them at a time, and appear in the next. The cost of a
-frame is measured every time, on either thread: a body that was slow once returns to this thread as soon as it is fast
-enough.
+A frame is solved from its own pose alone (``core.solver.adapt.solve_constraints``), so it equals the frame of the whole
+clip except for temporal smoothing. Performers that are being edited are solved before the picture is drawn, on the
+window's own thread: that costs less than a message to another thread, and the body follows the mouse in the same
+picture. The others are solved in the background while that picture is drawn, half of them at a time, and appear in the
+next. The cost of a frame is measured every time, on either thread: a body that was slow once returns to this thread as
+soon as it is fast enough.
 """
 
 import time
@@ -43,11 +43,11 @@ how many frames cost what it costs to join one more clip, or one more time that 
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class SolvedFrame:
     """Solved frame of one performer: ``row`` of ``motion``, for ``project``; ``asked_at`` as in ``Live.asked_at``."""
 
     project: Project
-    wanted: BodyRequest
+    body_request: BodyRequest
     row: int
     motion: AdaptedMotion
     asked_at: float
@@ -62,7 +62,7 @@ class FrameResult:
     cycle: Cycle
     project: Project
     asked_at: float
-    frames: Mapping[str, Frame] = field(default_factory=dict)
+    frames: Mapping[str, SolvedFrame] = field(default_factory=dict)
     current: Mapping[str, BodyRequest] = field(default_factory=dict)
     spent: float = 0.0
 
@@ -78,14 +78,14 @@ class FrameJob:
     asked_at: float
     results: Mapping[str, AdaptedMotion]
     answered: Mapping[str, BodyRequest]
-    frames: dict[str, Frame]
+    frames: dict[str, SolvedFrame]
     prepare: Prepare
     solve: Solve
 
     def solved(self, cycle: Cycle) -> FrameResult:
         """Frames of a cycle for the present requests."""
         begun, project = time.thread_time(), self.project
-        rows = {key: row_at(project, project.performers[key], self.seconds) for key in cycle}
+        rows = {key: unsolved_row_at(project, project.performers[key], self.seconds) for key in cycle}
         asked = {key: body_request_of(project, key, cycle, self._seen) for key in cycle}
         wanted = {key: each for key, each in asked.items() if each is not None}
         known = {key: frame for key in cycle if (frame := self.frames.get(key)) and frame.row == rows[key]}
@@ -94,14 +94,14 @@ class FrameJob:
         if all(self.answered.get(key) == each for key, each in wanted.items()):
             current = {key: self.answered[key] for key in cycle}
             return FrameResult(cycle, project, self.asked_at, current=current)
-        if {key: each.wanted for key, each in known.items()} == wanted:
+        if {key: each.body_request for key, each in known.items()} == wanted:
             same = {key: replace(each, project=project, asked_at=self.asked_at) for key, each in known.items()}
             return FrameResult(cycle, project, self.asked_at, same)
         try:
             motions = self._motions(cycle, wanted, rows)
         except StudioError:
             return FrameResult(cycle, project, self.asked_at)  # the solve of the whole motion tells of it
-        frames = {key: Frame(project, wanted[key], rows[key], motions[key], self.asked_at) for key in cycle}
+        frames = {key: SolvedFrame(project, wanted[key], rows[key], motions[key], self.asked_at) for key in cycle}
         self.frames.update(frames)
         return FrameResult(cycle, project, self.asked_at, frames, spent=time.thread_time() - begun)
 
@@ -125,7 +125,7 @@ class FrameJob:
         return self.results.get(performer_id) if frame is None else frame.motion
 
 
-class Frames:
+class FrameStore:
     """Newest frame of every performer whose whole motion is not yet solved for the present request."""
 
     def __init__(
@@ -136,7 +136,7 @@ class Frames:
     ) -> None:
         """``answered``: request that each performer's newest whole motion answers; it changes as results arrive."""
         self._prepare, self._solve, self._answered = prepare, solve, answered
-        self._frames: dict[str, Frame] = {}
+        self._frames: dict[str, SolvedFrame] = {}
         self._current: dict[str, FrameResult] = {}
         """Latest outcome, by performer, in which the newest whole motion is up to date."""
         self._whole_at: dict[str, float] = {}
@@ -147,11 +147,11 @@ class Frames:
         """Time of the request of the last outcome, by cycle."""
         self._driven: set[str] = set()
 
-    def get(self, performer_id: str) -> Frame | None:
+    def get(self, performer_id: str) -> SolvedFrame | None:
         """Newest frame of a performer, or None."""
         return self._frames.get(performer_id)
 
-    def drop(self, performer_id: str) -> None:
+    def drop_frame(self, performer_id: str) -> None:
         """Drop the frame of a performer."""
         self._frames.pop(performer_id, None)
 
@@ -159,8 +159,8 @@ class Frames:
         """Note that the whole motion answers the request of time ``asked_at``; drop a frame that is not newer."""
         self._whole_at[performer_id] = asked_at
         frame, answered = self._frames.get(performer_id), self._answered.get(performer_id)
-        if frame is not None and (frame.asked_at <= asked_at or frame.wanted == answered):
-            self.drop(performer_id)
+        if frame is not None and (frame.asked_at <= asked_at or frame.body_request == answered):
+            self.drop_frame(performer_id)
 
     def asked_at(self, performer_id: str) -> float:
         """Time of the latest request that the frame of a performer answers, or without a frame its whole motion.
@@ -256,7 +256,7 @@ class Frames:
         if outcome.spent:
             self._costs[outcome.cycle] = outcome.spent
         for key in outcome.cycle:
-            self.drop(key)
+            self.drop_frame(key)
         self._frames |= outcome.frames
         self._current |= dict.fromkeys(outcome.current, outcome)
 
@@ -267,7 +267,7 @@ class Frames:
         """True if the frames, or the whole motions, of a cycle are up to date with ``project``."""
         if all(self._is_current(key, project) for key in cycle):
             return True
-        rows = {key: row_at(project, project.performers[key], seconds) for key in cycle}
+        rows = {key: unsolved_row_at(project, project.performers[key], seconds) for key in cycle}
         frames = {key: frame for key in cycle if (frame := self._frames.get(key))}
         return len(frames) == len(cycle) and all(
             frame.project is project and frame.row == rows[key] for key, frame in frames.items()
@@ -292,7 +292,7 @@ def _captures_of(project: Project, performer: Performer) -> list[Capture]:
     return [project.captures[project.motions[clip.motion_id].capture_id] for clip in performer.all_clips]
 
 
-def row_at(project: Project, performer: Performer, seconds: float) -> int:
-    """Row at ``seconds`` of the stage, as ``performance.row_at``, for a performer without a solved motion."""
+def unsolved_row_at(project: Project, performer: Performer, seconds: float) -> int:
+    """Index of the motion's frame at ``seconds`` of the stage, for a performer that is not solved yet."""
     frame = round(timing_of(project, performer).frame_at(seconds))
     return min(max(frame, 0), frame_count_of(project, performer) - 1)

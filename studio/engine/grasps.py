@@ -11,7 +11,7 @@ from studio.core.captures.contacts import Touch
 from studio.core.stage.holding import HAND_REACH_SECONDS
 from studio.core.stage.project import Project
 from studio.core.stage.prop import Carried, Prop
-from studio.engine.performance import Posed, Results, posed_performers, stage_time
+from studio.engine.performance import PosedPerformer, Results, posed_performers, stage_time
 
 FloatArray = NDArray[np.float64]
 GRASP_SAMPLES = 16
@@ -26,7 +26,7 @@ class Grasp:
     """
 
     seconds: float
-    holder: Posed
+    holder: PosedPerformer
     lowest: float
 
     def lift(self, prop: Prop) -> float:
@@ -77,14 +77,14 @@ def captured_grasps(project: Project, performer_id: str) -> list[tuple[float, fl
     return sorted(spans)
 
 
-def chest_heading(holder: Posed) -> float:
+def chest_heading(holder: PosedPerformer) -> float:
     """Heading of a chest on the stage, radians about Z."""
     layout = holder.motion.morphology.layout
     ahead = holder.placement.rotation @ holder.motion.rotations[holder.row, layout.segment(BodyPart.THORAX), :, 0]
     return math.atan2(ahead[1], ahead[0])
 
 
-def captured_grasp(holder: Posed) -> FloatArray:
+def captured_grasp(holder: PosedPerformer) -> FloatArray:
     """(3,) middle of the hands on the stage, in the motion before constraints."""
     from studio.core.solver.performers.prop_tracks import Holder  # loads kernels
 

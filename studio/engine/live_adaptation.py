@@ -14,13 +14,13 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project_cache import forget_project
 from studio.core.solver.performers.dependency_cycles import solve_cycle
 from studio.core.solver.performers.rows import frame_count_of, timing_of
-from studio.core.solver.performers.stage import in_order, leaders_of
+from studio.core.solver.performers.stage import leaders_first, leaders_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Performer, Project
 from studio.document.document import Document
 from studio.engine.body_request import BodyRequest, Prepare, body_request_of, player_of
 from studio.engine.driven import DrivenPerformers
-from studio.engine.frames import Cycle, FrameResult, Frames, Solve
+from studio.engine.frames import Cycle, FrameResult, FrameStore, Solve
 from studio.engine.live_play import LivePlay
 from studio.engine.mouse_timestamps import MouseTimestamps, RestTimer
 from studio.engine.scheduler import SolveScheduler
@@ -38,19 +38,19 @@ _SOURCE, _EXPECTED, _FRAMES, _TOGETHER = "source ", "expected ", "frames", "\n"
 Realise = Callable[[NormalizedMotion, Morphology], AdaptedMotion]
 
 
-def normalised(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
+def normalized_with_actor(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
     """Normalised motion of a capture, and the measures of its actor."""
-    from studio.core.normalized.normalize import normalize
+    from studio.core.normalized.normalize import normalize_capture
 
-    motion, actor = normalize(capture)
+    motion, actor = normalize_capture(capture)
     return motion, actor.morphology
 
 
 def as_recorded(motion: NormalizedMotion, actor: Morphology) -> AdaptedMotion:
     """Motion on the body with which it was recorded."""
-    from studio.core.normalized.realize import realize
+    from studio.core.normalized.realize import realize_motion
 
-    positions, rotations = realize(motion, actor, play=True)
+    positions, rotations = realize_motion(motion, actor, play=True)
     return AdaptedMotion(actor, motion.frame_rate, 0, positions, rotations, np.empty((0, len(positions))))
 
 
@@ -75,7 +75,7 @@ class LiveAdaptation(QObject):
     def __init__(
         self,
         document: Document,
-        prepare: Prepare = normalised,
+        prepare: Prepare = normalized_with_actor,
         solve: Solve | None = None,
         realise: Realise = as_recorded,
         parent: QObject | None = None,
@@ -101,7 +101,7 @@ class LiveAdaptation(QObject):
         self._works_on_former = False
         self._unfinished: set[tuple[str, ...]] = set()
         """Circles of which no more than a window has been asked."""
-        self._frames = Frames(self._prepare, self._solve, self._answered)
+        self._frames = FrameStore(self._prepare, self._solve, self._answered)
         self.driven = DrivenPerformers(self._prepare)
         self._interactive = False
         self._asked_at: dict[str, float] = {}
@@ -190,7 +190,7 @@ class LiveAdaptation(QObject):
         cycles = [cycle for cycle in _cycles_of(project) if self._kernels.can_solve(project, cycle)]
         playing = [key for cycle in cycles for key in cycle]
         active = [key for key in playing if key == self._document.active_performer_id]
-        first = dict.fromkeys((*in_order(project, active), *in_order(project, self._selected(playing))))
+        first = dict.fromkeys((*leaders_first(project, active), *leaders_first(project, self._selected(playing))))
         return [each for each in first if each in cycles], [each for each in cycles if each not in first]
 
     def _selected(self, performer_ids: Iterable[str]) -> list[str]:
@@ -212,7 +212,7 @@ class LiveAdaptation(QObject):
         if self.play.running:
             return True
         frame = self._frames.get(performer_id)
-        return frame is None or not (frame.wanted.eased and frame.wanted.asked)
+        return frame is None or not (frame.body_request.eased and frame.body_request.constraints)
 
     def reported(self, performer_id: str) -> AdaptedMotion | None:
         """As ``Live.reported``: updated a tenth of a second after results have arrived, or have become out of date."""
@@ -265,7 +265,7 @@ class LiveAdaptation(QObject):
             self._results[key] = motions[key]
             self.adapted.emit(key)
 
-    def expect(self, capture: Capture) -> None:
+    def prefetch_capture(self, capture: Capture) -> None:
         """Start normalising a capture in the background before it is shown; may be called from any thread."""
         if capture.body_map is not None:
             self._scheduler.request(f"{_EXPECTED}{id(capture)}", 0, lambda: self._prepared(capture))
@@ -273,7 +273,7 @@ class LiveAdaptation(QObject):
     def wait(self, timeout: float = 10.0) -> bool:
         """Run the event loop until everything is solved and reported; False after ``timeout`` seconds."""
         end = time.monotonic() + timeout
-        while self._kernels.awaited or self._turn.isActive() or self._rest.isActive() or self._works:
+        while self._kernels.is_pending or self._turn.isActive() or self._rest.isActive() or self._works:
             if time.monotonic() > end:
                 return False
             QCoreApplication.processEvents()
@@ -339,7 +339,7 @@ class LiveAdaptation(QObject):
         for key in self._wanted.keys() - {key for cycle in cycles for key in cycle}:
             for held in (self._wanted, self._results, self._answered, self._asked_at, self._failures):
                 held.pop(key, None)
-            self._frames.drop(key)
+            self._frames.drop_frame(key)
         for cycle in self._circles - {*cycles}:
             self._scheduler.forget(_TOGETHER.join(cycle))
         self._circles, self._unfinished = {*cycles}, self._unfinished & {*cycles}
@@ -377,7 +377,7 @@ class LiveAdaptation(QObject):
             self._unfinished.discard(cycle)
             return (lambda: self._solved(project, wanted, asked_at, 0, None),)
         self._unfinished.add(cycle)
-        stands = wanted[cycle[0]].stands_as(self._answered.get(cycle[0]))
+        stands = wanted[cycle[0]].has_same_grounding(self._answered.get(cycle[0]))
         if len(cycle) > 1 or not stands or not self._selected(cycle):
             return ()  # what costs most with every move, and who is not worked on, waits for the hand to rest
         first, last = self._window(project, wanted[cycle[0]].performer)
@@ -385,7 +385,7 @@ class LiveAdaptation(QObject):
 
         def window() -> SolveResults:
             solved = self._solved(project, exact, asked_at, first, last)
-            return replace(solved, adapted={cycle[0]: merged(base, solved.adapted[cycle[0]])})
+            return replace(solved, adapted={cycle[0]: with_window_merged(base, solved.adapted[cycle[0]])})
 
         return (window,)
 
@@ -478,10 +478,10 @@ def _cycles_of(project: Project) -> tuple[tuple[str, ...], ...]:
         for key, item in project.performers.items()
         if item.visible and item.clips and not project.missing_references(item)
     ]
-    return in_order(project, playing)
+    return leaders_first(project, playing)
 
 
-def merged(whole: AdaptedMotion, window: AdaptedMotion) -> AdaptedMotion:
+def with_window_merged(whole: AdaptedMotion, window: AdaptedMotion) -> AdaptedMotion:
     """``whole`` with the frames of ``window`` replaced; both have the same constraints and layout."""
     frames = slice(window.first_frame, window.first_frame + window.frame_count)
     arrays = {name: getattr(whole, name).copy() for name in ("positions", "rotations", "residuals")}
@@ -495,6 +495,6 @@ def merged(whole: AdaptedMotion, window: AdaptedMotion) -> AdaptedMotion:
 def _fits(whole: AdaptedMotion, wanted: BodyRequest, project: Project) -> bool:
     return (
         whole.frame_count == frame_count_of(project, wanted.performer)
-        and len(whole.residuals) == len(wanted.asked)
+        and len(whole.residuals) == len(wanted.constraints)
         and whole.morphology.layout == wanted.morphology.layout
     )

@@ -15,7 +15,7 @@ from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Project
 from studio.document.document import Document
-from studio.engine.background_tasks import CLOSE_WAIT_SECONDS, join_all
+from studio.engine.background_tasks import CLOSE_WAIT_SECONDS, join_threads
 
 if TYPE_CHECKING:
     from studio.live.playing_stage import LiveStage
@@ -205,7 +205,7 @@ class _Worker:
 
     def stop(self) -> None:
         self._stopped.set()
-        join_all([self._thread], CLOSE_WAIT_SECONDS)
+        join_threads([self._thread], CLOSE_WAIT_SECONDS)
 
     def take(self) -> StageSnapshot | None:
         """Newest snapshot."""

@@ -16,10 +16,10 @@ from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.target import Place, follows_of, own_place_of, own_places_of, with_own_place
 from studio.core.curves.keyed import KeyedPlace, Quaternion
 from studio.core.solver.asking.tracks import Targets, Track, fixed_at, moved_target, turned_target
-from studio.core.solver.performers.rows import carry_of
+from studio.core.solver.performers.rows import clip_transform
 from studio.core.solver.request import UnconstrainedPoses
 from studio.core.stage.project import Project
-from studio.engine.performance import Posed
+from studio.engine.performance import PosedPerformer
 from studio.engine.prop_places import prop_at
 
 FloatArray = NDArray[np.float64]
@@ -30,8 +30,8 @@ class TargetContext:
     """``pose`` is one of ``posed``, all performers at the same moment of the stage."""
 
     project: Project
-    posed: Mapping[str, Posed]
-    pose: Posed
+    posed: Mapping[str, PosedPerformer]
+    pose: PosedPerformer
 
     def fixed(self, constraint: Constraint) -> Constraint | None:
         """Constraint with its targets fixed at their present positions; None while a followed target is missing."""
@@ -98,7 +98,7 @@ class TargetContext:
     def track(self, follow: Follow | OwnPlace) -> Track | None:
         """Present track of a followed target, in the space of this performer's motion."""
         from studio.core.solver.performers.followed_tracks import performer_track, tracked_track  # loads kernels
-        from studio.core.solver.performers.prop_tracks import seen_from
+        from studio.core.solver.performers.prop_tracks import track_in_motion_space
 
         pose, own = self.pose, self.pose.clip_placement
         match follow:
@@ -119,7 +119,7 @@ class TargetContext:
                     return None
                 placed = prop_at(self.project, self.posed, follow.prop_id, self.time)
                 track = Track(placed.place[None], placed.axes[None])
-                return seen_from(follow, placed.prop, track, own)
+                return track_in_motion_space(follow, placed.prop, track, own)
             case FollowTracked():
                 motion = self.project.motions.get(pose.motion_id or "")
                 capture = self.project.captures.get(motion.capture_id) if motion else None
@@ -138,13 +138,13 @@ class TargetContext:
         composite, played = pose.motion.composite, pose.played
         if composite is None or played is None or composite.is_plain:
             return own_track(place, unasked, body, pose.motion.frame_rate)
-        carry = carry_of(played, composite.timing, body.leg_length)
+        carry = clip_transform(played, composite.timing, body.leg_length)
         there = replace(place, time=float(carry.times(place.time)), offset=(0.0, 0.0, 0.0))
         track = own_track(there, unasked, body, pose.motion.frame_rate)
         places = pose.clip_placement.to_motion(pose.placement.to_stage(track.places))
         return Track(places + body.leg_length * np.array(place.offset), track.rotations)
 
-    def outline(self) -> FloatArray | None:
+    def support_outline(self) -> FloatArray | None:
         """(N, 2) outline of the present contacts, in the motion's space; None without contacts."""
         from studio.core.solver.standing.support_polygon import corners, standing_mask, support_polygons  # as above
 

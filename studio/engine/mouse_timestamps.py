@@ -34,7 +34,7 @@ class MouseTimestamps(QObject):
     def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
         """Store the time of a mouse move; False, so that the event is handled as usual."""
         if event.type() == QEvent.Type.MouseMove and event.buttons() != Qt.MouseButton.NoButton:  # type: ignore[attr-defined]
-            self._moved_at = when(event.timestamp())  # type: ignore[attr-defined]
+            self._moved_at = monotonic_time(event.timestamp())  # type: ignore[attr-defined]
         return False
 
 
@@ -63,7 +63,7 @@ class RestTimer(QTimer):
             self.rested.emit()
 
 
-def when(milliseconds: int) -> float:
+def monotonic_time(milliseconds: int) -> float:
     """Time (``time.monotonic``) of an event whose clock starts with the machine; the present time if that is not
     plausible.
     """

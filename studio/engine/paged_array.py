@@ -62,7 +62,7 @@ class FileRows:
         return rows
 
 
-def paged(numbers: PoseArray) -> CompactArray:
+def paged_rows(numbers: PoseArray) -> CompactArray:
     """Array stored in 32 bits: a long one in a file, or in memory where no file can be written."""
     if isinstance(numbers, CompactArray) or numbers.nbytes < 2 * PAGED_BYTES or len(_OPEN) >= MOST_PAGE_FILES:
         return single(numbers)

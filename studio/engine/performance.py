@@ -13,7 +13,7 @@ from studio.core.body.rest_pose import rest_pose
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import FOOT_POINTS, ContactInterval
 from studio.core.curves.activation import EaseShape, ease
-from studio.core.normalized.pieces import Played
+from studio.core.normalized.pieces import PlayedPiece
 from studio.core.rigs.driven_fingers import has_fingers
 from studio.core.solver.performers.rows import is_plain, timing_of
 from studio.core.solver.request import AdaptedMotion
@@ -52,7 +52,7 @@ def row_at(motion: AdaptedMotion, timing: Timing | None, time: float) -> int:
 
 
 @dataclass(frozen=True, eq=False)
-class Posed:
+class PosedPerformer:
     """Performer at one moment: its motion, the row of it, and its placement."""
 
     performer: Performer
@@ -61,7 +61,7 @@ class Posed:
     placement: Placement
     resting: bool = False
     """True if it stands still until its motion begins."""
-    around: AdaptedMotion | None = None
+    frames_around: AdaptedMotion | None = None
     """The newest motion over time, where ``motion`` is only the frame that is shown."""
 
     capture: Capture | None = None
@@ -80,7 +80,7 @@ class Posed:
     @property
     def over_time(self) -> AdaptedMotion:
         """Newest motion with more frames than the shown one, if there is one."""
-        return self.around or self.motion
+        return self.frames_around or self.motion
 
     @cached_property
     def points(self) -> FloatArray:
@@ -93,7 +93,7 @@ class Posed:
         return 0 <= row < newer.frame_count and np.array_equal(newer.positions[row], self.motion.positions[self.row])
 
     @cached_property
-    def played(self) -> Played | None:
+    def played(self) -> PlayedPiece | None:
         """Playing part of its row; None for a motion without stage."""
         composite = self.motion.composite
         return composite.playing(self.frame) if composite else None
@@ -139,7 +139,7 @@ class Posed:
         if played is None:
             return self.placement
         x, y = played.placement.offset
-        return self.placement.around(Placement((leg * x, leg * y), played.placement.turn))
+        return self.placement.compose(Placement((leg * x, leg * y), played.placement.turn))
 
     def points_in_clip(self, points: ArrayLike) -> FloatArray:
         """Points (..., 3) of the performer's motion in the space of the playing clip, that of its constraints."""
@@ -168,16 +168,16 @@ class Posed:
         return (*feet, *(each for each in composite.contacts if each.point not in FOOT_POINTS))
 
 
-def pose_of(project: Project, performer: Performer, motion: AdaptedMotion, time: float) -> Posed:
+def pose_of(project: Project, performer: Performer, motion: AdaptedMotion, time: float) -> PosedPerformer:
     """``performer`` playing ``motion`` at stage ``time``."""
     timing = timing_of(project, performer) if performer.clips else None
-    return Posed(performer, motion, row_at(motion, timing, time), Placement.of(performer))
+    return PosedPerformer(performer, motion, row_at(motion, timing, time), Placement.of(performer))
 
 
 def posed_performers(
     project: Project, result_of: Results, time: float, around: Results = lambda _: None
-) -> dict[str, Posed]:
-    """Pose of every visible performer that has an adapted motion, at stage ``time``; ``around`` as in ``Posed``."""
+) -> dict[str, PosedPerformer]:
+    """Pose of each visible performer with an adapted motion, at ``time``; ``around`` as in ``PosedPerformer``."""
     posed = {}
     for performer_id, performer in project.performers.items():
         character = project.characters.get(performer.character_id) if performer.visible else None
@@ -187,7 +187,7 @@ def posed_performers(
             weight, grip = _holding(project, performer_id, time)
             posed[performer_id] = replace(
                 pose_of(project, performer, motion, time),
-                around=around(performer_id),
+                frames_around=around(performer_id),
                 capture=_fingers_from(project, performer),
                 holding=weight,
                 holding_grip=grip,
@@ -217,7 +217,7 @@ def _holding(project: Project, performer_id: str, time: float) -> tuple[float, f
     return found
 
 
-def seen_now(document: Document, live: Live) -> tuple[Project, float, dict[str, Posed]]:
+def displayed_stage(document: Document, live: Live) -> tuple[Project, float, dict[str, PosedPerformer]]:
     """Project, stage time and pose of every visible performer: at the playhead, or as the stage plays live."""
     moment = live.play.moment
     if moment is not None:
@@ -242,7 +242,7 @@ def root_paths(project: Project, result_of: Results) -> dict[str, FloatArray]:
     return paths
 
 
-def resting_performers(project: Project, posed: Mapping[str, Posed]) -> dict[str, Posed]:
+def resting_performers(project: Project, posed: Mapping[str, PosedPerformer]) -> dict[str, PosedPerformer]:
     """Rest pose, at its position on the stage, of every visible performer that is not in ``posed``."""
     resting = {}
     for performer_id, performer in project.performers.items():
@@ -250,10 +250,10 @@ def resting_performers(project: Project, posed: Mapping[str, Posed]) -> dict[str
         if character is not None and performer_id not in posed:
             positions, rotations = (part[None] for part in rest_pose(character.morphology))
             motion = AdaptedMotion(character.morphology, 1.0, 0, positions, rotations, np.empty((0, 1)))
-            resting[performer_id] = Posed(performer, motion, 0, Placement.of(performer), resting=True)
+            resting[performer_id] = PosedPerformer(performer, motion, 0, Placement.of(performer), resting=True)
     return resting
 
 
-def has_moved_on(project: Project, posed: Mapping[str, Posed], time: float) -> bool:
+def has_new_frames(project: Project, posed: Mapping[str, PosedPerformer], time: float) -> bool:
     """True if any performer has another frame at stage ``time`` than its pose."""
     return any(pose_of(project, one.performer, one.over_time, time).frame != one.frame for one in posed.values())

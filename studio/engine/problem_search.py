@@ -42,13 +42,13 @@ class ProblemSearch(QObject):
         live.adapted.connect(self._source_came)
         document.project_opened.connect(self._changed)
 
-    def want(self, wanted: bool) -> None:
+    def set_continuous(self, wanted: bool) -> None:
         """Turn keeping the summary up to date on or off."""
         self._wanted = wanted
         if wanted and not self._is_fresh:
             self._rest.start(0)
 
-    def ask(self) -> bool:
+    def request_summary(self) -> bool:
         """Measure once if anything has changed; True if the summary is up to date already."""
         self._asked = not self._is_fresh
         if self._asked and not self._rest.isActive():

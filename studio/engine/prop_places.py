@@ -15,11 +15,11 @@ from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.grounds.ground import Ground
 from studio.core.rotations import from_euler, from_matrix, multiply, to_matrix
 from studio.core.solver.performers.rows import timing_of
-from studio.core.stage.holding import quarters
+from studio.core.stage.holding import quarter_turns
 from studio.core.stage.project import Project
 from studio.core.stage.prop import Carried, InHand, Prop
 from studio.engine.grasps import chest_heading
-from studio.engine.performance import Posed
+from studio.engine.performance import PosedPerformer
 
 FloatArray = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ class PropPose:
     """Metres, of who carries it."""
 
 
-def prop_at(project: Project, posed: Mapping[str, Posed], prop_id: str, time: float) -> PropPose:
+def prop_at(project: Project, posed: Mapping[str, PosedPerformer], prop_id: str, time: float) -> PropPose:
     """Pose of a prop at stage ``time``; ``posed`` are all performers then."""
     from studio.core.solver.performers.prop_tracks import (  # not before it is needed: it loads kernels
         Holder,
@@ -68,7 +68,7 @@ def prop_at(project: Project, posed: Mapping[str, Posed], prop_id: str, time: fl
     return PropPose(prop, track.places[0], track.rotations[0], time, leg)
 
 
-def props_at(project: Project, posed: Mapping[str, Posed], time: float) -> dict[str, PropPose]:
+def props_at(project: Project, posed: Mapping[str, PosedPerformer], time: float) -> dict[str, PropPose]:
     """Poses of all props at one moment, by id."""
     return {key: prop_at(project, posed, key, time) for key in project.props}
 
@@ -128,7 +128,7 @@ def turned_prop(pose: PropPose, rotation: FloatArray) -> Prop:
     headed = pose.axes @ tilt_of(pose).T
     x, y, z, w = from_matrix(headed.T @ rotation @ pose.axes).tolist()
     if isinstance(held, Carried) and level:
-        return prop.with_hold(held, replace(held, heading=wrapped(held.heading + angle)))
+        return prop.with_hold(held, replace(held, heading=wrapped_angle(held.heading + angle)))
     if isinstance(held, Carried):
         return prop.with_hold(held, replace(held, tilt=(x, y, z, w)))
     if level:
@@ -144,7 +144,7 @@ def further_heading(heading: float | KeyedNumber, angle: float, time: float) -> 
     """Heading increased by ``angle`` in radians; if it is keyed, at ``time``."""
     if isinstance(heading, KeyedNumber):
         return heading.with_key(time, float(heading.at([time])[0, 0]) + angle)
-    return wrapped(heading + angle)
+    return wrapped_angle(heading + angle)
 
 
 def is_about_z(rotation: FloatArray) -> bool:
@@ -171,12 +171,12 @@ def heading_of(pose: PropPose) -> float:
     return math.atan2(headed[1, 0], headed[0, 0])
 
 
-def wrapped(angle: float) -> float:
+def wrapped_angle(angle: float) -> float:
     """Equal angle between -pi and pi."""
     return math.remainder(angle, 2.0 * math.pi)
 
 
-def unheld(pose: PropPose, *, keyed: bool) -> Prop:
+def with_fixed_position(pose: PropPose, *, keyed: bool) -> Prop:
     """Prop with its present position as its own: fixed, or as a first key."""
     x, y, z = pose.place.tolist()
     position: Vector | KeyedPlace = (x, y, z)
@@ -188,7 +188,7 @@ def unheld(pose: PropPose, *, keyed: bool) -> Prop:
     return replace(pose.prop, position=position, heading=heading, tilt=tuple(tilt.tolist()), held=None, later=())
 
 
-def in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Posed) -> InHand:
+def hold_in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: PosedPerformer) -> InHand:
     """Hold that fixes the prop to a point of a body, in its present orientation; on a hand, at the palm's middle.
 
     On a foot, the seat or another part it keeps its offset from the point; if it is too far away, it moves there.
@@ -210,8 +210,8 @@ def in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Posed) 
     return InHand(performer_id, replace(point, offset=(x, y, z)), tuple(turn.tolist()))
 
 
-def between_hands(
-    prop: Prop, performer_id: str, holder: Posed, *, heading: float | None = None, lift: float | None = None
+def hold_between_hands(
+    prop: Prop, performer_id: str, holder: PosedPerformer, *, heading: float | None = None, lift: float | None = None
 ) -> Carried:
     """Hold that carries a prop in both hands: between them if they are in front of the body, else steady before it.
 
@@ -222,7 +222,7 @@ def between_hands(
 
     motion, held = holder.over_time, Carried(performer_id)
     known, body = motion.unasked or motion, motion.body
-    turned = 0 if heading is None else quarters(heading - chest_heading(holder))
+    turned = 0 if heading is None else quarter_turns(heading - chest_heading(holder))
     if lift is not None:
         held = replace(held, offset=(0.0, 0.0, lift / body.leg_length))
     else:
@@ -232,15 +232,15 @@ def between_hands(
         needed = CARRIED_AHEAD + prop.size[turned % 2] / 2 / body.leg_length
         if ahead < needed:
             held = replace(held, offset=(needed, 0.0, max(CARRIED_HEIGHT, up)), steady=True)
-    return replace(held, heading=wrapped(turned * math.pi / 2))
+    return replace(held, heading=wrapped_angle(turned * math.pi / 2))
 
 
-def elevation_of_hands(pose: PropPose, holder: Posed) -> float:
+def elevation_of_hands(pose: PropPose, holder: PosedPerformer) -> float:
     """Upward angle in radians of fingers on a prop: a part of the elevation of the prop from the middle of the
     shoulders.
     """
     layout = holder.motion.morphology.layout
-    shoulders = holder.points[[layout.collar(side) + 1 for side in range(2)]].mean(axis=0)
+    shoulders = holder.points[[layout.collar_point(side) + 1 for side in range(2)]].mean(axis=0)
     x, y, z = (pose.place - shoulders).tolist()
     return FINGERS_RAISED * math.atan2(z, math.hypot(x, y))
 
@@ -250,14 +250,14 @@ def takes_lower(prop: Prop, giver: Carried, taker: Carried) -> bool:
 
     A giver who took the prop that way gives it to hands in the middle.
     """
-    giving, taking = (quarters(each.heading) for each in (giver, taker))
+    giving, taking = (quarter_turns(each.heading) for each in (giver, taker))
     handed = sum(one.end == after.begin for one, after in itertools.pairwise(prop.holds))
     return giving % 2 == taking % 2 and handed % 2 == 0
 
 
-def wrists_from(pose: PropPose, holder: Posed) -> float:
+def wrists_from(pose: PropPose, holder: PosedPerformer) -> float:
     """Distance in metres of a body's farther wrist from a prop's surface."""
     layout = holder.motion.morphology.layout
-    wrists = np.stack([holder.points[layout.wrist(side)] for side in range(2)])
+    wrists = np.stack([holder.points[layout.wrist_point(side)] for side in range(2)])
     inside = np.abs((wrists - pose.place) @ pose.axes) - np.array(pose.prop.size) / 2
     return float(np.linalg.norm(np.maximum(inside, 0.0), axis=1).max())

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.solver.performers.rows import timing_of
-from studio.core.solver.performers.stage import asked_of
+from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
 from studio.engine.performance import stage_time
@@ -114,7 +114,7 @@ def _rows_of(
     everywhere = {aspect: _worst(values, times, measure) for aspect, (values, measure) in tracks.items()}
     yield SummaryRow(performer_id, performer.name, None, WHOLE_MOTION, _known(everywhere))
     listed: set[str] = set()
-    for asked in asked_of(project, performer_id):
+    for asked in constraints_of_performer(project, performer_id):
         if asked.constraint_id in listed:
             continue
         listed.add(asked.constraint_id)

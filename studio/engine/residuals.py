@@ -15,7 +15,7 @@ from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.base import Constraint
 from studio.core.curves.activation import FULLY_ACTIVE
 from studio.core.project_cache import project_cache
-from studio.core.solver.performers.stage import asked_of
+from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Project
@@ -65,7 +65,7 @@ class Residual:
         return self.measure.weight(self.amount)
 
     @property
-    def partly(self) -> bool:
+    def is_hardly_visible(self) -> bool:
         """True if the residual is hardly visible."""
         return self.amount < self.measure.partly_below
 
@@ -107,7 +107,7 @@ def residuals_on(
     performer = project.performers.get(performer_id)
     if constraint is None or motion is None or performer is None or not constraint.enabled:
         return None
-    asked = asked_of(project, performer_id)
+    asked = constraints_of_performer(project, performer_id)
     rows = [row for row, each in enumerate(asked) if each.constraint_id == constraint_id]
     # With another count the result answers an older question.
     if not rows or len(motion.residuals) != len(asked):

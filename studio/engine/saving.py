@@ -19,7 +19,7 @@ def save_in_background(
     on_error: Callable[[StudioError], None] = lambda _error: None,
 ) -> int:
     """Start a save and return its task id. Raises StudioError at once if there is no file to save to."""
-    saving = document.saving(path, thumbnail, overwrite)
+    saving = document.make_save(path, thumbnail, overwrite)
 
     def saved(stamp: Stamp) -> None:
         document.saved(saving, stamp)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from PySide6.QtCore import QObject, Qt, Signal
 
-from studio.engine.background_tasks import CLOSE_WAIT_SECONDS, join_all
+from studio.engine.background_tasks import CLOSE_WAIT_SECONDS, join_threads
 
 Stage = Callable[[], object]
 
@@ -87,7 +87,7 @@ class SolveScheduler(QObject):
             self._closed = True
             self._waiting.clear()
             self._condition.notify_all()
-        join_all(self._threads, patience)
+        join_threads(self._threads, patience)
         self._done.disconnect(self._deliver)
 
     def _next(self) -> _Request | None:

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
-from studio.core.solver.performers.stage import asked_of
+from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.stage.project import Project
 from studio.engine.background_tasks import CLOSE_WAIT_SECONDS
 from studio.startup.kernel_warm_up import WarmUp
@@ -38,13 +38,15 @@ class SolverKernels(QObject):
         return self._warm_up is None or self._warm_up.grounded
 
     @property
-    def awaited(self) -> bool:
+    def is_pending(self) -> bool:
         """True if ``changed`` will be emitted again."""
         return self._looking.isActive()
 
     def can_solve(self, project: Project, performer_ids: Iterable[str]) -> bool:
         """True if the kernels for some performers are compiled."""
-        return self.ready or (self.grounded and not any(asked_of(project, key) for key in performer_ids))
+        return self.ready or (
+            self.grounded and not any(constraints_of_performer(project, key) for key in performer_ids)
+        )
 
     def join_grounded(self) -> None:
         """Wait, in a worker, until bodies can be grounded. Raises CancelledError if they never will be."""

@@ -9,7 +9,7 @@ from studio.core.constraints.target import own_places_of
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.engine.paged_array import paged
+from studio.engine.paged_array import paged_rows
 
 if TYPE_CHECKING:
     from studio.core.solver.standing.stand import Standing
@@ -37,10 +37,10 @@ class StandingSolver:
         self._lock = threading.Lock()
 
     def __call__(self, request: AdaptRequest, first: int, last: int | None) -> AdaptedMotion:
-        from studio.core.solver.adapt import grounded, solve
+        from studio.core.solver.adapt import grounded_motion, solve_request
 
         standing = self._standing(request, None if last is None else ((first, last + 1), *own_frames(request)))
-        return solve(grounded(request, standing), request, first, last).kept(paged)
+        return solve_request(grounded_motion(request, standing), request, first, last).kept(paged_rows)
 
     def forget(self) -> None:
         """Empty the cache."""
@@ -63,7 +63,7 @@ class StandingSolver:
             standing = lifted(whole.standing, on.ground.height)
         else:
             wanted = None if windows is None else [slice(*each) for each in windows]
-            standing = standing_of(request, wanted).kept(paged)
+            standing = standing_of(request, wanted).kept(paged_rows)
         with self._lock:
             if windows is None:
                 self._partly.clear()  # the hand rests

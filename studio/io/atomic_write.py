@@ -23,14 +23,14 @@ class FolderNotWritable(StudioError):  # noqa: N818 - it names what is the matte
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
-    """``replacing_all`` for one file."""
-    with replacing_all(path) as (part,):
+def atomic_replacement(path: Path) -> Iterator[Path]:
+    """``atomic_replacements`` for one file."""
+    with atomic_replacements(path) as (part,):
         yield part
 
 
 @contextmanager
-def replacing_all(*paths: Path) -> Iterator[tuple[Path, ...]]:
+def atomic_replacements(*paths: Path) -> Iterator[tuple[Path, ...]]:
     """Empty files to be filled in the block; they replace ``paths``, in order, once all are on the disk.
 
     Each keeps the mode of the file that it replaces, or has the default one; a link stays and its target is replaced.
@@ -58,20 +58,20 @@ def replacing_all(*paths: Path) -> Iterator[tuple[Path, ...]]:
                 part.unlink(missing_ok=True)
 
 
-def write_whole(path: Path, content: bytes) -> None:
-    """Replace ``path`` by ``content``, or leave it unchanged. Raises as ``replacing_all``."""
-    with replacing(path) as part:
+def write_atomically(path: Path, content: bytes) -> None:
+    """Replace ``path`` by ``content``, or leave it unchanged. Raises as ``atomic_replacements``."""
+    with atomic_replacement(path) as part:
         part.write_bytes(content)
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write ``text`` as UTF-8 by ``write_whole``; bytes of file names that are not UTF-8 become escapes, as in JSON."""
-    write_whole(path, text.encode(errors="backslashreplace"))
+    """Write ``text`` as UTF-8, atomically; bytes of file names that are not UTF-8 become escapes, as in JSON."""
+    write_atomically(path, text.encode(errors="backslashreplace"))
 
 
 def write_pieces(path: Path, pieces: Iterable[bytes | memoryview]) -> None:
-    """``write_whole`` of a content in pieces, whose iterator may raise to cancel."""
-    with replacing(path) as part, open(part, "wb") as file:
+    """``write_atomically`` of a content in pieces, whose iterator may raise to cancel."""
+    with atomic_replacement(path) as part, open(part, "wb") as file:
         file.writelines(pieces)
 
 
@@ -79,7 +79,7 @@ def write_pieces(path: Path, pieces: Iterable[bytes | memoryview]) -> None:
 def new_folder(path: Path) -> Iterator[Path]:
     """Folder to be filled in the block, which then appears as ``path``; nothing of it stays if the block raises.
 
-    Raises StudioError if ``path`` exists and is not an empty folder, and as ``replacing_all``.
+    Raises StudioError if ``path`` exists and is not an empty folder, and as ``atomic_replacements``.
     """
     target = Path(os.path.realpath(path))
     part = part_of(target)

@@ -11,15 +11,15 @@ from studio.core.body.body_shape import moving_body_by_shape
 from studio.core.body.body_sides import LIMB_PARTS, exchanged_limbs
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_positions
-from studio.core.body.moving_offsets import with_bones_followed
+from studio.core.body.moving_offsets import with_rigid_bones
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.captures.motion_faults import clean_motion
-from studio.core.captures.reference_pose import ReferencePose, find_reference_pose, stand_up
+from studio.core.captures.reference_pose import ReferencePose, find_reference_pose, upright_pose
 from studio.core.errors import StudioError
-from studio.core.names import readable
+from studio.core.names import readable_name
 from studio.core.rotations import IDENTITY_QUATERNION, normalized
 from studio.io.figure.body_maps import FoundBody, named_sides, similar_joints
 from studio.io.guessing import guess_first_frame, guess_floor
@@ -106,11 +106,11 @@ class ReadJoints:
     repairs: tuple[str, ...] = ()
 
 
-def stood_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, guesses: list[Guess]) -> Capture:
+def make_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, guesses: list[Guess]) -> Capture:
     """Capture of joints, with its first frame, ground and reference pose found."""
     poses = read.poses
     if found.body_map is not None:
-        poses, swing = with_bones_followed(read.skeleton, poses, found.body_map)
+        poses, swing = with_rigid_bones(read.skeleton, poses, found.body_map)
         if swing:
             reason = (
                 f"Joints move in their parents by up to {np.degrees(swing):.0f} degrees; bones point where they are."
@@ -123,7 +123,7 @@ def stood_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, gu
     floor = floor_of(read, first_frame, found.body_map, options, guesses)
     reference = reference_of(read.skeleton, poses, found.body_map, options, guesses)
     return Capture(
-        name=readable(read.path.stem),
+        name=readable_name(read.path.stem),
         source=read.path.name,
         skeleton=read.skeleton,
         poses=poses,
@@ -179,7 +179,7 @@ def reference_of(
     Raises StudioError for an unknown choice.
     """
     if options.reference is not None:
-        return chosen_reference(skeleton, poses, body_map, options.reference)
+        return reference_by_option(skeleton, poses, body_map, options.reference)
     if body_map is None:
         zero = np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))
         reason = "Without a human body no other pose is known to be upright."
@@ -190,7 +190,7 @@ def reference_of(
     return reference.rotations
 
 
-def chosen_reference(
+def reference_by_option(
     skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap | None, chosen: str | Mapping[str, Sequence[float]]
 ) -> FloatArray:
     """(J, 4) local rotations of the pose that ``ImportOptions.reference`` names; StudioError if there is none."""
@@ -198,7 +198,7 @@ def chosen_reference(
     if not isinstance(chosen, str):
         return _pose_by_joint(skeleton, chosen, zero)
     if chosen == "zero":
-        stood = stand_up(skeleton, zero, body_map) if body_map else None
+        stood = upright_pose(skeleton, zero, body_map) if body_map else None
         return zero if stood is None else stood
     if not (chosen.isdecimal() and float(chosen) < poses.frame_count):
         raise StudioError(

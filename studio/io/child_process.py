@@ -52,7 +52,7 @@ def child_process(
                     stream.close()
 
 
-def said_lines(stream: IO[bytes]) -> Iterator[str | None]:
+def output_lines(stream: IO[bytes]) -> Iterator[str | None]:
     """Lines as they arrive, until the stream ends; None now and then without any, so that the caller
     can do other work.
     """

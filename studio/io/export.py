@@ -16,7 +16,7 @@ from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
 from studio.core.mesh.character import Character
 from studio.core.normalized.actor import SourceRig
-from studio.core.normalized.realize import own_poses
+from studio.core.normalized.realize import actor_joint_poses
 from studio.core.rigs.carried_joints import carried_joints, with_carried_joints
 from studio.core.rigs.character_skeleton import character_body_map, character_poses, character_skeleton, joint_segments
 from studio.core.rigs.joint_skin import JointSkin, bone_skin, character_skin
@@ -64,7 +64,7 @@ class Take:
         return self.capture.name
 
     @property
-    def carried(self) -> tuple[str, ...]:
+    def carried_joints(self) -> tuple[str, ...]:
         """Extra joints after a character's own, without the ends of bones."""
         if self.adapted is None or self.character is None:
             return ()
@@ -160,14 +160,14 @@ def take_of_actor(
     the stage if that is given.
     """
     try:
-        poses = own_poses(actor, adapted.positions[:], adapted.rotations[:], adapted.first_frame)
+        poses = actor_joint_poses(actor, adapted.positions[:], adapted.rotations[:], adapted.first_frame)
     except StudioError as error:
         raise StudioError(f"The motion of {capture.name} cannot be exported: {error}") from error
     take = Take(replace(capture, poses=poses, first_frame=0), _met(request, adapted), None, adapted, request)
     if place == NOWHERE:
         return take
     x, y, _ = (-actor.origin).tolist()
-    return replace(take, place=place.around(Placement((x, y))))
+    return replace(take, place=place.compose(Placement((x, y))))
 
 
 def _met(request: AdaptRequest | None, adapted: AdaptedMotion) -> Annotations:

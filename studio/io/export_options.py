@@ -90,7 +90,7 @@ class ExportOptions:
         take holds still.
         """
         self.check(path)
-        return self._shaped(sampled(self._on_joints(take, path), seconds - take.begin, frame_rate), path)
+        return self._shaped(sampled_take(self._on_joints(take, path), seconds - take.begin, frame_rate), path)
 
     def _on_joints(self, take: Take, path: Path) -> Take:
         """Take on the chosen joints, frame by frame as adapted."""
@@ -101,7 +101,7 @@ class ExportOptions:
     def _shaped(self, take: Take, path: Path) -> Take:
         """Take with the chosen placement, zero pose, root and names."""
         if not self.at_origin:
-            take = placed(take)
+            take = placed_take(take)
         take = self._from_rest_pose(take, path)
         if self.root == "floor":
             capture, bound, rest = with_root_joint(take.capture, _lowest_bone(take)), take.bound, take.rest_rotations
@@ -133,7 +133,7 @@ class ExportOptions:
             )
         if rate == own:
             start = round(start * own) / own
-        return sampled(take, frame_times(start, stop, rate), rate)
+        return sampled_take(take, frame_times(start, stop, rate), rate)
 
     def _from_rest_pose(self, take: Take, path: Path) -> Take:
         """Take with the chosen zero pose."""
@@ -171,7 +171,7 @@ def frame_times(begin: float, end: float, frame_rate: float) -> FloatArray:
     return begin + np.arange(count) / frame_rate
 
 
-def sampled(take: Take, seconds: FloatArray, frame_rate: float) -> Take:
+def sampled_take(take: Take, seconds: FloatArray, frame_rate: float) -> Take:
     """Take at ``seconds`` (N,) from its own first frame, as N frames at ``frame_rate``."""
     frames = seconds * take.frame_rate
     first, last = frames[0], frames[-1]
@@ -212,7 +212,7 @@ def sampled(take: Take, seconds: FloatArray, frame_rate: float) -> Take:
     )
 
 
-def placed(take: Take) -> Take:
+def placed_take(take: Take) -> Take:
     """Take at its position on the stage."""
     capture, place = take.capture, take.place
     if place.position == (0.0, 0.0) and place.heading == 0.0:

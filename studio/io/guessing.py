@@ -105,7 +105,7 @@ def find_unit(
     return scale, guess
 
 
-def said_unit(metres: float) -> Scale:
+def stated_unit(metres: float) -> Scale:
     """Unit of that many metres, by name if it has one."""
     named = (unit for unit, length in METRES_PER_UNIT.items() if abs(length - metres) < _SAME_UNIT * metres)
     return Scale(next(named, f"{metres:.9g}"), metres)

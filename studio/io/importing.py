@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
-from studio.core.names import readable
+from studio.core.names import readable_name
 from studio.io.registry import Progress, ReadCapture, ReadCharacter, format_of, recognise
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def _identified(read: ReadCapture, digest: str) -> ReadCapture:
 def _of_file(capture: Capture, digest: str) -> Capture:
     """``capture`` with the digest of its file, and a file name that can be written as text."""
     return replace(
-        capture, digest=digest, source=readable(capture.source), repairs=tuple(map(readable, capture.repairs))
+        capture, digest=digest, source=readable_name(capture.source), repairs=tuple(map(readable_name, capture.repairs))
     )
 
 

@@ -21,7 +21,7 @@ class Record:
     def __contains__(self, key: str) -> bool:
         return key in self.value
 
-    def wrong(self, key: str, expected: str) -> StudioError:
+    def value_error(self, key: str, expected: str) -> StudioError:
         """Error for a value that is not of the expected kind."""
         return StudioError(f"{self.where}: '{key}' should be {expected}. {_AGAIN}")
 
@@ -29,7 +29,7 @@ class Record:
         """The record under ``key``; an empty one where there is none."""
         value = self.value.get(key, {})
         if not isinstance(value, dict):
-            raise self.wrong(key, "a record")
+            raise self.value_error(key, "a record")
         return Record(value, f"{self.where}, {key}")
 
     def records(self, key: str) -> list["Record"]:
@@ -40,14 +40,14 @@ class Record:
         """The words under ``key``."""
         value = self.value.get(key, default)
         if not isinstance(value, str):
-            raise self.wrong(key, "a text")
+            raise self.value_error(key, "a text")
         return value
 
     def whole(self, key: str, default: int | None = None, least: int = 0) -> int:
         """The whole number under ``key``, ``least`` or more."""
         value = self.value.get(key, default)
         if type(value) is not int or not least <= value < 2**53:
-            raise self.wrong(key, f"a whole number of {least} or more")
+            raise self.value_error(key, f"a whole number of {least} or more")
         return value
 
     def index(self, key: str, count: int) -> int | None:
@@ -63,7 +63,7 @@ class Record:
         """A list of indices below ``count``."""
         values = self._list(key)
         if any(type(value) is not int or not 0 <= value < count for value in values):
-            raise self.wrong(key, f"a list of numbers below {count}")
+            raise self.value_error(key, f"a list of numbers below {count}")
         return values
 
     def numbers(self, key: str, default: tuple[float, ...]) -> tuple[float, ...]:
@@ -71,14 +71,14 @@ class Record:
         values = self.value.get(key, default)
         right = isinstance(values, list | tuple) and len(values) == len(default)
         if not right or not all(_is_number(value) for value in values):
-            raise self.wrong(key, f"{len(default)} believable numbers")
+            raise self.value_error(key, f"{len(default)} believable numbers")
         return tuple(map(float, values))
 
     def number(self, key: str, default: float) -> float:
         """One finite number."""
         value = self.value.get(key, default)
         if not _is_number(value):
-            raise self.wrong(key, "a believable number")
+            raise self.value_error(key, "a believable number")
         return float(value)
 
     def flag(self, key: str) -> bool:
@@ -93,12 +93,12 @@ class Record:
     def _list(self, key: str) -> list[Any]:
         value = self.value.get(key, [])
         if not isinstance(value, list):
-            raise self.wrong(key, "a list")
+            raise self.value_error(key, "a list")
         return value
 
     def _record_in(self, key: str, place: int, item: Any) -> "Record":
         if not isinstance(item, dict):
-            raise self.wrong(f"{key}[{place}]", "a record")
+            raise self.value_error(f"{key}[{place}]", "a record")
         name = self.where.split(", ")[0]
         return Record(item, f"{name}, {key}[{place}]")
 

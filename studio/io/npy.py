@@ -11,8 +11,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.io.atomic_write import replacing
-from studio.io.zipped import unpacked
+from studio.io.atomic_write import atomic_replacement
+from studio.io.zipped import unzipped_members
 
 Array = NDArray[Any]
 Content = bytes | memoryview
@@ -42,7 +42,7 @@ def array_of(content: Content) -> Array:
 
 def arrays_of(content: bytes, most: int) -> dict[str, Array]:
     """The arrays of an ``.npz`` file by name, which unpack to ``most`` bytes together. Raises ValueError."""
-    return {name.removesuffix(".npy"): array_of(member) for name, member in unpacked(content, most).items()}
+    return {name.removesuffix(".npy"): array_of(member) for name, member in unzipped_members(content, most).items()}
 
 
 CHECKSUM_BYTES = 4
@@ -64,7 +64,7 @@ class StoredArray:
 
 def write_stored(path: Path, values: Array) -> None:
     """Write an ``.npy`` file with its checksum at the end, whole or not at all. Raises StudioError."""
-    with replacing(path) as part:
+    with atomic_replacement(path) as part:
         with open(part, "wb") as file:
             np.save(file, values, allow_pickle=False)
         with open(part, "r+b") as file:

@@ -89,7 +89,7 @@ def entry_points(group: str) -> EntryPoints:
     return metadata.entry_points(group=group)
 
 
-def offers(group: str) -> Iterator[PlugInEntry]:
+def plug_in_entries(group: str) -> Iterator[PlugInEntry]:
     """The entry points of a group; nothing of their packages is imported."""
     words = group.rpartition(".")[2].removesuffix("s")
     return (PlugInEntry(entry, words) for entry in entry_points(group=group))
@@ -99,7 +99,7 @@ def load_all(group: str, accepted: Callable[[Any], T]) -> LoadedPlugIns[T]:
     """Offers of a group of entry points, loaded and checked by ``accepted``; errors are returned, never raised."""
     found: list[T] = []
     failures: list[str] = []
-    for offer in offers(group):
+    for offer in plug_in_entries(group):
         try:
             found.append(offer.load(accepted))
         except StudioError as error:

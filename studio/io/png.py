@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.io.atomic_write import new_folder, write_whole
+from studio.io.atomic_write import new_folder, write_atomically
 
 
 def png_bytes(pixels: NDArray[np.uint8]) -> bytes:
@@ -21,7 +21,7 @@ def png_bytes(pixels: NDArray[np.uint8]) -> bytes:
 
 def write_png(path: Path, pixels: NDArray[np.uint8]) -> None:
     """Write a picture, whole or not at all. Raises StudioError when it cannot be written."""
-    write_whole(path, png_bytes(pixels))
+    write_atomically(path, png_bytes(pixels))
 
 
 def write_pictures(folder: Path, frames: Iterable[NDArray[np.uint8]]) -> None:

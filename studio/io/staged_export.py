@@ -5,10 +5,10 @@ from itertools import product
 
 import numpy as np
 
-from studio.core.captures.annotations import Label, within
+from studio.core.captures.annotations import Label, labels_in_range
 from studio.core.captures.capture import Capture
 from studio.core.names import safe_name
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.rigs.carried_joints import carried_joints
 from studio.core.solver.performers.performing import Performance
 from studio.core.solver.performers.rows import is_plain, timing_of
@@ -31,7 +31,7 @@ def take_of_performer(project: Project, performer_id: str, performance: Performa
     clips = performer.clips
     capture = project.captures[project.motions[clips[0].motion_id].capture_id]
     alone = len(clips) == 1 and is_plain(clips[0])
-    carried = (capture, normalize(capture)[1]) if along and alone and other_joints(capture) else None
+    carried = (capture, normalize_capture(capture)[1]) if along and alone and other_joints(capture) else None
     take = take_of_adapted(performer.name, performance.played, character, performance.request, carried)
     return replace(
         take,
@@ -48,7 +48,7 @@ def labels_played(project: Project, performer_id: str) -> tuple[Label, ...]:
     for clip in performer.clips:
         rate = project.frame_rate_of(clip)
         once = clip.length(rate) / clip.repeats
-        labels = within(project.labels_of(clip.motion_id).values(), clip.first, clip.last)
+        labels = labels_in_range(project.labels_of(clip.motion_id).values(), clip.first, clip.last)
         for label, repeat in product(labels, range(clip.repeats)):
             begin = repeat * once - timing.start
             ends = clip.stage_seconds(np.array([clip.first + label.first, clip.first + label.last]) / rate, rate)

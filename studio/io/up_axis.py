@@ -201,7 +201,7 @@ def _tilted(body: BodyPoints, along: FloatArray, straight: NDArray[np.bool_]) ->
     return up if leans > _LEAST_TILT and agrees < _AGREED else None
 
 
-def said_axis(name: str) -> dict[str, float]:
+def stated_axis(name: str) -> dict[str, float]:
     """``usual`` axes of a file that gives its up axis."""
     return {name: _SAID}
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.io.atomic_write import replacing
+from studio.io.atomic_write import atomic_replacement
 from studio.io.registry import Progress
 
 _PIECE = 1 << 20
@@ -39,7 +39,7 @@ def write_zip(path: Path, members: Mapping[str, bytes], level: int | None, progr
     """
     total, done = sum(map(len, members.values())) or 1, 0
     method = zipfile.ZIP_STORED if level is None else zipfile.ZIP_DEFLATED
-    with replacing(path) as part, zipfile.ZipFile(part, "w", method, compresslevel=level) as archive:
+    with atomic_replacement(path) as part, zipfile.ZipFile(part, "w", method, compresslevel=level) as archive:
         for name, content in members.items():
             with archive.open(name if level is not None else _aligned(name, archive.start_dir), "w") as stream:
                 for first in range(0, len(content), _PIECE):
@@ -56,7 +56,7 @@ def _aligned(name: str, start: int) -> zipfile.ZipInfo:
     return member
 
 
-def unpacked(content: bytes, most: int, names: Sequence[str] = ()) -> dict[str, bytes]:
+def unzipped_members(content: bytes, most: int, names: Sequence[str] = ()) -> dict[str, bytes]:
     """Members of an archive by name, or those of ``names``; together they unpack to at most ``most`` bytes.
 
     Raises ValueError with its fault, UnpacksTooFarError before anything is unpacked.

@@ -27,11 +27,11 @@ from studio.core.quality.report import (
     BLOCKED_BY_TOLERANCE,
     BLOCKED_BY_TOUCHES,
     MET_BY_UNIT,
-    Report,
+    QualityReport,
     fully_active,
     report_of,
 )
-from studio.core.solver.adapt import grounded, solve
+from studio.core.solver.adapt import grounded_motion, solve_request
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import Standing
 from studio.core.solver.warm_up import warm_up
@@ -62,12 +62,12 @@ def character_report(
     request: AdaptRequest, source: AdaptedMotion, first_frame: int, *, by_frame: bool = False
 ) -> tuple[AdaptedMotion, JsonObject]:
     """Adapted motion from ``first_frame`` on, and the record of its metrics."""
-    warm(request.morphology.still)
+    load_kernels(request.morphology.first_frame_body)
     start = time.perf_counter()
-    standing = grounded(request)
-    adapted = solve(standing, request, first_frame)
+    standing = grounded_motion(request)
+    adapted = solve_request(standing, request, first_frame)
     seconds = time.perf_counter() - start
-    record = figures(standing, request, adapted, source, by_frame)
+    record = quality_record(standing, request, adapted, source, by_frame)
     return adapted, {**record, "microseconds_per_frame": 1e6 * seconds / adapted.frame_count}
 
 
@@ -76,7 +76,7 @@ def place_record(place: Placement) -> JsonObject:
     return {"position": list(place.position), "heading_deg": math.degrees(place.heading)}
 
 
-def figures(
+def quality_record(
     standing: Standing, request: AdaptRequest, adapted: AdaptedMotion, source: AdaptedMotion, by_frame: bool
 ) -> JsonObject:
     """Record of an adapted motion's quality metrics, some relative to its ``source``, and of its constraints."""
@@ -121,12 +121,12 @@ def measure_records(adapted: AdaptedMotion, by_frame: bool) -> JsonObject:
 
 
 @lru_cache(maxsize=16)
-def warm(body: Morphology) -> None:
+def load_kernels(body: Morphology) -> None:
     """Load the kernels, so that the time to load them is not measured."""
     warm_up(body)
 
 
-def frame_records(report: Report) -> JsonObject:
+def frame_records(report: QualityReport) -> JsonObject:
     """Metrics of feet, knees and balance, one number per frame from the first adapted one; null where there is none."""
     slides, depths = 1000.0 * report.slides, 1000.0 * np.maximum(-report.heights, 0.0)
     return {
@@ -142,7 +142,7 @@ def frame_records(report: Report) -> JsonObject:
 
 
 def constraint_records(
-    request: AdaptRequest, adapted: AdaptedMotion, report: Report, by_frame: bool
+    request: AdaptRequest, adapted: AdaptedMotion, report: QualityReport, by_frame: bool
 ) -> list[JsonObject]:
     """Record of each constraint: number of frames in which it is fully active and in which it is met, its worst
     residual in the former, and for the frames in which it is not met the number blocked by each cause. Contacts on

@@ -10,12 +10,12 @@ from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval
 from studio.core.errors import StudioError
-from studio.core.markers.cleaning import clean
+from studio.core.markers.cleaning import cleaned_trial
 from studio.core.markers.take import mapped_labels
 from studio.core.mesh.character import Character
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.normalize import detected_contacts, normalize
+from studio.core.normalized.normalize import detected_contacts, normalize_capture
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.source import source_motion
 from studio.io.importing import ImportOptions, known_of_motion, load_character, read_capture
@@ -78,7 +78,7 @@ def ready_read(read: ReadCapture, path: Path, *, all_frames: bool = False) -> Re
 def made_ready(capture: Capture, annotations: Annotations | None = None) -> ReadyCapture:
     """Normalise a capture; without ``annotations`` its contacts are detected."""
     annotations = annotations or Annotations(detected_contacts(capture, ADAPTED_MOTION_ID))
-    return ReadyCapture(capture, *normalize(capture), annotations)
+    return ReadyCapture(capture, *normalize_capture(capture), annotations)
 
 
 def cleaning_records(capture: Capture) -> list[JsonObject]:
@@ -86,7 +86,7 @@ def cleaning_records(capture: Capture) -> list[JsonObject]:
     if capture.markers is None or capture.body_map is None:
         return []
     take = capture.markers
-    _, reports = clean(take.trial.only(mapped_labels(take)), take.steps)
+    _, reports = cleaned_trial(take.trial.with_labels(mapped_labels(take)), take.steps)
     return [{"step": each.title, "summary": each.summary, "details": list(each.details)} for each in reports]
 
 

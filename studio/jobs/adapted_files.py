@@ -91,7 +91,7 @@ class AdaptSettings:
         if others or not characters:
             characters |= chosen_characters(others)
         ground = read_ground(self.ground) if self.ground else Ground()
-        return Cast(characters, placed(self.places, characters), ground)
+        return Cast(characters, character_placements(self.places, characters), ground)
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ class Cast:
     ground: Ground
 
 
-def placed(places: Mapping[str, Placement], characters: Iterable[str]) -> dict[str, Placement]:
+def character_placements(places: Mapping[str, Placement], characters: Iterable[str]) -> dict[str, Placement]:
     """Placement of each of ``characters``. Raises StudioError for the place of one that does not take part."""
     found = dict.fromkeys(characters, Placement())
     for name, place in places.items():
@@ -182,7 +182,7 @@ def _adapt_to(
         "name": key,
         "file": str(path),
         "place": place_record(place),
-        "carried_joints": sorted({*take.carried} & {*written.skeleton.names}),
+        "carried_joints": sorted({*take.carried_joints} & {*written.skeleton.names}),
     }
     return {**about, **record}
 

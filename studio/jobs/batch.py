@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from studio.core.errors import StudioError
-from studio.core.names import counted
+from studio.core.names import counted_noun
 from studio.io.json_text import JsonObject
 from studio.jobs.adaptation import make_folder
 from studio.jobs.adapted_files import AdaptSettings
-from studio.jobs.batch_cluster import run_there
-from studio.jobs.batch_jobs import REPORTS, BatchJob, done_before, find_jobs
+from studio.jobs.batch_cluster import run_in_cluster
+from studio.jobs.batch_jobs import REPORTS, BatchJob, find_jobs, finished_jobs
 from studio.jobs.batch_summary import PAGE, TABLE, write_summary
-from studio.jobs.batch_workers import run_here
+from studio.jobs.batch_workers import run_in_workers
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class BatchResult:
     def words(self) -> str:
         """Summary as a sentence."""
         return (
-            f"{counted(len(self.records), 'file')}: {self.adapted} adapted, {self.unchanged} unchanged,"
+            f"{counted_noun(len(self.records), 'file')}: {self.adapted} adapted, {self.unchanged} unchanged,"
             f" {self.failed} failed."
         )
 
@@ -95,7 +95,7 @@ def run_batch(
     jobs = find_jobs(settings.source, settings.out, settings.adapt)
     _refuse_others_folder(settings)
     make_folder(settings.out / REPORTS)
-    records = {job.name: record for job in jobs if (record := done_before(job)) is not None}
+    records = {job.name: record for job in jobs if (record := finished_jobs(job)) is not None}
     unchanged = len(records)
     try:
         for number, name in enumerate(records, 1):
@@ -117,9 +117,9 @@ def _run(
     if not jobs:
         return
     if settings.scheduler is None:
-        yield from run_here(jobs, settings.workers, waited)
+        yield from run_in_workers(jobs, settings.workers, waited)
     else:
-        yield from run_there(jobs, settings.scheduler, waited)
+        yield from run_in_cluster(jobs, settings.scheduler, waited)
 
 
 def _refuse_others_folder(settings: BatchSettings) -> None:

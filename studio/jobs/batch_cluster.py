@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from studio.core.errors import StudioError
 from studio.io.json_text import JsonObject
-from studio.jobs.batch_jobs import BatchJob, died, work
+from studio.jobs.batch_jobs import BatchJob, adapt_job, death_record
 from studio.startup.process import prepare_process
 
 _PATIENCE = 10.0
@@ -14,7 +14,7 @@ CLUSTER_POLL_SECONDS = 0.1
 """Seconds between two looks at what is done."""
 
 
-def run_there(jobs: Sequence[BatchJob], scheduler: str, waited: Callable[[], object]) -> Iterator[JsonObject]:
+def run_in_cluster(jobs: Sequence[BatchJob], scheduler: str, waited: Callable[[], object]) -> Iterator[JsonObject]:
     """Record of each job as soon as the workers of the ``scheduler`` at that address have done it.
 
     The job of a worker that dies is given to another one.
@@ -31,7 +31,9 @@ def run_there(jobs: Sequence[BatchJob], scheduler: str, waited: Callable[[], obj
         raise StudioError(f"No scheduler answers at '{scheduler}'. Start one with `dask scheduler`.") from error
     with client:
         client.run(prepare_process)
-        futures = {client.submit(work, job, key=f"adapt-{job.name}-{job.digest[:12]}", pure=False): job for job in jobs}
+        futures = {
+            client.submit(adapt_job, job, key=f"adapt-{job.name}-{job.digest[:12]}", pure=False): job for job in jobs
+        }
         ready = as_completed(futures)
         while not ready.is_empty():
             waited()
@@ -39,5 +41,5 @@ def run_there(jobs: Sequence[BatchJob], scheduler: str, waited: Callable[[], obj
             if not done:
                 time.sleep(CLUSTER_POLL_SECONDS)
             for future in done:
-                yield future.result() if future.status == "finished" else died(futures[future])
+                yield future.result() if future.status == "finished" else death_record(futures[future])
                 future.release()

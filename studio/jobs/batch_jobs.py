@@ -61,7 +61,7 @@ def find_jobs(source: Path, out: Path, settings: AdaptSettings) -> list[BatchJob
     return jobs
 
 
-def done_before(job: BatchJob) -> JsonObject | None:
+def finished_jobs(job: BatchJob) -> JsonObject | None:
     """Record of an earlier run with the same inputs, whose files are unchanged; None if there is none."""
     try:
         record: JsonObject = json.loads(job.report.read_bytes())
@@ -72,7 +72,7 @@ def done_before(job: BatchJob) -> JsonObject | None:
     return record if same else None
 
 
-def work(job: BatchJob) -> JsonObject:
+def adapt_job(job: BatchJob) -> JsonObject:
     """Adapt one capture in this process and return its record; an error is reported in the record and stops nothing."""
     start = perf_counter()
     record: JsonObject = {"name": job.name, "digest": job.digest}
@@ -83,20 +83,20 @@ def work(job: BatchJob) -> JsonObject:
         job.report.parent.mkdir(parents=True, exist_ok=True)
         write_json(job.report, record)
     except StudioError as error:
-        return failure(job, str(error))
+        return failure_record(job, str(error))
     except Exception as error:  # noqa: BLE001 - a fault of ours or of a format from outside costs this file alone
-        return failure(job, f"{job.name}: an error of the studio itself, {type(error).__name__}: {error}")
+        return failure_record(job, f"{job.name}: an error of the studio itself, {type(error).__name__}: {error}")
     return record
 
 
-def failure(job: BatchJob, error: str) -> JsonObject:
+def failure_record(job: BatchJob, error: str) -> JsonObject:
     """Record of a capture that could not be adapted."""
     return {"name": job.name, "digest": job.digest, "error": error, "characters": []}
 
 
-def died(job: BatchJob) -> JsonObject:
+def death_record(job: BatchJob) -> JsonObject:
     """Record of a capture on which the worker processes died."""
-    return failure(job, f"{job.name}: every worker that was given this file died of it. Look at it alone.")
+    return failure_record(job, f"{job.name}: every worker that was given this file died of it. Look at it alone.")
 
 
 def _digest_of(settings: AdaptSettings) -> bytes:

@@ -7,7 +7,7 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
-from studio.core.names import counted
+from studio.core.names import counted_noun
 from studio.io.atomic_write import write_text
 from studio.io.json_text import JsonObject
 
@@ -80,8 +80,8 @@ def _page(records: Sequence[JsonObject], rows: Sequence[Row]) -> str:
     errors = "".join(f"<tr><td>{escape(each['name'])}<td>{escape(each['error'])}" for each in failed)
     return (
         f'<!doctype html><meta charset="utf-8"><title>Batch</title><style>{STYLE}</style>'
-        f"<h1>{counted(len(records), 'capture')}, {len(failed)} failed</h1><p>Captures from left to right, a dot for"
-        f" each character; point at one for its name. {legend}{plots}"
+        f"<h1>{counted_noun(len(records), 'capture')}, {len(failed)} failed</h1><p>Captures from left to right, a dot"
+        f" for each character; point at one for its name. {legend}{plots}"
         + (f"<h2>Failed</h2><table>{errors}</table>" if failed else "")
     )
 

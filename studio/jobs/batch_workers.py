@@ -18,7 +18,7 @@ from studio.io.json_text import JsonObject
 from studio.io.project.character_file import bundled_characters
 from studio.jobs.adapt_report import character_report
 from studio.jobs.adaptation import ready_capture
-from studio.jobs.batch_jobs import BatchJob, died, work
+from studio.jobs.batch_jobs import BatchJob, adapt_job, death_record
 from studio.resources_folder import example_captures_folder
 from studio.startup.process import prepare_process
 
@@ -35,7 +35,7 @@ class Worker:
 
     def __init__(self, context: "multiprocessing.context.ForkContext | multiprocessing.context.SpawnContext") -> None:
         self.pipe, theirs = context.Pipe()
-        self.process: BaseProcess = context.Process(target=serve, args=(theirs,), daemon=True)
+        self.process: BaseProcess = context.Process(target=run_worker, args=(theirs,), daemon=True)
         self.process.start()
         theirs.close()
         self.job: BatchJob | None = None
@@ -63,7 +63,7 @@ def can_fork() -> bool:
     return sys.platform == "linux" and threading.current_thread() is threading.main_thread()
 
 
-def serve(pipe: Connection) -> None:
+def run_worker(pipe: Connection) -> None:
     """Main loop of a worker: one job after the other, until there are no more or the parent process is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that gives the jobs
     signal.signal(signal.SIGTERM, signal.default_int_handler)
@@ -72,7 +72,7 @@ def serve(pipe: Connection) -> None:
     assert parent is not None
     try:
         while pipe in wait([pipe, parent.sentinel]):
-            pipe.send(work(pipe.recv()))
+            pipe.send(adapt_job(pipe.recv()))
     except (KeyboardInterrupt, EOFError, OSError):
         return
 
@@ -87,7 +87,7 @@ def load_kernels() -> None:
     character_report(request, ready.source, ready.capture.first_frame, by_frame=False)
 
 
-def run_here(jobs: Sequence[BatchJob], count: int | None, waited: Callable[[], object]) -> Iterator[JsonObject]:
+def run_in_workers(jobs: Sequence[BatchJob], count: int | None, waited: Callable[[], object]) -> Iterator[JsonObject]:
     """Record of each job as soon as it is done, the largest captures first, by ``count`` processes; None for as many as
     cores.
 
@@ -118,7 +118,7 @@ def run_here(jobs: Sequence[BatchJob], count: int | None, waited: Callable[[], o
                     if deaths[job.name] < ATTEMPTS:
                         waiting.appendleft(job)
                     else:
-                        record = died(job)
+                        record = death_record(job)
                 if waiting:
                     worker.give(waiting.popleft())
                 if record is not None:

@@ -16,8 +16,8 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.performers.dependency_cycles import CycleMember, solve_cycle
 from studio.core.solver.performers.followed_tracks import tracked_track
-from studio.core.solver.performers.prop_tracks import seen_from, stage_track
-from studio.core.solver.performers.stage import concerning
+from studio.core.solver.performers.prop_tracks import stage_track, track_in_motion_space
+from studio.core.solver.performers.stage import constraint_for_performer
 from studio.core.solver.request import AdaptRequest
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
@@ -63,7 +63,7 @@ def _concerning(
 ) -> Iterator[Constraint]:
     """Constraints of the file that apply to one character: those of all characters and those of it alone."""
     for each in constraints:
-        concerned = concerning(each, key, requests, props) if each.scope.includes(key, "") else None
+        concerned = constraint_for_performer(each, key, requests, props) if each.scope.includes(key, "") else None
         if concerned is not None:
             yield concerned
 
@@ -94,7 +94,7 @@ def _with_own_tracks(
             match follow:
                 case FollowProp():
                     prop = props[follow.prop_id]
-                    tracks[follow] = seen_from(follow, prop, stage_track(prop, request.motion.times), place)
+                    tracks[follow] = track_in_motion_space(follow, prop, stage_track(prop, request.motion.times), place)
                 case FollowTracked():
                     try:
                         tracks[follow] = tracked_track(follow, capture)

@@ -99,7 +99,7 @@ class CatalogueClip:
     label: ClipLabel
     path: HitPath
 
-    def fits(self, take: LibraryTake) -> bool:
+    def is_within(self, take: LibraryTake) -> bool:
         """True if the frames of the clip lie within ``take``."""
         return max(self.label.last, self.path.last) < take.motion.frame_count
 
@@ -155,7 +155,7 @@ class Catalogue:
         return f"{self.repaired} {self.read_only}".strip()
 
     @contextmanager
-    def changing(self) -> Iterator[None]:
+    def write_transaction(self) -> Iterator[None]:
         """Transaction: all that the block writes is stored, or nothing. Raises StudioError if nothing can be
         written.
         """
@@ -166,7 +166,7 @@ class Catalogue:
             yield
 
     @contextmanager
-    def unchanging(self) -> Iterator[None]:
+    def read_transaction(self) -> Iterator[None]:
         """Transaction: all that the block reads is of one moment, whatever other processes write."""
         with self._refusing(), self._connection:
             self._connection.execute("BEGIN")
@@ -188,7 +188,7 @@ class Catalogue:
             clips[clip.take].append(clip)
 
         def is_whole(take: LibraryTake) -> bool:
-            known = [clip for clip in clips[take.number] if clip.fits(take)]
+            known = [clip for clip in clips[take.number] if clip.is_within(take)]
             confirmed = Counter(clip.label for clip in known if clip.label.confirmed)
             given = Counter(label for label in labels.get(take.path, ()) if label.last < take.motion.frame_count)
             channels = self._stored(take.number)
@@ -443,7 +443,7 @@ class Catalogue:
         missing = (rescued.keys() | labels.keys()) - entered
         present = [path for path in sorted(missing) if os.path.isfile(path)]
         if present:
-            with self.changing():
+            with self.write_transaction():
                 for path in present:
                     self.note(path, TO_BE_READ)
 

@@ -55,7 +55,7 @@ class PoseMap:
         return np.asarray(order[counts[order] > 0])
 
 
-def unturned(rows: ArrayLike) -> FloatArray:
+def rotation_free_features(rows: ArrayLike) -> FloatArray:
     """Features (F, 40) of pose rows (F, 64) that neither turn nor shift changes; their Euclidean distance is
     at most D.
     """
@@ -65,7 +65,7 @@ def unturned(rows: ArrayLike) -> FloatArray:
 
 def map_of(table: SearchTable, count: int) -> PoseMap:
     """Map of a table's poses with at most ``count`` clusters, whose representatives differ."""
-    features = unturned(table.rows)
+    features = rotation_free_features(table.rows)
     if count == 0 or not len(features):
         none = np.empty(0, dtype=np.int64)
         return PoseMap(none, np.empty((0, 2 * at.POSE_JOINTS)), none, np.empty((0, 0), dtype=np.int64))

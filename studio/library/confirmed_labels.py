@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from studio.core.errors import StudioError
-from studio.io.atomic_write import write_whole
+from studio.io.atomic_write import write_atomically
 from studio.io.json_text import json_of
 from studio.io.referenced_files import read_bytes
 from studio.library.clip_labels import ClipLabel
@@ -48,7 +48,7 @@ def write_labels(folder: Path, labels: Mapping[str, Sequence[ClipLabel]]) -> Non
     records = {path: [label.to_json() for label in found] for path, found in labels.items() if found}
     digest = _digest(json.dumps(records, sort_keys=True))
     content = {"version": LABELS_VERSION, "digest": digest, "labels": records}
-    write_whole(folder / CONFIRMED_LABELS, json.dumps(content, sort_keys=True, indent=1).encode())
+    write_atomically(folder / CONFIRMED_LABELS, json.dumps(content, sort_keys=True, indent=1).encode())
 
 
 def _digest(text: str) -> str:

@@ -62,7 +62,7 @@ def hit_places(
 
 def limb_root(layout: BodyLayout, limb: Limb) -> int:
     """Index of the point about which a limb swings: shoulder or hip."""
-    return layout.collar(limb.side) + 1 if limb.is_arm else layout.hip(limb.side)
+    return layout.collar_point(limb.side) + 1 if limb.is_arm else layout.hip_point(limb.side)
 
 
 def limb_size(body: Morphology, limb: Limb) -> float:

@@ -16,15 +16,15 @@ from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.normalize import normalize
-from studio.core.normalized.realize import realize
+from studio.core.normalized.normalize import normalize_capture
+from studio.core.normalized.realize import realize_motion
 from studio.io.importing import known_of_motion, read_capture
 from studio.io.registry import known_formats
 from studio.library.catalogue import Catalogue, FileState
 from studio.library.clip_labels import ClipLabel
 from studio.library.hitting import HitPath, hit_path
 from studio.library.library import Library
-from studio.library.proposed_strikes import propose
+from studio.library.proposed_strikes import proposed_labels
 from studio.resources_folder import bundled_strikes_folder
 
 Progress = Callable[[float, str], object]
@@ -43,7 +43,9 @@ class IndexReport:
     problems: dict[str, str]
 
 
-def index(catalogue: Catalogue, folders: Iterable[Path], progress: Progress = lambda share, text: None) -> IndexReport:
+def index_folders(
+    catalogue: Catalogue, folders: Iterable[Path], progress: Progress = lambda share, text: None
+) -> IndexReport:
     """Index ``folders``, with those below them, into the catalogue; entries of other folders stay.
 
     If ``progress`` cancels it, files already read are kept. A missing folder keeps its former entries.
@@ -55,7 +57,7 @@ def index(catalogue: Catalogue, folders: Iterable[Path], progress: Progress = la
     known, read = catalogue.files(), 0
     gone = [name for name in catalogue.paths() if _below(name, present) and not os.path.exists(name)]
     if gone:
-        with catalogue.changing():
+        with catalogue.write_transaction():
             for name in gone:
                 catalogue.forget(name)
     for place, path in enumerate(paths):
@@ -83,7 +85,7 @@ def whole_library(catalogue: Catalogue, progress: Progress = lambda share, text:
 def bundled_library() -> Library:
     """Library of the strikes that come with the studio, indexed in a temporary folder."""
     with TemporaryDirectory(ignore_cleanup_errors=True) as place, Catalogue(Path(place)) as catalogue:
-        index(catalogue, [bundled_strikes_folder()])
+        index_folders(catalogue, [bundled_strikes_folder()])
         return Library.of(catalogue)
 
 
@@ -93,7 +95,7 @@ def captures_in(folder: Path) -> list[Path]:
     return [path for path in folder.rglob("*") if path.suffix.lower() in suffixes and path.is_file()]
 
 
-def corrected(catalogue: Catalogue, clip_number: int, label: ClipLabel) -> None:
+def correct_label(catalogue: Catalogue, clip_number: int, label: ClipLabel) -> None:
     """Replace the label of a clip by ``label``, as confirmed by a person. Raises StudioError if the clip is gone."""
     clip = next((each for each in catalogue.clips() if each.number == clip_number), None)
     if clip is None:
@@ -104,7 +106,7 @@ def corrected(catalogue: Catalogue, clip_number: int, label: ClipLabel) -> None:
             "The motion of that clip cannot be read any more. Search again, and it is read from its file."
         )
     path = _path_of(take.motion, catalogue.actors()[take.actor].body, label)
-    with catalogue.changing():
+    with catalogue.write_transaction():
         catalogue.change_clip(clip_number, replace(label, confirmed=True), path)
 
 
@@ -114,26 +116,26 @@ def _read(catalogue: Catalogue, path: Path, state: FileState) -> FileState:
         capture = file.capture
         if capture.body_map is None:
             raise StudioError("No human body was found in it.")
-        motion, performer = normalize(capture)
+        motion, performer = normalize_capture(capture)
         contacts = known_of_motion(capture, file.annotations, "").contacts or ()
     except StudioError as error:
         state = replace(state, problem=str(error))
-        with catalogue.changing():
+        with catalogue.write_transaction():
             catalogue.note(str(path), state)
         return state
-    with catalogue.changing():
+    with catalogue.write_transaction():
         said = catalogue.confirmed(str(path))
         catalogue.note(str(path), state)
         actor = catalogue.actor(_bones(capture), f"Actor of {capture.name}", performer.morphology)
         take = catalogue.add_take(str(path), actor, motion, contacts)
         proposed = _proposed(motion, performer.morphology, capture.first_frame)
-        for label in said + unsaid(said, proposed):
+        for label in said + labels_without_confirmed(said, proposed):
             if label.last < motion.frame_count:
                 catalogue.add_clip(take, label, _path_of(motion, actor.body, label))
     return state
 
 
-def unsaid(said: list[ClipLabel], proposed: list[ClipLabel]) -> list[ClipLabel]:
+def labels_without_confirmed(said: list[ClipLabel], proposed: list[ClipLabel]) -> list[ClipLabel]:
     """Labels ``proposed`` without those that the labels ``said`` by a person replace: each replaces the nearest one
     that hits within its frames.
     """
@@ -146,11 +148,11 @@ def unsaid(said: list[ClipLabel], proposed: list[ClipLabel]) -> list[ClipLabel]:
 
 
 def _proposed(motion: NormalizedMotion, body: Morphology, first_frame: int) -> list[ClipLabel]:
-    return propose(*realize(motion, body, play=True), body, motion.frame_rate, first_frame)
+    return proposed_labels(*realize_motion(motion, body, play=True), body, motion.frame_rate, first_frame)
 
 
 def _path_of(motion: NormalizedMotion, body: Morphology, label: ClipLabel) -> HitPath:
-    return hit_path(*realize(motion, body), body, motion.frame_rate, label)
+    return hit_path(*realize_motion(motion, body), body, motion.frame_rate, label)
 
 
 def _bones(capture: Capture) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.sticks import bone_pairs
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.library.library import LibraryClip
 from studio.library.proposed_strikes import body_track
 
@@ -28,7 +28,7 @@ class OpenedClip:
     def of(cls, clip: LibraryClip) -> "OpenedClip":
         """Pose the take and measure the speeds, as the assistant does."""
         body, motion = clip.actor.body, clip.take.motion
-        points, rotations = realize(motion, body, play=True)
+        points, rotations = realize_motion(motion, body, play=True)
         track = body_track(points, rotations, body, motion.frame_rate)
         return cls(clip, points, bone_pairs(body.layout), np.array([limb.speed for limb in track.limbs]))
 

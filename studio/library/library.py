@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.kernels import pose_search as at
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.retrieval import SearchTable, pose_rows
-from studio.io.atomic_write import write_whole
+from studio.io.atomic_write import write_atomically
 from studio.io.npy import stored_array, write_stored
 from studio.io.referenced_files import read_bytes
 from studio.library.catalogue import Actor, Catalogue, CatalogueClip, LibraryTake
@@ -65,13 +65,13 @@ class Library:
         """Library of a catalogue without copies. Its poses stay on disk, and are computed again if clips have
         changed.
         """
-        with catalogue.unchanging():
+        with catalogue.read_transaction():
             takes, actors, known = catalogue.takes(), catalogue.actors(), catalogue.clips()
         kept = distinct_takes(takes.values(), known)
         strikes = [
             clip
             for clip in known
-            if clip.label.kind is not Kind.NONE and clip.take in kept and clip.fits(takes[clip.take])
+            if clip.label.kind is not Kind.NONE and clip.take in kept and clip.is_within(takes[clip.take])
         ]
         clips = [_with_take(clip, takes[clip.take], actors) for clip in strikes]
         return cls.of_clips(clips, _stored_poses(catalogue, clips))
@@ -115,7 +115,7 @@ def _poses_of(clips: list[LibraryClip]) -> NDArray[np.float32]:
     for clip in clips:
         body = clip.actor.body
         if posed is None or posed[0] != clip.take.number:
-            posed = clip.take.number, realize(clip.take.motion, body)[0]
+            posed = clip.take.number, realize_motion(clip.take.motion, body)[0]
         rows.append(pose_rows(posed[1][clip.searched.start : clip.searched.stop], body.layout))
     return np.concatenate(rows)
 
@@ -142,7 +142,7 @@ def _stored_poses(catalogue: Catalogue, clips: list[LibraryClip]) -> NDArray[np.
         try:
             said.unlink(missing_ok=True)
             write_stored(poses, computed)
-            write_whole(said, stamp.encode())
+            write_atomically(said, stamp.encode())
             return np.asarray(stored_array(poses).values)
         except (OSError, ValueError, StudioError) as error:
             catalogue.remark(f"The poses of the library are computed at each start. {error}")

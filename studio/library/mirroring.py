@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from studio.core.normalized.mirror import mirrored, mirrored_contacts
-from studio.core.normalized.realize import realize
+from studio.core.normalized.mirror import mirrored_contacts, mirrored_motion
+from studio.core.normalized.realize import realize_motion
 from studio.library.clip_labels import Limb
 from studio.library.hitting import hit_path
 from studio.library.library import Library, LibraryClip
@@ -16,8 +16,8 @@ def with_mirrored(library: Library) -> Library:
 
 def _mirrored(clip: LibraryClip) -> LibraryClip:
     take = clip.take
-    motion = mirrored(take.motion)
+    motion = mirrored_motion(take.motion)
     turned = replace(take, number=-take.number, motion=motion, contacts=mirrored_contacts(take.contacts))
     label = replace(clip.label, limb=Limb(clip.label.limb ^ 1))
-    path = hit_path(*realize(motion, clip.actor.body), clip.actor.body, motion.frame_rate, label)
+    path = hit_path(*realize_motion(motion, clip.actor.body), clip.actor.body, motion.frame_rate, label)
     return LibraryClip(-clip.number, label, path, turned, clip.actor)

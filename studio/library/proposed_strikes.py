@@ -91,7 +91,7 @@ class BodyTrack:
         return slice(max(frame - int(before * self.rate), 0), frame + int(after * self.rate) + 1)
 
 
-def propose(
+def proposed_labels(
     positions: FloatArray, rotations: FloatArray, body: Morphology, rate: float, first_frame: int = 0
 ) -> list[ClipLabel]:
     """Proposed strikes of a motion on its own actor's body, in order of time; positions (F, K+23, 3) and rotations (F,
@@ -111,7 +111,7 @@ def propose(
 def body_track(positions: FloatArray, rotations: FloatArray, body: Morphology, rate: float) -> BodyTrack:
     """Measure the motion of a body as the assistant needs it."""
     layout = body.layout
-    hips = 0.5 * (positions[:, layout.hip(0)] + positions[:, layout.hip(1)])
+    hips = 0.5 * (positions[:, layout.hip_point(0)] + positions[:, layout.hip_point(1)])
     forward = rotations[:, 0, :2, 0]
     heading = forward / np.maximum(np.linalg.norm(forward, axis=1, keepdims=True), 1e-9)
     trunk = body.spine_length + body.neck
@@ -126,7 +126,7 @@ def body_track(positions: FloatArray, rotations: FloatArray, body: Morphology, r
 
 
 def _limb_track(positions: FloatArray, layout: BodyLayout, limb: Limb, hips: FloatArray, rate: float) -> LimbTrack:
-    root = layout.collar(limb.side) + 1 if limb.is_arm else layout.hip(limb.side)
+    root = layout.collar_point(limb.side) + 1 if limb.is_arm else layout.hip_point(limb.side)
     bones = np.linalg.norm(np.diff(positions[:, root : root + 3], axis=1), axis=2)
     length = float(np.median(bones.sum(axis=1)))
     end = positions[:, root + 2]

@@ -3,11 +3,11 @@
 import numpy as np
 
 from studio.core.kernels import pose_search as at
-from studio.core.retrieval import Query, SearchTable, search
+from studio.core.retrieval import PoseQuery, SearchTable, search
 
 
 def warm_up() -> None:
     """Search a library of one clip of two frames, which compiles or loads the kernels."""
     one = np.ones(1, dtype=np.int64)
     table = SearchTable(np.zeros((2, at.POSE_WIDTH), np.float32), 2 * one, np.zeros((1, 3)), one, 0 * one, 0 * one)
-    search(table, Query(np.zeros((1, at.POSE_WIDTH), np.float32), np.zeros((1, 4, 3))))
+    search(table, PoseQuery(np.zeros((1, at.POSE_WIDTH), np.float32), np.zeros((1, 4, 3))))

@@ -16,8 +16,8 @@ from studio.core.kernels import layout as at_channel
 from studio.core.kernels import pose_search as at
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import MotionPiece
-from studio.core.normalized.realize import realize
-from studio.core.retrieval import Query, SearchMatch, pose_distances, pose_rows, search
+from studio.core.normalized.realize import realize_motion
+from studio.core.retrieval import PoseQuery, SearchMatch, pose_distances, pose_rows, search
 from studio.library.clip_labels import Kind, Limb
 from studio.library.hitting import limb_size
 from studio.library.library import Library, LibraryClip
@@ -85,7 +85,7 @@ def metres(length: float) -> str:
     return f"{100.0 * length:.0f} cm" if length < 1.0 else f"{length:.2f} m"
 
 
-def find(library: Library, asked: StrikeQuery, count: int = 8) -> list[Result]:
+def search_strikes(library: Library, asked: StrikeQuery, count: int = 8) -> list[Result]:
     """The ``count`` clips that fit best, the best first, each from its best frame; the search is exact."""
     query, allowed = query_of(library, asked), allowed_clips(library, asked)
     if asked.in_box and len(library.clips):
@@ -93,20 +93,20 @@ def find(library: Library, asked: StrikeQuery, count: int = 8) -> list[Result]:
     return [_result(library, each) for each in search(library.table, query, count, allowed)]
 
 
-def query_of(library: Library, asked: StrikeQuery) -> Query:
+def query_of(library: Library, asked: StrikeQuery) -> PoseQuery:
     """Query of the table: the performer's pose on every actor, and the place scaled to each."""
     place = np.asarray(asked.place, dtype=np.float64)
-    away = place - realize(asked.pose, asked.body)[0][0, 0]
+    away = place - realize_motion(asked.pose, asked.body)[0][0, 0]
     poses = np.empty((len(library.actors), at.POSE_WIDTH), dtype=np.float32)
     targets = np.empty((len(library.actors), len(Limb), 3))
     for row, actor in enumerate(library.actors):
-        points = realize(asked.pose, actor.body)[0]
+        points = realize_motion(asked.pose, actor.body)[0]
         poses[row] = pose_rows(points, actor.body.layout)[0]
         middle = np.array([*poses[row, at.POSE_CENTRE : at.POSE_CENTRE + 2], 0.0])
         for limb in Limb:
             scale = limb_size(actor.body, limb) / limb_size(asked.body, limb)
             targets[row, limb] = points[0, 0] + scale * away - middle
-    return Query(poses, targets, asked.posture_weight, asked.reach_weight)
+    return PoseQuery(poses, targets, asked.posture_weight, asked.reach_weight)
 
 
 def allowed_clips(library: Library, asked: StrikeQuery) -> NDArray[np.bool_]:
@@ -124,7 +124,7 @@ def allowed_clips(library: Library, asked: StrikeQuery) -> NDArray[np.bool_]:
     )
 
 
-def _boxes_hold(library: Library, query: Query) -> NDArray[np.bool_]:
+def _boxes_hold(library: Library, query: PoseQuery) -> NDArray[np.bool_]:
     """Mask (C,) of the clips whose box of the hit path, as seen from some frame, contains the place.
 
     A clip may be turned and moved to the performer, so its box is that of distances and heights relative to its poses.
@@ -143,25 +143,25 @@ def _result(library: Library, found: SearchMatch) -> Result:
     return Result(clip, start, hit, found.turn, found.posture, found.reach, found.cost)
 
 
-def laid_on(clip: LibraryClip, frame: int, asked: StrikeQuery) -> Result:
+def result_at_frame(clip: LibraryClip, frame: int, asked: StrikeQuery) -> Result:
     """Result for a clip from a ``frame`` of its take on, as if it had been found for the query's pose."""
     motion, body = clip.take.motion, clip.actor.body
     frame = min(frame, clip.path.first)
-    there = realize(replace(motion, channels=motion.channels[frame : frame + 1]), body)[0]
-    here = realize(asked.pose, body)[0]
+    there = realize_motion(replace(motion, channels=motion.channels[frame : frame + 1]), body)[0]
+    here = realize_motion(asked.pose, body)[0]
     [posture], [turn] = pose_distances(pose_rows(here, body.layout)[0], pose_rows(there, body.layout))
     return Result(clip, frame, clip.label.hit, float(turn), float(posture), 0.0, float(posture))
 
 
-def outline(found: Result, asked: StrikeQuery) -> FloatArray:
+def strike_path(found: Result, asked: StrikeQuery) -> FloatArray:
     """Points (T, K+23, 3) of a result from its start to its hit on the query's body, aligned with its pose, in the
     pose's space.
 
     A sketch of what would play: nothing is solved, so the hit misses the place as the reasons say.
     """
     motion, body = found.clip.take.motion, asked.body
-    points = realize(replace(motion, channels=motion.channels[found.start : found.hit + 1]), body)[0]
-    now = pose_rows(realize(asked.pose, body)[0], body.layout)[0, at.POSE_CENTRE : at.POSE_CENTRE + 2]
+    points = realize_motion(replace(motion, channels=motion.channels[found.start : found.hit + 1]), body)[0]
+    now = pose_rows(realize_motion(asked.pose, body)[0], body.layout)[0, at.POSE_CENTRE : at.POSE_CENTRE + 2]
     then = pose_rows(points[:1], body.layout)[0, at.POSE_CENTRE : at.POSE_CENTRE + 2]
     c, s = np.cos(found.turn), np.sin(found.turn)
     points[..., :2] = (points[..., :2] - then) @ np.array([[c, s], [-s, c]]) + now
@@ -174,7 +174,7 @@ def place_before(pose: NormalizedMotion, body: Morphology, place: ArrayLike) -> 
 
     Forward is the heading of the pelvis.
     """
-    root = realize(pose, body)[0][0, 0]
+    root = realize_motion(pose, body)[0][0, 0]
     c, s = np.cos(pose.channels[0, at_channel.YAW]), np.sin(pose.channels[0, at_channel.YAW])
     x, y, z = np.asarray(place, dtype=np.float64)
     return np.array([root[0] + c * x - s * y, root[1] + s * x + c * y, z])

@@ -21,7 +21,7 @@ from studio.core.curves.retiming import speed_at
 from studio.core.normalized.compose import Composite, compose_pieces
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import MotionPiece
-from studio.core.solver.adapt import adapt, place_of
+from studio.core.solver.adapt import adapt, body_point_positions
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.clip import Clip
 from studio.library.clip_labels import ClipLabel, Limb, hit_point
@@ -44,7 +44,7 @@ HIT_HALF_WIDTH = 1 / 120
 
 
 @dataclass(frozen=True, eq=False)
-class Blow:
+class StrikeClip:
     """Stretch of a motion that plays from frame ``start`` and hits at frame ``hit``, with the label of its clip."""
 
     motion: NormalizedMotion
@@ -55,7 +55,7 @@ class Blow:
     label: ClipLabel
 
     @classmethod
-    def of(cls, found: Result) -> "Blow":
+    def of(cls, found: Result) -> "StrikeClip":
         """Blow of a search result."""
         take, label = found.clip.take, found.clip.label
         return cls(take.motion, take.contacts, found.start, found.hit, label.last, label)
@@ -94,7 +94,7 @@ class Strike:
         return adapt(self.request(target))
 
 
-def make_strike(playing: MotionPiece, at_frame: int, blow: Blow, body: Morphology, target: Place) -> Strike:
+def make_strike(playing: MotionPiece, at_frame: int, blow: StrikeClip, body: Morphology, target: Place) -> Strike:
     """Strike in which ``blow`` takes over from ``playing`` at its frame ``at_frame``, and hits ``target``.
 
     ``target`` lies in the space of the motion that plays, on ``body``; it may be keyed or follow something.
@@ -106,7 +106,7 @@ def make_strike(playing: MotionPiece, at_frame: int, blow: Blow, body: Morpholog
     return strike_in(whole, round((begin - whole.timing.begin) * whole.timing.frame_rate), blow, body, target)
 
 
-def strike_in(composite: Composite, change: int, blow: Blow, body: Morphology, target: Place) -> Strike:
+def strike_in(composite: Composite, change: int, blow: StrikeClip, body: Morphology, target: Place) -> Strike:
     """Strike of a ``composite`` that plays ``blow`` from its frame ``change`` on, on ``body``."""
     hit = change + round(blow.seconds * composite.timing.frame_rate)
     return Strike(composite, body, _aim(composite, change, hit, blow.label, body, target), change, hit)
@@ -130,7 +130,7 @@ class TriedStrike:
         return (*self.found.reasons, "meets it" if self.hits else f"{metres(self.missed)} short")
 
 
-def tried(found: Sequence[Result], asked: StrikeQuery) -> list[TriedStrike]:
+def tried_strikes(found: Sequence[Result], asked: StrikeQuery) -> list[TriedStrike]:
     """Search results, solved: those that hit before those that do not, each in the order of ``found``."""
     all_tried = [TriedStrike(each, solved_residual(each, asked)) for each in found]
     return sorted(all_tried, key=lambda each: not each.hits)
@@ -143,9 +143,9 @@ def solved_residual(found: Result, asked: StrikeQuery) -> float:
     playing, place = asked.playing or _held(asked), np.asarray(asked.place, dtype=np.float64)
     first = max(playing.first, playing.last - round(TRIED_SECONDS * playing.motion.frame_rate))
     x, y, z = place.tolist()
-    made = make_strike(replace(playing, first=first), playing.last, Blow.of(found), asked.body, (x, y, z))
+    made = make_strike(replace(playing, first=first), playing.last, StrikeClip.of(found), asked.body, (x, y, z))
     adapted = adapt(replace(made.request(), eased=True), made.hit, made.hit)
-    return float(np.linalg.norm(place_of(made.constraint.point, adapted)[0] - place))
+    return float(np.linalg.norm(body_point_positions(made.constraint.point, adapted)[0] - place))
 
 
 def _held(asked: StrikeQuery) -> MotionPiece:
@@ -155,7 +155,7 @@ def _held(asked: StrikeQuery) -> MotionPiece:
     return MotionPiece(held, tuple(ContactInterval("", point, 0, last) for point in asked.contacts), 0, last)
 
 
-def aimed(found: Result, clip: Clip, target: Place, body: Morphology) -> PositionConstraint:
+def aimed_constraint(found: Result, clip: Clip, target: Place, body: Morphology) -> PositionConstraint:
     """Constraint that drives a clip to a target, in seconds of the clip's motion."""
     label, rate = found.clip.label, found.clip.take.motion.frame_rate
     curve = _met_at(found.hit / rate, found.start / rate, label.last / rate, label.limb)

@@ -10,16 +10,16 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.scope import Scope
 from studio.core.curves.retiming import SLOWEST_CLIP
-from studio.core.solver.adapt import place_of
+from studio.core.solver.adapt import body_point_positions
 from studio.core.solver.performers.prop_tracks import Holder, stage_track
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.behaviour import Behaviour, BehaviourProgress, Role, State
 from studio.core.stage.clip import Clip
-from studio.core.stage.conditions import Senses
-from studio.core.stage.manners import asked_by
+from studio.core.stage.conditions import ConditionInput
+from studio.core.stage.manners import manner_constraints
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project
-from studio.core.stage.whom import DistanceMeasure, Whom, followed_by
+from studio.core.stage.whom import BehaviourTarget, DistanceMeasure, followed_by
 
 FloatArray = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ SLOWING = 0.5
 
 
 @dataclass(frozen=True)
-class Act:
+class StartedAct:
     """Clip that a state lets a performer play, and the constraints that it adds; ``steps`` if it begins with a step."""
 
     clip: Clip
@@ -45,7 +45,7 @@ class StageView:
     running: Mapping[str, BehaviourProgress]
     seconds: float
 
-    def place_of(self, whom: Whom, role: Role) -> FloatArray | None:
+    def place_of(self, whom: BehaviourTarget, role: Role) -> FloatArray | None:
         """Stage position (3,) of the performer or prop that ``whom`` means in a role; None if it is not there."""
         follow = followed_by(whom, role.partner_id)
         if isinstance(follow, FollowPerformer):
@@ -53,7 +53,7 @@ class StageView:
             if result is None:
                 return None
             return Placement.of(self.project.performers[follow.performer_id]).to_stage(
-                place_of(follow.point, result)[0]
+                body_point_positions(follow.point, result)[0]
             )
         prop = self.project.props.get(follow.prop_id) if follow else None
         if follow is None or prop is None:
@@ -83,7 +83,7 @@ class StageView:
         return (state, role) if state and role else None
 
 
-def act_of(state: State, role: Role, blend: float, playing: Clip, frame: int, frame_rate: float) -> Act:
+def started_act(state: State, role: Role, blend: float, playing: Clip, frame: int, frame_rate: float) -> StartedAct:
     """Act that begins with a state, for a performer that plays ``frame`` of the clip ``playing`` at that moment."""
     if state.clip is not None:
         goes_on = replace(playing, start=0.0, first=0, ease=0.0) == replace(state.clip, start=0.0, first=0, ease=0.0)
@@ -94,11 +94,11 @@ def act_of(state: State, role: Role, blend: float, playing: Clip, frame: int, fr
         clip = replace(
             playing, first=frame, last=last, speed=SLOWEST_CLIP, repeats=1, turn=0.0, offset=(0.0, 0.0), ease=blend
         )
-    asked = asked_by(state.manners, clip.motion_id, role.partner_id, state.name)
-    return Act(clip, tuple(replace(each, scope=Scope(role.performer_id)) for each in asked))
+    asked = manner_constraints(state.manners, clip.motion_id, role.partner_id, state.name)
+    return StartedAct(clip, tuple(replace(each, scope=Scope(role.performer_id)) for each in asked))
 
 
-def senses_of(seen: StageView, behaviour: Behaviour, role: Role, heard: Senses) -> Senses:
+def condition_input(seen: StageView, behaviour: Behaviour, role: Role, heard: ConditionInput) -> ConditionInput:
     """Senses of a performer: ``heard``, with the distances that its state tests, measured in the last solved frame.
 
     ``heard.gaps`` is ignored; the distance to a performer or prop that is not there is left out.

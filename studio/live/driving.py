@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
-from studio.core.constraints.carried_over import ClipTransform, carried_over
-from studio.core.normalized.encode import encode
+from studio.core.constraints.carried_over import ClipTransform, constraint_on_clip
+from studio.core.normalized.encode import encode_motion
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.solver.adapt import hold
+from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.asking.tracks import OwnPath
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.live import vmc
@@ -36,19 +36,19 @@ class ReceivedPose:
         """Still motion of the newest pose, recomputed only if packets have arrived since the last call."""
         taken = self._inbox.counts.taken
         if taken != self._taken:
-            self._taken, found = taken, vmc.posed(self._inbox.bones())
+            self._taken, found = taken, vmc.posed_body(self._inbox.bones())
             self._pose = None if found is None else _pose_of(*found)
         return self._pose
 
 
 def _pose_of(positions: FloatArray, rotations: FloatArray, body: Morphology) -> NormalizedMotion | None:
-    pose = encode(
+    pose = encode_motion(
         np.stack([positions] * STILL_FRAMES), np.stack([rotations] * STILL_FRAMES), body, POSE_FRAME_RATE, "live"
     )
     return pose if np.isfinite(pose.channels).all() else None
 
 
-def driven(
+def driven_frame(
     request: AdaptRequest, row: int, pose: NormalizedMotion, planted: LiveGrounding, seconds: float
 ) -> AdaptedMotion:
     """Frame ``row`` of a request with ``pose`` instead of its motion, grounded and solved with the constraints of that
@@ -61,10 +61,10 @@ def driven(
     )
     window = slice(row, row + 1)
     tracks = {
-        key: track if isinstance(track, OwnPath) else track.within(window) for key, track in request.tracks.items()
+        key: track if isinstance(track, OwnPath) else track.in_frames(window) for key, track in request.tracks.items()
     }
     body = request.morphology
     body = body if isinstance(body, Morphology) else body.at(row)
     alone = replace(request, motion=pose, morphology=body, contacts=(), tracks={}, actor=None)
-    asked = [carried_over(each, now) for each in request.constraints]
-    return replace(hold(planted.stand(alone, seconds), asked, 0, 0, tracks), first_frame=row)
+    asked = [constraint_on_clip(each, now) for each in request.constraints]
+    return replace(solve_constraints(planted.stand(alone, seconds), asked, 0, 0, tracks), first_frame=row)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
-from studio.core.names import counted
+from studio.core.names import counted_noun
 from studio.library.clip_labels import Kind, Limb
 from studio.live.fighter import Fighter, StrikeOutcome
 
@@ -41,7 +41,7 @@ class FightReport:
     def words(self) -> str:
         """Summary of the report in a few lines of text."""
         missed = [1000.0 * hit.missed for hit in self.hits]
-        lines = [f"{counted(self.frames, 'frame')}, {counted(len(self.hits), 'strike')}"]
+        lines = [f"{counted_noun(self.frames, 'frame')}, {counted_noun(len(self.hits), 'strike')}"]
         if missed:
             lines.append(f"missed by {np.median(missed):.2f} mm (median), {max(missed):.2f} mm at most")
         if self.latencies:
@@ -80,7 +80,7 @@ def fight(
                 ordered, waiting = start, True
             positions, rotations = fighter.step(target)
             report.slowest_frame = max(report.slowest_frame, clock() - start)
-            if waiting and not fighter.waits:
+            if waiting and not fighter.is_waiting:
                 report.latencies.append(clock() - ordered)
                 waiting = False
             show(positions, rotations, fighter.body, now)

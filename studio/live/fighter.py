@@ -21,17 +21,17 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.normalized.compose import Composite, compose_pieces
-from studio.core.normalized.encode import encode
-from studio.core.normalized.joining import Planar
+from studio.core.normalized.encode import encode_motion
+from studio.core.normalized.joining import PlanarTransform
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import MotionPiece
-from studio.core.solver.adapt import hold
+from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.standing.stand import Standing, stand
 from studio.library.clip_labels import Kind, Limb
 from studio.library.hitting import hit_places, limb_root
 from studio.library.library import Library
-from studio.library.searching import Result, StrikeQuery, find
-from studio.library.striking import Blow, Strike, strike_in
+from studio.library.searching import Result, StrikeQuery, search_strikes
+from studio.library.striking import Strike, StrikeClip, strike_in
 from studio.live.keeping import KEEPING_STEP_SECONDS
 from studio.live.takeover import SPEED_FRAMES, Takeover, take_over
 
@@ -70,7 +70,7 @@ class Plan:
     state: FighterState
     standing: Standing
     first: int
-    blow: Blow | None = None
+    blow: StrikeClip | None = None
     constraint: PositionConstraint | None = None
     hit: int = -1
 
@@ -93,7 +93,7 @@ class PendingPlan:
         standing, first = self.takes.inertialised(before, rows), self.takes.first
         if self.found is None or self.strike is None:
             return Plan(self.state, standing, first)
-        return Plan(self.state, standing, first, Blow.of(self.found), self.strike.constraint, self.strike.hit)
+        return Plan(self.state, standing, first, StrikeClip.of(self.found), self.strike.constraint, self.strike.hit)
 
     @property
     def missed(self) -> float:
@@ -101,7 +101,7 @@ class PendingPlan:
         if self.strike is None:
             return math.inf
         hit = self.strike.hit
-        return float(hold(self.takes.standing, [self.strike.constraint], hit, hit).residuals[0, 0])
+        return float(solve_constraints(self.takes.standing, [self.strike.constraint], hit, hit).residuals[0, 0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +115,7 @@ class PlanStart:
     place: FloatArray
     speed: FloatArray
 
-    def place_in(self, seconds: float) -> FloatArray:
+    def position_in(self, seconds: float) -> FloatArray:
         """Predicted position (3,) of the target after ``seconds``."""
         return self.place + seconds * self.speed
 
@@ -181,7 +181,7 @@ class Fighter:
         return min(self.plan.first + shown, self.plan.last)
 
     @property
-    def waits(self) -> bool:
+    def is_waiting(self) -> bool:
         """True while the plan for an order is being made."""
         return self._wanted is not None
 
@@ -216,7 +216,7 @@ class Fighter:
             self._go_on(self._next(place))
         plan, frame = self.plan, self.frame
         asked = [] if plan.constraint is None else [self._aimed(plan.constraint, place)]
-        posed = hold(plan.standing, asked, frame, frame)
+        posed = solve_constraints(plan.standing, asked, frame, frame)
         self._passed += 1
         self.frames_played += 1
         if plan.blow is not None and frame <= plan.hit < self.frame:
@@ -229,7 +229,7 @@ class Fighter:
         """Start making the plan for the order, in the background if there is an executor."""
         assert self._order is not None
         begins = PlanStart(self.plan.standing, self._rows, place, self._speed())
-        order, step = self._order, self._step_up(begins.place_in(KEEPING_STEP_SECONDS)) if self._steps_left else None
+        order, step = self._order, self._step_up(begins.position_in(KEEPING_STEP_SECONDS)) if self._steps_left else None
 
         def work() -> PendingPlan:
             return self._strike(begins, *order, step)
@@ -274,7 +274,7 @@ class Fighter:
         return replace(self.guard, start=0.0, ease=CALMING)
 
     def _stepping(self, turn: float, offset: FloatArray) -> MotionPiece:
-        own = Planar(turn, (float(offset[0]), float(offset[1])))
+        own = PlanarTransform(turn, (float(offset[0]), float(offset[1])))
         return replace(self.guard, start=0.0, own=own, ease=KEEPING_STEP_SECONDS)
 
     def _step_up(self, place: FloatArray) -> MotionPiece | None:
@@ -289,10 +289,10 @@ class Fighter:
         ``step`` is given and the best blow misses, the result is that step; if no blow is found, the guard.
         """
         before, last = begins.before, begins.rows[-1:]
-        pose = encode(before.positions[last], before.rotations[last], self.body, self.rate, "shown")
-        found = find(
+        pose = encode_motion(before.positions[last], before.rotations[last], self.body, self.rate, "shown")
+        found = search_strikes(
             self.library,
-            StrikeQuery(pose, self.body, begins.place_in(USUAL_BLOW), limbs, kinds),
+            StrikeQuery(pose, self.body, begins.position_in(USUAL_BLOW), limbs, kinds),
             TRIED if step is None else 1,
         )
         nearest, missed = None, math.inf
@@ -307,8 +307,8 @@ class Fighter:
         return nearest if step is None or missed < MET else self._coming(FighterState.STEP, begins, step)
 
     def _blow(self, begins: PlanStart, found: Result) -> PendingPlan:
-        blow = Blow.of(found)
-        x, y, z = begins.place_in(blow.seconds).tolist()
+        blow = StrikeClip.of(found)
+        x, y, z = begins.position_in(blow.seconds).tolist()
         coming = self._coming(FighterState.STRIKE, begins, blow.piece(0.0))
         strike = strike_in(coming.takes.composite, coming.takes.first, blow, self.body, (x, y, z))
         return replace(coming, found=found, strike=strike)
@@ -374,7 +374,7 @@ class Fighter:
         self.plan = replace(self.plan, constraint=aimed)
         return aimed
 
-    def _note_hit(self, blow: Blow, positions: FloatArray, rotations: FloatArray, target: FloatArray) -> None:
+    def _note_hit(self, blow: StrikeClip, positions: FloatArray, rotations: FloatArray, target: FloatArray) -> None:
         label = blow.label
         where = hit_places(positions, rotations, self.body, label.limb, label.segment)[0]
         missed = float(np.linalg.norm(where - target))

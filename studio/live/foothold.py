@@ -17,7 +17,7 @@ from studio.core.captures.contacts import HEIGHT_MARGIN, STILL_SPEED
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STANDS
 from studio.core.kernels.support.swing_foot_clearance import SWING_FADE, raise_swing_foot
-from studio.core.normalized.transition import pace_left, place_left
+from studio.core.normalized.transition import remaining_offset_fraction, remaining_speed_offset
 from studio.core.solver.standing.blends import GOES_ALONG
 from studio.core.solver.standing.footprints import planes_under, soles_of, tilts_of
 from studio.core.solver.standing.held_foot import FootPath, Pivot, heel_pivot, sole_arms, toe_pivot
@@ -234,7 +234,10 @@ class Foothold:
             seconds = min(COMING_DOWN, STRAIGHT * size / max(closing, 1e-9)) if closing > 0.0 else COMING_DOWN
             speed = -closing * last / max(size, 1e-9) if closing > 0.0 else 0.0 * speed
         times = np.array(self._since)
-        return np.asarray(place_left(times, max(seconds, 1e-3)) * last + pace_left(times, max(seconds, 1e-3)) * speed)
+        return np.asarray(
+            remaining_offset_fraction(times, max(seconds, 1e-3)) * last
+            + remaining_speed_offset(times, max(seconds, 1e-3)) * speed
+        )
 
     @property
     def _pivot(self) -> Pivot:

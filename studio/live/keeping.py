@@ -13,7 +13,7 @@ from studio.core.stage.behaviour import Role, State
 from studio.core.stage.manners import KeepDistance
 from studio.core.stage.placement import Placement
 from studio.core.stage.whom import PELVIS_POINT, followed_by
-from studio.live.acting import Act, StageView
+from studio.live.acting import StageView, StartedAct
 
 FloatArray = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ SETTLING = 0.3
 """Seconds after the start of an act, and after a step, in which a performer does not step."""
 
 
-def step_of(seen: StageView, key: str, act: Act, composite: Composite, frame: int) -> Act | None:
+def distance_step(seen: StageView, key: str, act: StartedAct, composite: Composite, frame: int) -> StartedAct | None:
     """Act of a step that corrects a performer's distance and facing; None if it needs none, or may not step yet.
 
     The performer plays ``frame`` of ``composite``, which belongs to ``act``.
@@ -61,7 +61,7 @@ def _kept(state: State) -> KeepDistance | None:
     return next((each for each in state.manners if isinstance(each, KeepDistance)), None)
 
 
-def _stance(act: Act, composite: Composite, frame: int) -> float:
+def _stance(act: StartedAct, composite: Composite, frame: int) -> float:
     """Median yaw (rad) of the pelvis in a clip relative to the facing direction: fighters stand half sideways."""
     yaws = composite.playing(frame).piece.motion.channels[act.clip.first : act.clip.last + 1, at.YAW]
     return float(np.median(yaws)) * (-1.0 if act.clip.mirrored else 1.0)

@@ -9,7 +9,7 @@ from studio.core.captures.contacts import FOOT_POINTS, GREATEST_DRIFT, ContactIn
 from studio.core.kernels.limbs.limb import SOFT_IK_THRESHOLD
 from studio.core.kernels.solve_clip import place_frames
 from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STANDS
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.solver.asking.self_contact import self_contact_of
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.footing import Footing, leg_soft_thresholds, reach_relaxation
@@ -53,8 +53,8 @@ class LiveGrounding:
         return self._standing
 
     def _stand(self, request: AdaptRequest, dt: float, begins: bool) -> Standing:
-        body = request.morphology.still
-        positions, rotations = realize(request.motion, body)
+        body = request.morphology.first_frame_body
+        positions, rotations = realize_motion(request.motion, body)
         if begins:
             self._low = self._lowest = math.inf
             self._floor = DampedHeight(0.0)
@@ -88,7 +88,7 @@ class LiveGrounding:
 
     def _footing(self, request: AdaptRequest, aimed: list[FootPose], positions: FloatArray) -> Footing:
         """Footing of both frames of the still motion, which are alike."""
-        motion, body = request.motion, request.morphology.still
+        motion, body = request.motion, request.morphology.first_frame_body
         count = motion.frame_count
         states, weights = (np.array([[each] * count for each in both]) for both in (self.states, self._weights))
         ankles, feet, toes = (
@@ -96,7 +96,7 @@ class LiveGrounding:
         )
         standing = leg_soft_thresholds(motion, np.full_like(states, SOLE_STANDS), request.ground.is_level)
         soft_thresholds = SOFT_IK_THRESHOLD + weights * (standing - SOFT_IK_THRESHOLD)
-        hips = np.stack([positions[:, body.layout.hip(side)] for side in range(2)])
+        hips = np.stack([positions[:, body.layout.hip_point(side)] for side in range(2)])
         off, reaches = ankles - hips, soft_thresholds * body.leg.sum(axis=1)[:, None]
         below = np.sqrt(np.maximum(reaches**2 - np.sum(off[..., :2] ** 2, axis=2), 0.0))
         drops = (weights * np.maximum(-off[..., 2] - below, 0.0)).max(axis=0)
@@ -109,7 +109,7 @@ class LiveGrounding:
     def _standing_of(
         self, request: AdaptRequest, footing: Footing, positions: FloatArray, rotations: FloatArray
     ) -> Standing:
-        motion, body, ground = request.motion, request.morphology.still, request.ground
+        motion, body, ground = request.motion, request.morphology.first_frame_body, request.ground
         raise_arms(body, ground, None, motion.frame_rate, positions, rotations)
         contact = self_contact_of(motion, body, (), request.volume, request.actor, request.clears)
         last = motion.frame_count - 1
@@ -136,5 +136,5 @@ class LiveGrounding:
 
 def _posed(foot: Foothold, positions: FloatArray, rotations: FloatArray) -> FootPose:
     layout, side = foot.body.layout, foot.side
-    segment = layout.foot(side)
-    return FootPose(positions[0, layout.ankle(side)].copy(), *rotations[0, segment : segment + 2].copy())
+    segment = layout.foot_segment(side)
+    return FootPose(positions[0, layout.ankle_point(side)].copy(), *rotations[0, segment : segment + 2].copy())

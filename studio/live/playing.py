@@ -15,11 +15,11 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.carried_over import COMING
 from studio.core.curves.activation import ActivationCurve, ease
 from studio.core.normalized.compose import Composite
-from studio.core.solver.adapt import grounded
+from studio.core.solver.adapt import grounded_motion
 from studio.core.solver.asking.tracks import Tracks, fixed_at
-from studio.core.solver.performers.performing import Prepare, motion_of, unasked_request
+from studio.core.solver.performers.performing import Prepare, motion_of, unconstrained_request
 from studio.core.solver.performers.rows import composite_of, constraints_in, pieces_of
-from studio.core.solver.performers.stage import asked_of
+from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.solver.solved_window import targets_of
 from studio.core.solver.standing.stand import Standing, standing_of
 from studio.core.stage.project import Project
@@ -32,7 +32,7 @@ SOLVE_MARGIN = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class Playing:
+class PlayingMotion:
     """Grounded motion, its constraints with their ids, and the constraints of the previous motion that fade out
     (``going``).
     """
@@ -73,24 +73,26 @@ class Playing:
         return replace(self.standing, self_contact=contact and replace(contact, clearances=None))
 
 
-def own_row(project: Project, key: str, prepare: Prepare) -> Playing:
+def row_motion(project: Project, key: str, prepare: Prepare) -> PlayingMotion:
     """Motion of a performer's row, as the timeline has it. Raises StudioError if it cannot be played."""
     composite = composite_of(project, key, lambda motion_id: motion_of(project, motion_id, prepare))
     return _playing(project, key, composite, prepare)
 
 
-def restood(project: Project, key: str, playing: Playing, prepare: Prepare) -> Playing:
+def with_grounding_of(project: Project, key: str, playing: PlayingMotion, prepare: Prepare) -> PlayingMotion:
     """The same motion grounded for the performer's body and ground in another ``project``."""
     changed = _playing(project, key, playing.composite, prepare, playing.kept)
     return replace(changed, going=playing.going)
 
 
-def asked_anew(project: Project, key: str, playing: Playing) -> Playing:
+def with_constraints_of(project: Project, key: str, playing: PlayingMotion) -> PlayingMotion:
     """The same motion with the constraints of another ``project``."""
     return replace(playing, asked=_asked(project, key, playing.composite, playing.standing, playing.kept))
 
 
-def taken_over(project: Project, key: str, before: Playing, frame: int, tracks: Tracks, prepare: Prepare) -> Playing:
+def motion_after_takeover(
+    project: Project, key: str, before: PlayingMotion, frame: int, tracks: Tracks, prepare: Prepare
+) -> PlayingMotion:
     """Motion in which the only clip of a performer's row takes over, at its start, from ``frame`` of ``before``.
 
     Constraints that acted in that frame fade out in ``COMING`` seconds at their last targets (``tracks`` has those that
@@ -100,29 +102,29 @@ def taken_over(project: Project, key: str, before: Playing, frame: int, tracks: 
     pieces = pieces_of(project, key, clip, lambda motion_id: motion_of(project, motion_id, prepare))
     seen = _last_seen(before, frame, pieces[0].start)
     made = take_over(
-        before.standing, seen, pieces, lambda stands: standing_of(unasked_request(project, key, stands, prepare))
+        before.standing, seen, pieces, lambda stands: standing_of(unconstrained_request(project, key, stands, prepare))
     )
     standing, first = made.inertialised(before.standing, seen), made.first
     composite = replace(made.composite, contacts=standing.contacts)
-    playing = Playing(composite, standing, _asked(project, key, composite, standing, frozenset()))
+    playing = PlayingMotion(composite, standing, _asked(project, key, composite, standing, frozenset()))
     begins = playing.time_of(first)
     kept = _kept(before, frame, project, key, playing, begins)
     going = _going(before, frame, kept, tracks, begins)
-    return replace(asked_anew(project, key, replace(playing, kept=kept)), going=going)
+    return replace(with_constraints_of(project, key, replace(playing, kept=kept)), going=going)
 
 
 def _playing(
     project: Project, key: str, composite: Composite, prepare: Prepare, kept: frozenset[str] = frozenset()
-) -> Playing:
-    standing = grounded(unasked_request(project, key, composite, prepare))
-    return Playing(composite, standing, _asked(project, key, composite, standing, kept), kept=kept)
+) -> PlayingMotion:
+    standing = grounded_motion(unconstrained_request(project, key, composite, prepare))
+    return PlayingMotion(composite, standing, _asked(project, key, composite, standing, kept), kept=kept)
 
 
 def _asked(
     project: Project, key: str, composite: Composite, standing: Standing, kept: frozenset[str]
 ) -> tuple[tuple[str, Constraint], ...]:
     there = {each.piece.origin for each in composite.played}
-    asked = tuple(each for each in asked_of(project, key) if (each.clip, each.repeat) in there)
+    asked = tuple(each for each in constraints_of_performer(project, key) if (each.clip, each.repeat) in there)
     leg = standing.morphology.leg_length
     at_once = replace(composite, played=tuple(replace(each, first=0) for each in composite.played))
     carried = constraints_in(asked, composite, leg)
@@ -133,7 +135,7 @@ def _asked(
     )
 
 
-def _last_seen(before: Playing, frame: int, start: float) -> NDArray[np.int64]:
+def _last_seen(before: PlayingMotion, frame: int, start: float) -> NDArray[np.int64]:
     """Frames (SPEED_FRAMES,) shown last before ``start``; the last one is repeated if it was held."""
     timing = before.composite.timing
     held = round((start - timing.end) * timing.frame_rate) - 1 if frame == timing.last else 0
@@ -141,7 +143,9 @@ def _last_seen(before: Playing, frame: int, start: float) -> NDArray[np.int64]:
     return np.asarray(rows.clip(0, frame))
 
 
-def _kept(before: Playing, frame: int, project: Project, key: str, playing: Playing, begins: float) -> frozenset[str]:
+def _kept(
+    before: PlayingMotion, frame: int, project: Project, key: str, playing: PlayingMotion, begins: float
+) -> frozenset[str]:
     """Ids of constraints that act in ``frame`` of ``before`` and at least as strongly in the first frame of
     ``playing``.
     """
@@ -154,7 +158,9 @@ def _kept(before: Playing, frame: int, project: Project, key: str, playing: Play
     )
 
 
-def _going(before: Playing, frame: int, kept: frozenset[str], tracks: Tracks, begins: float) -> tuple[Constraint, ...]:
+def _going(
+    before: PlayingMotion, frame: int, kept: frozenset[str], tracks: Tracks, begins: float
+) -> tuple[Constraint, ...]:
     time, window = before.time_of(frame), slice(frame, frame + 1)
     gone = [each for name, each in before.asked if name not in kept] + list(before.going)
     going = []

@@ -17,22 +17,22 @@ from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
 from studio.core.normalized.transition import LEAST_TRANSITION
-from studio.core.solver.adapt import hold, place_of, solve
+from studio.core.solver.adapt import body_point_positions, solve_constraints, solve_request
 from studio.core.solver.asking.tracks import Track, Tracks
-from studio.core.solver.performers.awaiting import awaited_moment, expected_at
+from studio.core.solver.performers.awaiting import anticipated_time, with_expected_positions
 from studio.core.solver.performers.dependency_cycles import CycleMember, Paths, paths_of, solve_cycle
 from studio.core.solver.performers.performing import Prepare
 from studio.core.solver.performers.rows import corrections_in
-from studio.core.solver.performers.stage import in_order, props_of, tracks_followed_by, tracks_of
+from studio.core.solver.performers.stage import leaders_first, props_of, tracks_followed_by, tracks_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.stage.behaviour import BehaviourProgress, advance, begun
+from studio.core.stage.behaviour import BehaviourProgress, advanced_progress, initial_progress
 from studio.core.stage.clip import Clip
-from studio.core.stage.conditions import Senses
+from studio.core.stage.conditions import ConditionInput
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Performer, Project
-from studio.live.acting import Act, StageView, act_of, senses_of
-from studio.live.keeping import step_of
-from studio.live.playing import Playing, asked_anew, own_row, restood, taken_over
+from studio.live.acting import StageView, StartedAct, condition_input, started_act
+from studio.live.keeping import distance_step
+from studio.live.playing import PlayingMotion, motion_after_takeover, row_motion, with_constraints_of, with_grounding_of
 from studio.live.recorded_take import StageTake, StartedClips
 
 Expected = dict[FollowPerformer, NDArray[np.float64]]
@@ -51,13 +51,13 @@ BEGUN_A_STEP = 1
 class _Part:
     """Playback state of one performer."""
 
-    playing: Playing
+    playing: PlayingMotion
     row: tuple[Clip, ...]
     """The project's row and layers when it began; if they change, the row begins again."""
     frame: int = 0
-    act: Act | None = None
+    act: StartedAct | None = None
     """Act that took over; None while its own row plays."""
-    wish: Act | None = None
+    wish: StartedAct | None = None
     begun: StartedClips | None = None
     tracks: Tracks = field(default_factory=dict)
     result: AdaptedMotion | None = None
@@ -100,7 +100,7 @@ class LiveStage:
         part = self._parts.get(key)
         return None if part is None else _clip_of(part)
 
-    def asked(self, key: str) -> tuple[tuple[str, Constraint, float], ...]:
+    def active_constraints(self, key: str) -> tuple[tuple[str, Constraint, float], ...]:
         """Id, constraint and activation of each constraint of a performer in this step, in the order of its result's
         residuals.
 
@@ -115,7 +115,7 @@ class LiveStage:
         it needs.
         """
         if key in self._parts:
-            self._parts[key].wish = Act(replace(clip, ease=blend, joined=True))
+            self._parts[key].wish = StartedAct(replace(clip, ease=blend, joined=True))
 
     def send(self, event: str) -> None:
         """Send an event to all behaviours, for the next step."""
@@ -147,7 +147,7 @@ class LiveStage:
         for part in self._parts.values():
             part.frame = part.playing.frame_at(self.seconds)
         solved: dict[str, AdaptedMotion] = {}
-        for followed in in_order(self._staged, self._parts):
+        for followed in leaders_first(self._staged, self._parts):
             circle = tuple(key for key in followed if key in self._parts)  # one that is hidden does not play
             try:
                 solved |= self._solved(circle, solved)
@@ -165,7 +165,7 @@ class LiveStage:
             part, result = self._parts.get(held.performer_id), results.get(held.performer_id)
             for moment in (held.begin, held.end):
                 if moment is not None and part and result and moment <= self.seconds and moment not in part.passed:
-                    part.passed = {**part.passed, moment: replace(result, passed={})}
+                    part.passed = {**part.passed, moment: replace(result, passed_constraints={})}
 
     # What plays
 
@@ -196,12 +196,12 @@ class LiveStage:
         part, given = self._parts.get(key), self._staged
         before = seen.performers.get(key)
         if part is None or (part.act is None and part.row != performer.all_clips):
-            self._parts[key] = _Part(own_row(given, key, self._prepare), performer.all_clips)
+            self._parts[key] = _Part(row_motion(given, key, self._prepare), performer.all_clips)
             self._note(key)
         elif before is None or _stands_otherwise(self.project, seen, key):
-            part.playing, part.row = restood(given, key, part.playing, self._prepare), performer.all_clips
+            part.playing, part.row = with_grounding_of(given, key, part.playing, self._prepare), performer.all_clips
         else:
-            part.playing, part.row = asked_anew(given, key, part.playing), performer.all_clips
+            part.playing, part.row = with_constraints_of(given, key, part.playing), performer.all_clips
 
     def _is_lost(self, key: str) -> bool:
         """True if the motion of the clip that a performer plays, or that clip in its row, was removed."""
@@ -237,22 +237,22 @@ class LiveStage:
             if behaviour is None or role is None:
                 self.running.pop(key, None)
                 continue
-            before, after = self.running.get(key), begun(behaviour)
+            before, after = self.running.get(key), initial_progress(behaviour)
             if before is not None:
                 ends = part.wish is None and self._ends(part)
-                heard = Senses(self._step, {}, ends, events.get(key, frozenset()) | sent, keys)
-                after = advance(behaviour, before, senses_of(seen, behaviour, role, heard))
+                heard = ConditionInput(self._step, {}, ends, events.get(key, frozenset()) | sent, keys)
+                after = advanced_progress(behaviour, before, condition_input(seen, behaviour, role, heard))
             self.running[key] = after
             state = behaviour.state(after.state)
             if state is not None and (before is None or after.seconds == 0.0):
                 clip = _clip_of(part)
                 frame = round(_motion_frame(part))
                 blend = after.through.blend if after.through else 0.0
-                part.wish = act_of(state, role, blend, clip, frame, self.project.frame_rate_of(clip))
+                part.wish = started_act(state, role, blend, clip, frame, self.project.frame_rate_of(clip))
                 if state.event and role.partner_id:
                     self._events[role.partner_id] = self._events.get(role.partner_id, frozenset()) | {state.event}
             elif part.wish is None and part.act is not None:
-                part.wish = step_of(seen, key, part.act, part.playing.composite, part.frame)
+                part.wish = distance_step(seen, key, part.act, part.playing.composite, part.frame)
 
     def _ends(self, part: _Part) -> bool:
         """True if the motion of a performer is about to end; one step per performer is reserved to begin the next
@@ -266,7 +266,7 @@ class LiveStage:
         """
         return part.act is None or self.seconds - part.act.clip.start > SETTLED
 
-    def _next(self, key: str, part: _Part) -> Act | None:
+    def _next(self, key: str, part: _Part) -> StartedAct | None:
         """Act that follows without a request: the looped clip of a state, or the first clip of a row. None if the last
         pose is held, or the clip is too short for a transition.
         """
@@ -278,10 +278,10 @@ class LiveStage:
             return None
         return self._going_on(replace(part.act, clip=replace(state.clip, ease=part.act.clip.ease), steps=False))
 
-    def _first_of_row(self, part: _Part) -> Act | None:
-        return self._going_on(Act(part.row[0]))
+    def _first_of_row(self, part: _Part) -> StartedAct | None:
+        return self._going_on(StartedAct(part.row[0]))
 
-    def _going_on(self, act: Act) -> Act | None:
+    def _going_on(self, act: StartedAct) -> StartedAct | None:
         """Act with its clip begun from the current pose; None if the clip is too short for a transition."""
         if act.clip.length(self.project.frame_rate_of(act.clip)) < LEAST_TRANSITION:
             return None
@@ -300,11 +300,11 @@ class LiveStage:
             assert wish is not None
             self._begin(key, wish)
 
-    def _begin(self, key: str, act: Act) -> None:
+    def _begin(self, key: str, act: StartedAct) -> None:
         """Let ``act`` take over now."""
         part, act = self._parts[key], replace(act, clip=replace(act.clip, start=self.seconds))
         staged = _staged(self.project, self._parts, {key: act})
-        part.playing = taken_over(staged, key, part.playing, part.frame, part.tracks, self._prepare)
+        part.playing = motion_after_takeover(staged, key, part.playing, part.frame, part.tracks, self._prepare)
         part.act, self._staged = act, staged
         self._note(key)
 
@@ -347,7 +347,7 @@ class LiveStage:
         followed = tracks_followed_by(self._staged, key, solved.get, circle, constraints, own)
         if followed is None:
             raise StudioError(f"'{self._staged.performers[key].name}' follows a character that cannot be adapted.")
-        part.tracks = expected_at(tracks_of(followed, playing.composite.at(frame)), expected)
+        part.tracks = with_expected_positions(tracks_of(followed, playing.composite.at(frame)), expected)
         standing = playing.standing
         request = AdaptRequest(
             standing.motion,
@@ -368,7 +368,7 @@ class LiveStage:
         part, found = self._parts[key], Expected()
         time = part.playing.time_of(part.frame)
         for constraint in part.playing.active(part.frame):
-            moment = awaited_moment(constraint.activation, time)
+            moment = anticipated_time(constraint.activation, time)
             for follow in follows_of(constraint):
                 if moment is not None and isinstance(follow, FollowPerformer) and follow.awaits:
                     place = self._place_at(follow, part.playing.composite.timing.begin + moment)
@@ -383,20 +383,22 @@ class LiveStage:
             return None
         frame = part.playing.frame_at(seconds)
         asked = [each for each in part.playing.active(frame) if part.tracks.keys() >= {*follows_of(each)}]
-        then = hold(part.playing.solvable, asked, frame, frame, part.tracks)
+        then = solve_constraints(part.playing.solvable, asked, frame, frame, part.tracks)
         return np.asarray(
-            Placement.of(self._staged.performers[follow.performer_id]).to_stage(place_of(follow.point, then)[0])
+            Placement.of(self._staged.performers[follow.performer_id]).to_stage(
+                body_point_positions(follow.point, then)[0]
+            )
         )
 
     def _frame(self, key: str, request: AdaptRequest) -> AdaptedMotion:
         part = self._parts[key]
-        posed = solve(part.playing.solvable, request, part.frame, part.frame)
-        return replace(posed, composite=part.playing.composite, passed=part.passed)
+        posed = solve_request(part.playing.solvable, request, part.frame, part.frame)
+        return replace(posed, composite=part.playing.composite, passed_constraints=part.passed)
 
     def _unasked(self, key: str) -> AdaptedMotion:
         part = self._parts[key]
-        posed = hold(part.playing.standing, (), part.frame, part.frame)
-        return replace(posed, composite=part.playing.composite, passed=part.passed)
+        posed = solve_constraints(part.playing.standing, (), part.frame, part.frame)
+        return replace(posed, composite=part.playing.composite, passed_constraints=part.passed)
 
     def _expected(self, circle: tuple[str, ...], unasked: Paths) -> Paths:
         """Expected tracks of all followed points: unconstrained ones, displaced as much as in the last step."""
@@ -423,7 +425,9 @@ def _motion_frame(part: _Part) -> float:
     return float(composite.playing(part.frame).motion_frames(np.array([part.frame]), composite.timing)[0])
 
 
-def _staged(project: Project, parts: Mapping[str, _Part], begun: Mapping[str, Act] = MappingProxyType({})) -> Project:
+def _staged(
+    project: Project, parts: Mapping[str, _Part], begun: Mapping[str, StartedAct] = MappingProxyType({})
+) -> Project:
     """``project`` in which the rows of performers are the clips that took over, and those of the acts in ``begun``."""
     acts = {key: part.act for key, part in parts.items() if part.act is not None} | dict(begun)
     rows = [(key, replace(project.performers[key], clips=(act.clip,), layers=()), None) for key, act in acts.items()]

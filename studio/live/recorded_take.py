@@ -12,10 +12,10 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.scope import Scope
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.kernels import layout as at
-from studio.core.normalized.joining import Planar
-from studio.core.normalized.mirror import mirrored
+from studio.core.normalized.joining import PlanarTransform
+from studio.core.normalized.mirror import mirrored_motion
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.pieces import Played
+from studio.core.normalized.pieces import PlayedPiece
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Entity, Project
 from studio.core.stage.timing import Timing
@@ -34,7 +34,7 @@ class StartedClips:
 
     since: float
     clips: tuple[Clip, ...]
-    played: tuple[Played, ...]
+    played: tuple[PlayedPiece, ...]
     timing: Timing
     asked: tuple[Constraint, ...] = ()
     own: bool = False
@@ -50,7 +50,7 @@ class StageTake:
     begin: float
     end: float
     begun: tuple[tuple[str, StartedClips], ...]
-    given: tuple[tuple[float, Project], ...]
+    project_with: tuple[tuple[float, Project], ...]
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ def _row(
 
 
 def _trimmed(
-    source: Clip, played: Played, timing: Timing, begin: float, end: float, motion: NormalizedMotion
+    source: Clip, played: PlayedPiece, timing: Timing, begin: float, end: float, motion: NormalizedMotion
 ) -> Clip | None:
     """Clip of the part of a piece that plays from ``begin`` to ``end`` (s), at the placement of the piece; None if no
     part does.
@@ -135,14 +135,14 @@ def _trimmed(
     )  # fmt: skip
 
 
-def _about(placement: Planar, motion: NormalizedMotion, first: int, is_mirrored: bool) -> Planar:
+def _about(placement: PlanarTransform, motion: NormalizedMotion, first: int, is_mirrored: bool) -> PlanarTransform:
     """``placement`` as a rotation about the root in frame ``first`` and an offset, as a clip has it."""
-    shown = mirrored(motion) if is_mirrored else motion
+    shown = mirrored_motion(motion) if is_mirrored else motion
     place = shown.channels[first, at.HIPS : at.HIPS + 2]
     c, s = np.cos(placement.turn), np.sin(placement.turn)
     turned = np.array([c * place[0] - s * place[1], s * place[0] + c * place[1]])
     x, y = (turned + placement.offset - place).tolist()
-    return Planar(placement.turn, (x, y))
+    return PlanarTransform(placement.turn, (x, y))
 
 
 def _contacts(recorded: Sequence[RecordedClip], project: Project, names: Iterator[str]) -> list[Edit]:
@@ -197,7 +197,7 @@ def _moved(take: StageTake, project: Project) -> dict[str, Path]:
     paths: dict[str, Path] = {}
     for key in project.constraints:
         path: Path = []
-        for seconds, given in take.given:
+        for seconds, given in take.project_with:
             target = _place(given.constraints.get(key))
             if target is not None and (not path or path[-1][1] != target):
                 if path and seconds - path[-1][0] > STILL_SECONDS:

@@ -153,5 +153,5 @@ class Replay:
                         return
                     until, fed = until + SLICE, 0
                 fed += 1
-                self.inbox.feed(packet)
+                self.inbox.receive(packet)
             self._stopped.wait(LEAST_PAUSE)

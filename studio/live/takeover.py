@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnimatedMorphology
-from studio.core.captures.contacts import FOOT_POINTS, on_ground
+from studio.core.captures.contacts import FOOT_POINTS, ground_contacts
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.compose import Composite, continued_by, go_on
-from studio.core.normalized.encode import encode
+from studio.core.normalized.compose import Composite, blended_continuation, pieces_after
+from studio.core.normalized.encode import encode_motion
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.standing.inertialisation import Stance, inertialised_from
@@ -52,10 +52,10 @@ def take_over(
     """Takeover by ``pieces`` after the frames ``rows`` (SPEED_FRAMES,) of ``before``; ``stood`` grounds a composite."""
     begins, ease = pieces[0].start, pieces[0].ease
     shown = _shown(before, rows, begins)
-    composite = continued_by(shown, pieces)
-    if any(each.point not in FOOT_POINTS for each in on_ground((*shown.contacts, *composite.contacts))):
+    composite = pieces_after(shown, pieces)
+    if any(each.point not in FOOT_POINTS for each in ground_contacts((*shown.contacts, *composite.contacts))):
         # a body supported by hands, knees or seat as well may turn over: its blend is grounded as a whole
-        composite = go_on(shown, _played(before, int(rows[-1])), pieces)
+        composite = blended_continuation(shown, _played(before, int(rows[-1])), pieces)
     return Takeover(composite, stood(composite), round(composite.timing.frame_at(begins)), ease)
 
 
@@ -80,7 +80,7 @@ def _shown(before: Standing, rows: NDArray[np.int64], start: float) -> MotionPie
     body = standing.morphology
     still = body.at(frame) if isinstance(body, AnimatedMorphology) else body
     positions = standing.positions[rows] - [0.0, 0.0, standing.ground.height]
-    seen = encode(positions, standing.rotations[rows], still, rate, "before")
+    seen = encode_motion(positions, standing.rotations[rows], still, rate, "before")
     held = np.concatenate([np.tile(seen.channels[-1], (round(LAST_POSE_SECONDS * rate), 1)), seen.channels])
     motion = replace(seen, channels=held)
     last = len(held) - 1

@@ -37,11 +37,11 @@ decoding never makes the window wait.
 
 @dataclass
 class Counts:
-    """Packets taken, malformed ones (``bad``) and those of senders that are off (``strangers``); and values refused."""
+    """Packets taken, ``malformed`` ones, and those of ``unknown_senders`` that are off; and values refused."""
 
     taken: int = 0
-    bad: int = 0
-    strangers: int = 0
+    malformed: int = 0
+    unknown_senders: int = 0
     refused_values: int = 0
 
 
@@ -54,12 +54,12 @@ class Inbox:
     _trackers: dict[str, vmc.Bone] = field(default_factory=dict)
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
-    def feed(self, packet: bytes) -> None:
+    def receive(self, packet: bytes) -> None:
         """Decode one datagram, whatever it contains, and store its values."""
         try:
             messages = decode(packet)
         except BadPacket:
-            self.counts.bad += 1
+            self.counts.malformed += 1
             return
         self.counts.taken += 1
         with self._lock:
@@ -80,7 +80,7 @@ class Inbox:
             bones = dict(self._bones)
         if names and all(each is not None for each in found):
             return np.asarray(np.mean([each.place for each in found if each is not None], axis=0))
-        return bone_place(bones, names[0]) if len(names) == 1 else None
+        return bone_position(bones, names[0]) if len(names) == 1 else None
 
     def _take(self, message: Message) -> None:
         into = {
@@ -97,9 +97,9 @@ class Inbox:
             into[name] = bone
 
 
-def bone_place(bones: dict[str, vmc.Bone], name: str) -> FloatArray | None:
+def bone_position(bones: dict[str, vmc.Bone], name: str) -> FloatArray | None:
     """World position (3,) of a bone; None if the body is incomplete or has no such bone."""
-    found = vmc.posed(bones)
+    found = vmc.posed_body(bones)
     if found is None:
         return None
     positions, _, body = found
@@ -186,9 +186,9 @@ class UdpInput:
         if sender is not None:
             sender.packets, sender.heard = sender.packets + 1, now
         if sender is None or not sender.on:
-            self.inbox.counts.strangers += 1
+            self.inbox.counts.unknown_senders += 1
             return
-        self.inbox.feed(packet)
+        self.inbox.receive(packet)
         kept = self.kept
         if kept is not None:
             kept(now - self._begun, packet)

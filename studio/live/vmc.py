@@ -82,8 +82,8 @@ def bone_segments(layout: BodyLayout) -> tuple[BoneSegment, ...]:
     chain += [BoneSegment("Neck", top, count), BoneSegment("Head", "Neck", count + 1)]
     for side, name in enumerate(("Left", "Right")):
         for bones, carrier, first in (
-            (VMC_ARM_BONES, top, layout.clavicle(side)),
-            (VMC_LEG_BONES, "Hips", layout.thigh(side)),
+            (VMC_ARM_BONES, top, layout.clavicle_segment(side)),
+            (VMC_LEG_BONES, "Hips", layout.thigh_segment(side)),
         ):
             for place, bone in enumerate(bones):
                 parent = f"{name}{bones[place - 1]}" if place else carrier
@@ -122,7 +122,7 @@ def bones_of(positions: FloatArray, rotations: FloatArray, body: Morphology) -> 
     return bones
 
 
-def posed(bones: dict[str, Bone]) -> tuple[FloatArray, FloatArray, Morphology] | None:
+def posed_body(bones: dict[str, Bone]) -> tuple[FloatArray, FloatArray, Morphology] | None:
     """Positions (K+23, 3), rotations (K+18, 3, 3) and body of received bones; None if a needed bone is missing or the
     trunk has no length.
     """

@@ -212,7 +212,7 @@ def capture_section(editor: Editor[Capture]) -> BodyMapSection:
     """Section for the capture of ``editor``."""
 
     def put(names: Mapping[str, str], text: str) -> None:
-        editor.put(lambda: editor.entity.with_body_map(names), text)
+        editor.replace_entity(lambda: editor.entity.with_body_map(names), text)
 
     return BodyMapSection(editor, lambda: body_of_capture(editor.entity), put)
 

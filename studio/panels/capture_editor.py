@@ -15,7 +15,7 @@ from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.body_map_section import capture_section
 from studio.panels.editor import Editor
-from studio.panels.fields import Choice, NumberField, Section, TagField, labelled, press_button
+from studio.panels.fields import Choice, NumberField, Section, TagField, press_button, styled_label
 from studio.panels.reference_figure import ReferenceFigure
 
 UNIT_CHOICES = (
@@ -42,7 +42,7 @@ class CaptureEditor(Editor[Capture]):
         self._actor = press_button("Create character", lambda: self.character_requested.emit(self.entity_id))
         self._actor.setToolTip("Create a character with the actor's exact proportions")
         self._facts.head.addWidget(self._actor)
-        self._values = {name: labelled("", "value") for name in ("File", "Frames", "Length", "Joints")}
+        self._values = {name: styled_label("", "value") for name in ("File", "Frames", "Length", "Joints")}
         for name, value in self._values.items():
             self._facts.add_row(name, value)
         self._tags = TagField("walk, fast", "used by the library search")
@@ -50,7 +50,7 @@ class CaptureEditor(Editor[Capture]):
         self._facts.add_row("Tags", self._tags)
         self.column.addWidget(self._facts)
         self._add_options()
-        self._markers = labelled("", "value")
+        self._markers = styled_label("", "value")
         self._markers.setWordWrap(True)
         open_markers = press_button("Open…", lambda: self.markers_requested.emit(self.entity_id), "link")
         open_markers.setAccessibleName("Open markers")
@@ -135,9 +135,9 @@ class CaptureEditor(Editor[Capture]):
             for key, motion in self._motions.items():
                 self.document.replace("motions", key, replace(motion, tags=tags), text)
 
-    def concerns(self, collection: str, entity_id: str) -> bool:
+    def depends_on(self, collection: str, entity_id: str) -> bool:
         """Its tags are those of its motions."""
-        return collection == "motions" or super().concerns(collection, entity_id)
+        return collection == "motions" or super().depends_on(collection, entity_id)
 
     def _show_report(self, capture: Capture) -> None:
         report = self._make_report(capture)
@@ -158,15 +158,15 @@ class CaptureEditor(Editor[Capture]):
         if capture.body_map is not None:
             section.add_wide(ReferenceFigure(capture, capture.body_map))
         if not capture.guesses:
-            section.add_wide(labelled("No assumptions were made.", "hint"))
+            section.add_wide(styled_label("No assumptions were made.", "hint"))
         for repair in capture.repairs:
-            section.add_wide(labelled(f"Repaired: {repair}", "hint"))
+            section.add_wide(styled_label(f"Repaired: {repair}", "hint"))
         for remark in remarks_on(capture):
-            section.add_wide(labelled(f"Warning: {remark.sentence}", "hint"))
+            section.add_wide(styled_label(f"Warning: {remark.sentence}", "hint"))
         return section
 
     def _changer(self, text: str, make: Callable[[Capture, float], Capture]) -> Callable[[float], None]:
-        return lambda value: self.put(lambda: make(self.entity, value), f"{text} of {self.entity.name}")
+        return lambda value: self.replace_entity(lambda: make(self.entity, value), f"{text} of {self.entity.name}")
 
     def _ask_reference(self, which: str) -> None:
         self._ask(reference="zero" if which == "zero" else str(self.document.playhead.frame))
@@ -183,7 +183,7 @@ def _show(choice: Choice, value: str) -> None:
 
 
 def _guess_lines(guess: Guess) -> QWidget:
-    line = labelled("", "hint")
+    line = styled_label("", "hint")
     head = guess.title[:1].upper() + guess.title[1:]
     line.setText(f'<span style="color: {colours.TEXT}">{escape(head)}</span><br>{escape(guess.reason)}')
     return line

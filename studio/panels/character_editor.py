@@ -7,7 +7,7 @@ from PySide6.QtCore import Signal
 
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Morphology, Proportions
-from studio.core.captures.remarks import remarks_on_body
+from studio.core.captures.remarks import body_remarks
 from studio.core.changed_records import with_fields
 from studio.core.mesh.character import Character
 from studio.core.mesh.skin import Blending
@@ -17,7 +17,7 @@ from studio.document.length_units import length_text
 from studio.engine.live_interface import Live
 from studio.panels.body_map_section import character_section
 from studio.panels.editor import Editor, EntityNameField
-from studio.panels.fields import Choice, Section, TagField, labelled, press_button
+from studio.panels.fields import Choice, Section, TagField, press_button, styled_label
 from studio.panels.growth_row import GrowthRow
 from studio.panels.sliders import ValueSlider
 
@@ -85,7 +85,7 @@ class BodySection(Section):
         self._tags = TagField("hero, tall", "used by the library search")
         self._tags.tags_edited.connect(self._set_tags)
         self.add_row("Tags", self._tags)
-        self._odd = labelled("", "hint")
+        self._odd = styled_label("", "hint")
         self.add_wide(self._odd)
         editor.document.playhead.changed.connect(self._playhead_moved)
 
@@ -111,7 +111,7 @@ class BodySection(Section):
         self._tags.show_tags(character.tags)
         self._grip.setEnabled(character.skin.hands is not None)
         self._grip.show_value(character.grip, grip_words(character.grip))
-        self._odd.setText("\n".join(f"Warning: {remark.sentence}" for remark in remarks_on_body(character.build)))
+        self._odd.setText("\n".join(f"Warning: {remark.sentence}" for remark in body_remarks(character.build)))
         self._odd.setVisible(bool(self._odd.text()))
 
     def refresh_now(self) -> None:

@@ -13,13 +13,13 @@ from studio.core.curves.retiming import FASTEST_CLIP, SLOWEST_CLIP, Speed, speed
 from studio.core.errors import StudioError
 from studio.core.mesh.hand_shapes import FIST_GRIP, HALF_CLOSED_GRIP, OPEN_GRIP, RELAXED_GRIP
 from studio.core.stage.clip import MOST_REPEATS, Clip
-from studio.core.stage.clip_row import ClipEdit, begun_at, ended_at, players_of
+from studio.core.stage.clip_row import ClipEdit, players_of, with_first_frame, with_last_frame
 from studio.document import clip_edits
 from studio.document.document import Document
-from studio.document.mnemonics import literal
+from studio.document.mnemonics import escaped_mnemonics
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
-from studio.panels.fields import Choice, NumberField, Section, check_box, labelled, press_button, short
+from studio.panels.fields import Choice, NumberField, Section, check_box, elided_name, press_button, styled_label
 from studio.panels.layer_section import LayerSection
 
 CLIP_OFFSET_LIMIT = 1000.0
@@ -47,7 +47,7 @@ class ClipEditor(Editor[Clip]):
 
     def _playing(self) -> Section:
         section = Section("Clip")
-        self._motion, self._players = labelled("", "value"), labelled("", "value")
+        self._motion, self._players = styled_label("", "value"), styled_label("", "value")
         self._players.setWordWrap(True)
         section.add_row("Motion", self._motion)
         section.add_row("Used by", self._players)
@@ -99,7 +99,7 @@ class ClipEditor(Editor[Clip]):
         self._ease = self._number(NumberField("Blend time", "s", 0.0, 60.0, 0.05), "Set blend time of", ease=1.0)
         self._ease.setSpecialValueText("automatic")
         section.add_row("Blend", self._ease)
-        section.add_wide(labelled("Where clips overlap, a line in the bar marks the transition.", "hint"))
+        section.add_wide(styled_label("Where clips overlap, a line in the bar marks the transition.", "hint"))
         return section
 
     def _buttons(self) -> QWidget:
@@ -134,7 +134,7 @@ class ClipEditor(Editor[Clip]):
         self._players.setText(", ".join(each.name for each in players.values()))
         active = players.get(self.document.active_performer_id or "")
         self._own.setVisible(len(players) > 1 and active is not None)
-        self._own.setText(literal(f"Make unique for {short(active.name, self._own)}") if active else "")
+        self._own.setText(escaped_mnemonics(f"Make unique for {elided_name(active.name, self._own)}") if active else "")
         shown = {
             self._start: clip.start, self._first: clip.first, self._last: clip.last, self._speed: self._speed_of(clip),
             self._repeats: clip.repeats, self._turn: math.degrees(clip.turn), self._ease: clip.ease,
@@ -148,7 +148,7 @@ class ClipEditor(Editor[Clip]):
                 box.setChecked(on)
         self._grip.show_value(clip.grip)
 
-    def concerns(self, collection: str, entity_id: str) -> bool:
+    def depends_on(self, collection: str, entity_id: str) -> bool:
         """True for performers, which play clips, and for motions, which name them."""
         return collection in ("performers", "motions")
 
@@ -207,14 +207,14 @@ class ClipEditor(Editor[Clip]):
 
     def _set_first(self, frame: float) -> None:
         project = self.document.project
-        self._edit(lambda clip: (begun_at(clip, project.frame_rate_of(clip), round(frame)),), "Trim")
+        self._edit(lambda clip: (with_first_frame(clip, project.frame_rate_of(clip), round(frame)),), "Trim")
 
     def _set_last(self, frame: float) -> None:
         project = self.document.project
 
         def ended(clip: Clip) -> tuple[Clip, ...]:
             count = project.captures[project.motions[clip.motion_id].capture_id].frame_count
-            return (ended_at(clip, round(frame), count),)
+            return (with_last_frame(clip, round(frame), count),)
 
         self._edit(ended, "Trim")
 
@@ -229,7 +229,7 @@ class ClipEditor(Editor[Clip]):
     def _make_own(self) -> None:
         performer_id = self.document.active_performer_id
         if performer_id is not None:
-            self._select(lambda: clip_edits.make_own(self.document, performer_id, self.entity_id))
+            self._select(lambda: clip_edits.detach_clip(self.document, performer_id, self.entity_id))
 
     def _split(self) -> None:
         self._select(lambda: clip_edits.split_clip(self.document, self.entity_id, self.document.playhead.time))

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QVBoxLayout, QWi
 from studio.document import colours
 from studio.library.clip_labels import SEGMENTS, ClipLabel, Kind, Limb
 from studio.panels.clip_line import ClipLine, ClipMark, with_mark
-from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, TagField, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, TagField, press_button, styled_label
 from studio.panels.stick_figure import FigureView, paint_sticks
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class ClipForm(QScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self._steps: list[ClipLabel] = []
         self._opened: OpenedClip | None = None
-        self.line, self.figures = ClipLine(), Figures()
+        self.line, self.figures = ClipLine(), HitFigures()
         self.limb = Choice("Limb", [(limb, limb.words.capitalize()) for limb in Limb])
         self.kind = Choice("Type", [(kind, kind.capitalize()) for kind in Kind])
         self.segment = Choice("Striking segment", [])
@@ -44,7 +44,7 @@ class ClipForm(QScrollArea):
         self.frames = {mark: NumberField(f"Frame: {mark}", "", 0, 0, 1, 0) for mark in ClipMark}
         self.undo = press_button("Undo", self._undo)
         self.confirm = press_button("Confirm", self._confirm, "main")
-        self.title, self.hint = labelled("", "title"), labelled(HINT, "hint")
+        self.title, self.hint = styled_label("", "title"), styled_label(HINT, "hint")
         self._lay_out()
         self._connect()
 
@@ -86,7 +86,7 @@ class ClipForm(QScrollArea):
     def _connect(self) -> None:
         self.line.begun.connect(lambda: self._steps.append(self.label))
         self.line.dragged.connect(self._replace_last)
-        self.line.marked.connect(self.figures.stress)
+        self.line.marked.connect(self.figures.emphasise)
         self.limb.value_chosen.connect(self._choose_limb)
         self.kind.value_chosen.connect(lambda kind: self._put(replace(self.label, kind=kind)))
         self.segment.value_chosen.connect(lambda segment: self._put(replace(self.label, segment=segment)))
@@ -182,7 +182,7 @@ def _undoes(event: QEvent) -> bool:
     return isinstance(event, QKeyEvent) and event.matches(QKeySequence.StandardKey.Undo)
 
 
-class Figures(QWidget):
+class HitFigures(QWidget):
     """Body at the beginning of the cut, at the hit and at the end, seen so that the limb moves to the right."""
 
     def __init__(self) -> None:
@@ -201,7 +201,7 @@ class Figures(QWidget):
         self._opened, self._label = opened, label
         self.update()
 
-    def stress(self, mark: ClipMark | None) -> None:
+    def emphasise(self, mark: ClipMark | None) -> None:
         """Emphasise one of the figures; None for none."""
         self._stressed = mark
         self.update()
@@ -231,7 +231,7 @@ class Figures(QWidget):
     @staticmethod
     def _look(opened: "OpenedClip", label: ClipLabel) -> FigureView:
         layout = opened.clip.actor.body.layout
-        root = layout.collar(label.limb.side) + 1 if label.limb.is_arm else layout.hip(label.limb.side)
+        root = layout.collar_point(label.limb.side) + 1 if label.limb.is_arm else layout.hip_point(label.limb.side)
         x, y = (opened.points[label.hit, root + 2, :2] - opened.points[label.hit, root, :2]).tolist()
         cut = opened.points[label.first : label.last + 1, :, 2]
         return FigureView((x, y), max(float(np.max(cut)), 0.5))

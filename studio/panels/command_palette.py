@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from studio.document import colours
-from studio.panels.fields import labelled, room_on_screen
+from studio.panels.fields import room_on_screen, styled_label
 
 PALETTE_WIDTH, MOST_PALETTE_ROWS, PALETTE_ROW_PX = 480, 12, 28
 SCROLL_BAR = 12
@@ -50,7 +50,7 @@ def detail_text(action: QAction) -> str:
     return str(action.data() or shortcut_text(action))
 
 
-def ranked(actions: Iterable[QAction], words: str) -> list[QAction]:
+def ranked_actions(actions: Iterable[QAction], words: str) -> list[QAction]:
     """Actions that contain all letters of ``words`` in order, those with adjacent and early letters first."""
     wanted = words.casefold().strip()
     found = []
@@ -152,7 +152,7 @@ class CommandPalette(QFrame):
 
     def _find(self, words: str) -> None:
         self.list.clear()
-        for action in ranked(self._actions, words):
+        for action in ranked_actions(self._actions, words):
             item = QTreeWidgetItem([plain_text(action), detail_text(action)])
             item.setData(0, ACTION, action)
             item.setForeground(1, QColor(colours.TEXT_SECOND))
@@ -213,13 +213,13 @@ def _sheet_column(menus: dict[str, list[QAction]]) -> QGridLayout:
     grid.setHorizontalSpacing(16)
     grid.setVerticalSpacing(6)
     for menu, actions in menus.items():
-        head = labelled(menu, "head")
+        head = styled_label(menu, "head")
         head.setContentsMargins(0, 12, 0, 0)
         grid.addWidget(head, grid.rowCount(), 0)
         for action in actions:
             line = grid.rowCount()
-            grid.addWidget(labelled(lasting_text(action), ""), line, 0)
-            grid.addWidget(labelled("  ".join(_keys(action)), "second"), line, 1)
+            grid.addWidget(styled_label(lasting_text(action), ""), line, 0)
+            grid.addWidget(styled_label("  ".join(_keys(action)), "second"), line, 1)
     grid.setRowStretch(grid.rowCount(), 1)
     return grid
 

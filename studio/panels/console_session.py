@@ -117,7 +117,7 @@ class DocumentOnWindowThread(OnWindowThread):
         try:
             yield
         except BaseException:
-            self._thread.run(lambda: self._document.take_back(number))
+            self._thread.run(lambda: self._document.undo_gesture(number))
             raise
         finally:
             self.step = None

@@ -6,7 +6,7 @@ from studio.document.contact_owners import ask_contact_of
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
-from studio.panels.fields import Choice, NumberField, Section, labelled
+from studio.panels.fields import Choice, NumberField, Section, styled_label
 from studio.panels.scope_row import ScopeRow
 
 
@@ -39,7 +39,7 @@ class ContactEditor(Editor[ContactInterval]):
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), self._set_last)
         section.add_row("Frame range", self._first, self._last)
         self._scope = ScopeRow(self, section, self._ask)
-        self._words = labelled("", "hint")
+        self._words = styled_label("", "hint")
         section.add_wide(self._words)
         self.column.addWidget(section)
         self.finish()
@@ -61,9 +61,9 @@ class ContactEditor(Editor[ContactInterval]):
     def _whose(self, contact: ContactInterval) -> str:
         return "" if contact.scope.is_narrow else ", on every character"
 
-    def concerns(self, collection: str, entity_id: str) -> bool:
+    def depends_on(self, collection: str, entity_id: str) -> bool:
         """True also for performers, which the scope names."""
-        return super().concerns(collection, entity_id) or collection == "performers"
+        return super().depends_on(collection, entity_id) or collection == "performers"
 
     def _ask(self, scope: Scope) -> None:
         text = f"Set scope of {contact_words(self.entity.point).lower()} contacts"

@@ -12,7 +12,7 @@ from studio.document.correction_edits import mirror_correction, set_key, set_pos
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor, EntityNameField
-from studio.panels.fields import PER_CENT, Choice, NumberField, Section, check_box, labelled, press_button
+from studio.panels.fields import PER_CENT, Choice, NumberField, Section, check_box, press_button, styled_label
 
 RANGE_FIELDS = ("Start", "Ease-in end", "Ease-out start", "End")
 TURN_AXES = ("x", "y", "z")
@@ -50,7 +50,7 @@ class CorrectionEditor(Editor[Correction]):
         self.column.addWidget(section)
         self._pose = Section("Pose at playhead")
         self._pose.head.addWidget(press_button("Set key", self._set_key, "link"))
-        self._words = labelled("", "hint")
+        self._words = styled_label("", "hint")
         self._pose.add_wide(self._words)
         self.column.addWidget(self._pose)
         self._joints: QWidget | None = None
@@ -174,6 +174,6 @@ class CorrectionEditor(Editor[Correction]):
         left = correction.without_part(part)
         text = f"Delete {part.label.lower()} of {correction.name}"
         if left.keys.parts or left.keys.moves_hips:
-            self.put(lambda: left, text)
+            self.replace_entity(lambda: left, text)
         else:
             self.document.remove("corrections", self.entity_id, text)

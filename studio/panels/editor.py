@@ -12,7 +12,7 @@ from studio.core.errors import StudioError
 from studio.core.stage.project import Entity
 from studio.document.document import Document
 from studio.engine.live_interface import Live
-from studio.panels.fields import NumberField, TextField, labelled
+from studio.panels.fields import NumberField, TextField, styled_label
 from studio.panels.shared_edits import different_fields, with_edit
 
 EDITED_TOGETHER = ("constraints", "contacts", "clips", "performers", "props")
@@ -42,7 +42,7 @@ class Editor(QWidget, Generic[EditedT_co]):
         self.column = QVBoxLayout(self)
         self.column.setContentsMargins(0, 0, 0, 12)
         self.column.setSpacing(0)
-        self._together = labelled("", "hint")
+        self._together = styled_label("", "hint")
         self._together.setContentsMargins(12, 8, 12, 0)
         self._together.hide()
         self.column.addWidget(self._together)
@@ -54,7 +54,7 @@ class Editor(QWidget, Generic[EditedT_co]):
         selected = self.document.selection.of(self.collection)
         return selected if self.entity_id in selected else (self.entity_id,)
 
-    def tell_together(self) -> None:
+    def update_title(self) -> None:
         """Show the number of entities that an edit changes, and the fields in which they differ."""
         ids = self.together
         self._together.setVisible(len(ids) > 1 and self.collection in EDITED_TOGETHER)
@@ -78,16 +78,16 @@ class Editor(QWidget, Generic[EditedT_co]):
     def refresh(self) -> None:
         """Show the present entity."""
 
-    def concerns(self, collection: str, entity_id: str) -> bool:
+    def depends_on(self, collection: str, entity_id: str) -> bool:
         """True if a change of that entity may change the form."""
         return (collection, entity_id) == (self.collection, self.entity_id)
 
     def change(self, text: str, **values: object) -> None:
         """Replace the entity by a copy with some values changed; a refused edit is reported as a message."""
         entity = cast(Entity, self.entity)  # what is no entity of its own is changed by the form of its owner
-        self.put(lambda: with_fields(entity, **values), text)
+        self.replace_entity(lambda: with_fields(entity, **values), text)
 
-    def put(self, make: Callable[[], Entity], text: str) -> None:
+    def replace_entity(self, make: Callable[[], Entity], text: str) -> None:
         """Replace the entity by the result of ``make``; a refused edit is reported as a message."""
         others = [key for key in self.together if key != self.entity_id] if self.collection in EDITED_TOGETHER else []
         before = self.entity
@@ -140,7 +140,7 @@ class Editor(QWidget, Generic[EditedT_co]):
         """Complete the form, and leave the space below it empty."""
         self.column.addStretch(1)
         self.refresh()
-        self.tell_together()
+        self.update_title()
 
 
 class EntityNameField(TextField):
@@ -170,7 +170,7 @@ class PlainEditor(Editor[Entity]):
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
-        self._words = labelled("", "hint")
+        self._words = styled_label("", "hint")
         self._words.setContentsMargins(12, 12, 12, 0)
         self.column.addWidget(self._words)
         self.finish()

@@ -24,7 +24,7 @@ from PySide6.QtWidgets import (
 
 from studio.core.names import tags_in
 from studio.document.length_units import shown_unit
-from studio.document.mnemonics import literal
+from studio.document.mnemonics import escaped_mnemonics
 
 FIELD_LABEL_WIDTH, LONGEST_NAME = 84, 90
 ROW_HEIGHT = 26
@@ -34,7 +34,7 @@ DIALOG_MARGIN = QSize(80, 120)
 PER_CENT = 100.0
 
 
-def labelled(text: str, role: str) -> QLabel:
+def styled_label(text: str, role: str) -> QLabel:
     """Label with one of the style sheet's roles: head, title, second, hint, value."""
     label = ElidedText(text) if role == "value" else QLabel(text.upper() if role == "head" else text)
     label.setProperty("role", role)
@@ -47,7 +47,7 @@ def labelled(text: str, role: str) -> QLabel:
     return label
 
 
-def short(name: str, among: QWidget) -> str:
+def elided_name(name: str, among: QWidget) -> str:
     """Name shortened so that a form with other words ``among`` it does not become wider."""
     return among.fontMetrics().elidedText(name, Qt.TextElideMode.ElideRight, LONGEST_NAME)
 
@@ -91,7 +91,7 @@ class Section(QWidget):
         column.setContentsMargins(FIELD_ICON_PX, 12, FIELD_ICON_PX, 0)
         column.setSpacing(4)
         self.head = QHBoxLayout()
-        self.head.addWidget(labelled(title, "head"))
+        self.head.addWidget(styled_label(title, "head"))
         self.head.addStretch(1)
         column.addLayout(self.head)
         self._grid = QGridLayout()
@@ -104,7 +104,7 @@ class Section(QWidget):
     def add_row(self, label: str, *fields: QWidget) -> QLabel:
         """Add a row; fields share the width evenly and take the label as accessible name if they have none."""
         row = self._grid.rowCount()
-        caption = labelled(label, "second")
+        caption = styled_label(label, "second")
         self._grid.addWidget(caption, row, 0)
         cell = QHBoxLayout()
         cell.setSpacing(4)
@@ -415,14 +415,14 @@ def return_keys(widget: QWidget) -> None:
 
 def check_box(text: str = "") -> QCheckBox:
     """Checkbox that takes the focus only by Tab, so that Space goes on playing after a click."""
-    box = QCheckBox(literal(text))
+    box = QCheckBox(escaped_mnemonics(text))
     box.setFocusPolicy(Qt.FocusPolicy.TabFocus)
     return box
 
 
 def press_button(text: str, run: Callable[[], object] | None, role: str = "") -> QPushButton:
     """Button that takes the focus only by Tab, so that Space goes on playing after a click."""
-    button = QPushButton(literal(text))
+    button = QPushButton(escaped_mnemonics(text))
     button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
     if role:
         button.setProperty("role", role)

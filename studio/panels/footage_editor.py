@@ -4,7 +4,7 @@ from studio.core.stage.footage import FOOTAGE_RATES, Footage
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor, EntityNameField
-from studio.panels.fields import NumberField, Section, labelled
+from studio.panels.fields import NumberField, Section, styled_label
 
 
 class FootageEditor(Editor[Footage]):
@@ -23,7 +23,7 @@ class FootageEditor(Editor[Footage]):
             rate, lambda value: self.change(f"Set frame rate of {self.entity.name}", frame_rate=value)
         )
         section.add_row("Frame rate", self._rate)
-        self._found = labelled("", "hint")
+        self._found = styled_label("", "hint")
         section.add_wide(self._found)
         self.column.addWidget(section)
         self.finish()

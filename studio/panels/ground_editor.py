@@ -9,7 +9,7 @@ from studio.document.document import Document
 from studio.document.length_units import PER_METRE, length_text
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
-from studio.panels.fields import Choice, NumberField, Section, labelled
+from studio.panels.fields import Choice, NumberField, Section, styled_label
 from studio.panels.sliders import ValueSlider
 
 GROUND_CHOICES: tuple[tuple[type[Ground], str], ...] = (
@@ -88,7 +88,7 @@ class GroundEditor(Editor[Ground]):
         self._forms = {kind: _KindSection(self, kind) for kind in (*MEASURES, HeightMap)}
         for form in self._forms.values():
             self.column.addWidget(form)
-        hint = labelled("Planted feet follow the ground, on every character.", "hint")
+        hint = styled_label("Planted feet follow the ground, on every character.", "hint")
         hint.setContentsMargins(12, 8, 12, 0)
         self.column.addWidget(hint)
         self.finish()
@@ -114,7 +114,7 @@ class GroundEditor(Editor[Ground]):
         names = {field.name for field in fields(kind)} & {field.name for field in fields(self.entity)}
         kept = {name: getattr(self.entity, name) for name in names}
         if kind in MADE_HERE:
-            self.put(lambda: kind(**kept), f"Set ground to {words}")
+            self.replace_entity(lambda: kind(**kept), f"Set ground to {words}")
         self.refresh()
 
 

@@ -4,7 +4,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QUndoStack
 from PySide6.QtWidgets import QUndoView, QVBoxLayout, QWidget
 
-from studio.panels.fields import FIELD_ICON_PX, labelled
+from studio.panels.fields import FIELD_ICON_PX, styled_label
 
 
 class History(QWidget):
@@ -17,7 +17,7 @@ class History(QWidget):
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 12, 0, 0)
         column.setSpacing(4)
-        self.head = labelled("History", "head")
+        self.head = styled_label("History", "head")
         """Heading of the panel, shown while it has no title bar."""
         self.head.setContentsMargins(FIELD_ICON_PX, 0, FIELD_ICON_PX, 0)
         column.addWidget(self.head)

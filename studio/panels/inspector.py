@@ -92,7 +92,7 @@ class Inspector(QScrollArea):
         editor = self.editor
         if editor is not None and (editor.collection, editor.entity_id) == (collection, entity_id) and item:
             editor.refresh()
-            editor.tell_together()
+            editor.update_title()
             return
         self.editor = self._make(collection, entity_id)
         if isinstance(self.editor, CaptureEditor):
@@ -126,17 +126,17 @@ class Inspector(QScrollArea):
             return
         if editor.collection and editor.entity is None:
             self._show_current()
-        elif editor.concerns(collection, entity_id) or (collection == editor.collection and not entity_id):
+        elif editor.depends_on(collection, entity_id) or (collection == editor.collection and not entity_id):
             if not self.live.interactive:
                 editor.refresh()
-                editor.tell_together()
+                editor.update_title()
             elif not self._dragged.isActive():
                 self._dragged.start()
 
     def _refresh(self) -> None:
         if self.editor is not None and (not self.editor.collection or self.editor.entity is not None):
             self.editor.refresh()
-            self.editor.tell_together()
+            self.editor.update_title()
 
     def current_form(self) -> QWidget | None:
         """Visible form."""

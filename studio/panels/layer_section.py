@@ -7,7 +7,7 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.layer import Region
 from studio.document import clip_edits
 from studio.panels.editor import Editor
-from studio.panels.fields import PER_CENT, Choice, NumberField, Section, check_box, labelled
+from studio.panels.fields import PER_CENT, Choice, NumberField, Section, check_box, styled_label
 
 
 class LayerSection(Section):
@@ -44,7 +44,7 @@ class LayerSection(Section):
         self._reference.setSpecialValueText("first frame")
         self._reference.setToolTip("Additive: the difference to this frame of the clip is added.")
         self._reference_row = self.add_row("Reference frame", self._reference)
-        self.add_wide(labelled("Foot contacts come from the clips that drive the legs.", "hint"))
+        self.add_wide(styled_label("Foot contacts come from the clips that drive the legs.", "hint"))
 
     def refresh(self) -> None:
         """Update everything; nothing is shown for a clip of a row."""

@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from studio.document import colours
-from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, check_box, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, check_box, press_button, styled_label
 
 OWN_CLIPS, NO_INPUT, NO_PROP = "Own clips", "Nothing", "No prop yet"
 NO_INPUTS = "Not listening. Choose a port and press Listen, or replay a recording."
@@ -90,7 +90,7 @@ class LivePanel(QScrollArea):
         self.stream = check_box("Stream visible characters as VMC")
         self.out_address, self.out_port = QLineEdit(loopback), NumberField("Port", "", 1, 65_535, 1, 0)
         self.out_port.show_value(out_port)
-        self.told, self.out_told = labelled(NO_INPUTS, "hint"), labelled("", "hint")
+        self.told, self.out_told = styled_label(NO_INPUTS, "hint"), styled_label("", "hint")
         self._lay_out()
         self._connect()
 

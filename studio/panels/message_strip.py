@@ -88,12 +88,12 @@ class MessageStrip(QWidget):
         else:
             self.clear()
 
-    def outlive(self, event: Lifetime) -> None:
+    def clear_at(self, event: Lifetime) -> None:
         """Remove the message if its lifetime ends with the event."""
         if self._lifetime >= event:
             self.clear()
 
-    def ask(self, sentence: str, *answers: Answer) -> None:
+    def ask_user(self, sentence: str, *answers: Answer) -> None:
         """``say`` with the focus on the first answer: Tab goes on, Enter presses, Esc presses the last one."""
         self.say(sentence, *answers)
         self._answers[0].setFocus(Qt.FocusReason.PopupFocusReason)

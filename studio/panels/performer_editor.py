@@ -12,7 +12,7 @@ from studio.engine.live_interface import Live
 from studio.panels.body_map_section import character_section
 from studio.panels.character_editor import BodySection
 from studio.panels.editor import Editor, EntityNameField
-from studio.panels.fields import Choice, NumberField, Section, check_box, labelled, with_unit
+from studio.panels.fields import Choice, NumberField, Section, check_box, styled_label, with_unit
 
 PLACEMENT_LIMIT = 1000.0
 
@@ -34,7 +34,7 @@ class PerformerEditor(Editor[Performer]):
         self._cast = Choice("Character", [])
         self._cast.value_chosen.connect(self._recast)
         section.add_row("Character", self._cast)
-        self._plays: QLabel = labelled("", "value")
+        self._plays: QLabel = styled_label("", "value")
         section.add_row("Plays", self._plays)
         self._x, self._y = (
             self.bind(
@@ -74,11 +74,11 @@ class PerformerEditor(Editor[Performer]):
         self.column.addWidget(self._body_map)
         self.finish()
 
-    def concerns(self, collection: str, entity_id: str) -> bool:
+    def depends_on(self, collection: str, entity_id: str) -> bool:
         """True if the form has to be refreshed for a change of this entity: its performer, or any character, since
         characters fill its list.
         """
-        return super().concerns(collection, entity_id) or collection == "characters"
+        return super().depends_on(collection, entity_id) or collection == "characters"
 
     def refresh(self) -> None:
         """Update all fields from the document."""

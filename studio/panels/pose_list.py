@@ -7,7 +7,7 @@ from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
 from studio.document.dragging import POSE, carried_row
-from studio.panels.fields import PER_CENT, Choice, labelled, press_button
+from studio.panels.fields import PER_CENT, Choice, press_button, styled_label
 from studio.panels.sliders import ValueSlider
 from studio.panels.thumbnails import THUMBNAIL_PIXELS
 
@@ -55,7 +55,7 @@ class PosePanel(QWidget):
         self.poses.itemActivated.connect(lambda item: self.apply_requested.emit(self.poses.row(item)))
         self.poses.itemChanged.connect(self._item_changed)
         self.poses.currentRowChanged.connect(self._row_changed)
-        self._hint = labelled("", "hint")
+        self._hint = styled_label("", "hint")
         self.save = press_button("Save pose", self.save_requested.emit)
         self.save.setToolTip("Save the pose of the selected character at the playhead")
         self.delete = press_button("Delete pose", lambda: self.delete_requested.emit(self.poses.currentRow()))

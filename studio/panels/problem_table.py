@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTableWidget, QTab
 from studio.document import colours
 from studio.engine.problem_search import ProblemSearch
 from studio.engine.quality_summary import ASPECT_HINTS, ASPECTS, Finding, SummaryRow
-from studio.panels.fields import labelled
+from studio.panels.fields import styled_label
 
 PROBLEM_COLUMNS = ("Character", "Constraint", *(aspect.capitalize() for aspect in ASPECTS))
 NO_ROWS = "Nothing is adapted yet. Drop a capture and add constraints; how well they hold is listed here."
@@ -50,7 +50,7 @@ class ProblemTable(QWidget):
         self.table.sortByColumn(2, Qt.SortOrder.DescendingOrder)
         self.table.cellClicked.connect(self._choose)
         self.table.cellActivated.connect(self._choose)
-        self._hint = labelled(NO_ROWS, "hint")
+        self._hint = styled_label(NO_ROWS, "hint")
         self._hint.setContentsMargins(12, 8, 12, 8)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
@@ -93,9 +93,9 @@ class ProblemTable(QWidget):
     def showEvent(self, event: QShowEvent) -> None:
         """Resume updates now that the table is visible."""
         super().showEvent(event)
-        self._search.want(True)
+        self._search.set_continuous(True)
 
     def hideEvent(self, event: QHideEvent) -> None:
         """Stop updates while the table is hidden."""
         super().hideEvent(event)
-        self._search.want(False)
+        self._search.set_continuous(False)

@@ -19,18 +19,18 @@ from studio.engine.performance import posed_performers
 from studio.engine.point_names import POINT_NAMES, point_words
 from studio.engine.prop_places import (
     PropPose,
-    between_hands,
-    in_hand,
+    hold_between_hands,
+    hold_in_hand,
     moved_prop,
     prop_at,
     resized_prop,
     turned_prop,
-    unheld,
+    with_fixed_position,
 )
-from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
+from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled_position
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.editor import Editor, EntityNameField
-from studio.panels.fields import Choice, Section, check_box, labelled, press_button
+from studio.panels.fields import Choice, Section, check_box, press_button, styled_label
 from studio.panels.rotation_row import RotationRow
 
 LEAST_PROP_SIZE = 0.001
@@ -67,7 +67,7 @@ class PropEditor(Editor[Prop]):
         self._point = Choice("Point", [(point, name.capitalize()) for point, name in POINT_NAMES.items()])
         self._point.value_chosen.connect(self._fix)
         self._point_row = section.add_row("Point", self._point)
-        self._held, self._always = labelled("", "value"), press_button("Always", self._hold_always)
+        self._held, self._always = styled_label("", "value"), press_button("Always", self._hold_always)
         self._held_row = section.add_row("Carried", self._held, self._always)
         self._position = VectorRow(self, section, "Position", self._move)
         self._rotation = RotationRow(self, section, "the stage", self._turn)
@@ -101,16 +101,16 @@ class PropEditor(Editor[Prop]):
         self._shape.offer([(each, each.value.capitalize()) for each in shapes])
         self._shape.show_value(prop.shape)
         self._size.show_values(prop.size)
-        self._where.show_value(where_of(prop))
+        self._where.show_value(placement_choice(prop))
         self._holder.offer([(key, each.name) for key, each in self.document.project.performers.items()])
         self._rule.refresh()
         self._collides.setChecked(bool(obstacles_of(self.document.project, self.entity_id)))
-        self._show(where_of(prop) == KEYED_PLACE, self._keys_row, *self._keys)
+        self._show(placement_choice(prop) == KEYED_PLACE, self._keys_row, *self._keys)
         self._refresh_moment()
 
-    def concerns(self, collection: str, entity_id: str) -> bool:
+    def depends_on(self, collection: str, entity_id: str) -> bool:
         """True also for performers, which may hold the prop, and for constraints, which may make it an obstacle."""
-        return super().concerns(collection, entity_id) or collection in ("performers", "constraints")
+        return super().depends_on(collection, entity_id) or collection in ("performers", "constraints")
 
     def _resize(self, size: tuple[float, ...]) -> None:
         """Resize the selected props in what was edited, and the constraints that make them obstacles."""
@@ -156,7 +156,7 @@ class PropEditor(Editor[Prop]):
         self._rotation.show_rotation(from_matrix(pose.axes))
 
     def _playhead_moved(self, _: float) -> None:
-        if self.entity is not None and where_of(self.entity) != STAYING:
+        if self.entity is not None and placement_choice(self.entity) != STAYING:
             self._refresh_moment()
 
     def _show(self, shown: bool, *widgets: QWidget) -> None:
@@ -167,7 +167,7 @@ class PropEditor(Editor[Prop]):
         self.change(f"{verb} {self.entity.name}", **values)
 
     def _put_made(self, verb: str, make: Callable[[], Prop]) -> None:
-        self.put(make, f"{verb} {self.entity.name}")
+        self.replace_entity(make, f"{verb} {self.entity.name}")
 
     def _move(self, place: tuple[float, ...]) -> None:
         self._put_made("Move", lambda: moved_prop(self.pose, np.array(place)))
@@ -178,12 +178,12 @@ class PropEditor(Editor[Prop]):
 
     def _place(self, where: str) -> None:
         if where in (STAYING, KEYED_PLACE):
-            self._put_made("Release", lambda: unheld(self.pose, keyed=where == KEYED_PLACE))
+            self._put_made("Release", lambda: with_fixed_position(self.pose, keyed=where == KEYED_PLACE))
         elif where in dict(RULES):
             x, y, z = self.pose.place.tolist()
             self._put_made(
                 "Set procedural motion of",
-                lambda: replace(unheld(self.pose, keyed=False), position=ruled(where, (x, y, z))),
+                lambda: replace(with_fixed_position(self.pose, keyed=False), position=ruled_position(where, (x, y, z))),
             )
         else:
             self._hold(where, self.document.active_performer_id or "")
@@ -200,9 +200,9 @@ class PropEditor(Editor[Prop]):
             self.document.problem_reported.emit("No character can carry it yet. Show one that has a clip first.")
             self.refresh()
         elif where == Carried.kind:
-            self._put_made("Carry", lambda: self._meanwhile(between_hands(self.entity, performer_id, holder)))
+            self._put_made("Carry", lambda: self._meanwhile(hold_between_hands(self.entity, performer_id, holder)))
         else:
-            self._put_made("Carry", lambda: self._meanwhile(in_hand(self.pose, performer_id, point, holder)))
+            self._put_made("Carry", lambda: self._meanwhile(hold_in_hand(self.pose, performer_id, point, holder)))
 
     def _meanwhile(self, hold: InHand | Carried) -> Prop:
         """Prop whose current hold is replaced by ``hold``, with the same begin and end."""
@@ -244,7 +244,7 @@ def _span_words(hold: Hold) -> str:
     return f"{begin} to {'end' if hold.end is None else f'{hold.end:.2f} s'}"
 
 
-def where_of(prop: Prop) -> str:
+def placement_choice(prop: Prop) -> str:
     """Key in ``PLACE_CHOICES`` of a prop's placement."""
     if prop.held is not None:
         return prop.held.kind

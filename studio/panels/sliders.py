@@ -4,7 +4,7 @@ from PySide6.QtCore import QEvent, QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QSlider, QWidget
 
-from studio.panels.fields import labelled
+from studio.panels.fields import styled_label
 
 SLIDER_STEPS = 1000
 VALUE_WIDTH = 62
@@ -52,7 +52,7 @@ class ValueSlider(QWidget):
         self.slider = QuietSlider()
         self.slider.setAccessibleName(name)
         self.slider.setToolTip(f"{name}. Double-click to reset.")
-        self._value: QLabel = labelled("", "value")
+        self._value: QLabel = styled_label("", "value")
         self._value.setFixedWidth(VALUE_WIDTH)
         self._value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         row = QHBoxLayout(self)

@@ -4,7 +4,7 @@ from studio.core.stage.sound_track import SoundTrack
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor, EntityNameField
-from studio.panels.fields import NumberField, Section, labelled
+from studio.panels.fields import NumberField, Section, styled_label
 
 
 class SoundEditor(Editor[SoundTrack]):
@@ -18,7 +18,7 @@ class SoundEditor(Editor[SoundTrack]):
         field = NumberField("Start", "s", -1e5, 1e5, 0.01, 3)
         self._start = self.bind(field, lambda value: self.change(f"Move {self.entity.name}", start=value))
         section.add_row("Start", self._start)
-        self._found = labelled("", "hint")
+        self._found = styled_label("", "hint")
         section.add_wide(self._found)
         self.column.addWidget(section)
         self.finish()

@@ -3,7 +3,7 @@
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
-from studio.panels.fields import Section, labelled
+from studio.panels.fields import Section, styled_label
 
 FIRST_HINTS = (
     "Select a character to change its body.",
@@ -20,10 +20,10 @@ class StageEditor(Editor[None]):
         super().__init__(document, live, "", "")
         section = Section("Nothing selected")
         for step in FIRST_HINTS:
-            section.add_wide(labelled(step, "hint"))
+            section.add_wide(styled_label(step, "hint"))
         self.column.addWidget(section)
         self.column.addStretch(1)
 
-    def concerns(self, collection: str, entity_id: str) -> bool:
+    def depends_on(self, collection: str, entity_id: str) -> bool:
         """Always False, as the hints never change."""
         return False

@@ -4,7 +4,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QStatusBar, QWidget
 
 from studio.document.document import Document
-from studio.document.mnemonics import literal
+from studio.document.mnemonics import escaped_mnemonics
 from studio.panels.fields import ElidedText, press_button
 
 STATUS_BAR_WIDTH = 120
@@ -127,7 +127,7 @@ class StatusLine(QStatusBar):
             return
         guesses = project.captures[motion.capture_id].guesses
         count = f"{len(guesses)} assumption{'' if len(guesses) == 1 else 's'}"
-        self._guesses.setText(literal(f"{motion.name} · {count}" if guesses else motion.name))
+        self._guesses.setText(escaped_mnemonics(f"{motion.name} · {count}" if guesses else motion.name))
         self._guesses.setToolTip("\n".join(guess.title for guess in guesses))
 
     def _show_journal(self) -> None:

@@ -7,7 +7,7 @@ from PySide6.QtGui import QHideEvent
 from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QSizePolicy, QVBoxLayout, QWidget
 
 from studio.document.dragging import STRIKE, carried_row
-from studio.panels.fields import FIELD_ICON_PX, Choice, Section, Segments, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, Choice, Section, Segments, press_button, styled_label
 from studio.panels.two_lines import TwoLines
 
 ALL = "None (list all strikes)"
@@ -59,7 +59,7 @@ class Strikes(QWidget):
         section.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)  # rows do not overlap
         column.addWidget(section)
         column.addLayout(self._buttons())
-        self.hint = labelled(NO_STRIKES_HINT, "hint")
+        self.hint = styled_label(NO_STRIKES_HINT, "hint")
         self.hint.setContentsMargins(FIELD_ICON_PX, 0, FIELD_ICON_PX, 0)
         column.addWidget(self.hint)
         self.results = self._make_results()

@@ -4,7 +4,7 @@ needed.
 
 from studio.core.mesh.character import Character
 from studio.core.mesh.skin import Blending
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.normalized.round_trip import round_trip
 from studio.core.solver.warm_up import (
     warm_up,
@@ -58,7 +58,7 @@ def run_constraints() -> None:
 def _read() -> None:
     for path in example_captures_folder().glob("front_kick.bvh"):
         capture = load_capture(path)
-        round_trip(capture, *normalize(capture))
+        round_trip(capture, *normalize_capture(capture))
 
 
 def _character() -> Character:

@@ -56,7 +56,7 @@ class WarmUp:
         self._stopped, self._ready, self._grounded = threading.Event(), threading.Event(), threading.Event()
         self._let_go, self._drawable = threading.Event(), threading.Event()
         if not held:
-            self.go_on()
+            self.release()
         self._shares = dict.fromkeys(SOLVER, 0.0)
         self._running = {part: part[0] for part in SOLVER}
         """The function that each process runs now."""
@@ -93,7 +93,7 @@ class WarmUp:
         """Wait until bodies can be drawn without compiling, or the warm-up has ended."""
         self._drawable.wait()
 
-    def go_on(self) -> None:
+    def release(self) -> None:
         """Let this process load the kernels, if it was held until now."""
         self._let_go.set()
 
@@ -101,7 +101,7 @@ class WarmUp:
         """Stop the thread and the child processes; wait ``patience`` seconds for a kernel compiled here."""
         self._stopped.set()
         self._end_waiting()
-        self.go_on()
+        self.release()
         self._thread.join(patience)
 
     def follow(self, report: Callable[[float, str], None]) -> None:
@@ -210,7 +210,7 @@ def compile_first() -> None:
     tell(1.0, "The solver is ready")
 
 
-def tell_what_reading_waits_for() -> None:
+def print_wait_reason() -> None:
     """Report on standard error that the kernels for reading captures are being compiled, if they are not cached yet."""
     if is_cold(LAST_TO_READ):
         print("What reads motions is compiled, once on this machine: some ten seconds.", file=sys.stderr)

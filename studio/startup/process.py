@@ -19,7 +19,7 @@ from pathlib import Path
 import platformdirs
 
 from studio.core.errors import StudioError
-from studio.startup.system_libraries import DRAWING, WINDOW_LIBRARIES, missing, sentence_about
+from studio.startup.system_libraries import DRAWING, WINDOW_LIBRARIES, missing_libraries, sentence_about
 
 LARGEST_KEPT, MOST_KEPT = 32 << 20, 256 << 20
 """Bytes of the largest block of memory that is kept when it is freed, and of all freed memory kept."""
@@ -170,7 +170,9 @@ def check_libraries(window: bool = False) -> None:
     Must run before Qt and VTK are loaded, which would end the process.
     """
     lacking = (
-        missing({**DRAWING, **WINDOW_LIBRARIES} if window else DRAWING) if sys.platform.startswith("linux") else {}
+        missing_libraries({**DRAWING, **WINDOW_LIBRARIES} if window else DRAWING)
+        if sys.platform.startswith("linux")
+        else {}
     )
     if lacking:
         raise StudioError(sentence_about(lacking))

@@ -39,7 +39,7 @@ LIKED = {"libXcursor.so.1": "libxcursor1"}
 FONTS, FONT_PACKAGE = Path("/usr/share/fonts"), "fonts-dejavu-core"
 
 
-def missing(libraries: Mapping[str, str]) -> dict[str, str]:
+def missing_libraries(libraries: Mapping[str, str]) -> dict[str, str]:
     """Libraries that cannot be loaded, with their Debian packages."""
     return {name: package for name, package in libraries.items() if not _loads(name)}
 
@@ -47,15 +47,15 @@ def missing(libraries: Mapping[str, str]) -> dict[str, str]:
 def missing_packages() -> list[str]:
     """Debian packages missing for pictures and a window."""
     fonts = [] if FONTS.is_dir() and any(FONTS.rglob("*.[to]tf")) else [FONT_PACKAGE]
-    return list(dict.fromkeys([*missing({**DRAWING, **WINDOW_LIBRARIES, **LIKED}).values(), *fonts]))
+    return list(dict.fromkeys([*missing_libraries({**DRAWING, **WINDOW_LIBRARIES, **LIKED}).values(), *fonts]))
 
 
 def sentence_about(libraries: Mapping[str, str]) -> str:
     """Sentence on missing libraries, with the one command that installs everything for pictures and a window."""
-    return f"System libraries are missing: {', '.join(libraries)}. {advice(missing_packages())}"
+    return f"System libraries are missing: {', '.join(libraries)}. {installation_advice(missing_packages())}"
 
 
-def advice(packages: list[str]) -> str:
+def installation_advice(packages: list[str]) -> str:
     """Sentence with the command that installs packages, for root or another user, whichever runs this process."""
     if shutil.which("apt-get") is None:
         return f"Install what your system has for Debian's packages {' '.join(packages)}."

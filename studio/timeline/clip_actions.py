@@ -6,9 +6,9 @@ from functools import partial
 from PySide6.QtWidgets import QMenu
 
 from studio.core.errors import StudioError
-from studio.core.stage.clip_row import begun_at, ended_at, players_of
+from studio.core.stage.clip_row import players_of, with_first_frame, with_last_frame
 from studio.document import clip_edits
-from studio.document.mnemonics import literal
+from studio.document.mnemonics import escaped_mnemonics
 from studio.timeline.shown import Hit, ItemPart, RowContext
 
 
@@ -38,16 +38,20 @@ def add_layer(shown: RowContext, performer_id: str, motion_id: str, start: float
     document.selection.set(("performers", performer_id), ("clips", name))
 
 
-def nudged(shown: RowContext, clip_id: str, edge: ItemPart, frames: int) -> None:
+def nudged_clip(shown: RowContext, clip_id: str, edge: ItemPart, frames: int) -> None:
     """Trim an end of a clip by whole frames: one undo step."""
     project = shown.project
     clip = project.clips[clip_id]
     rate, count = project.frame_rate_of(clip), project.captures[project.motions[clip.motion_id].capture_id].frame_count
     text = f"Trim {clip_edits.name_of(project, clip)}"
     if edge == ItemPart.FIRST:
-        clip_edits.edit_clip(shown.document, clip_id, lambda each: (begun_at(each, rate, each.first + frames),), text)
+        clip_edits.edit_clip(
+            shown.document, clip_id, lambda each: (with_first_frame(each, rate, each.first + frames),), text
+        )
     else:
-        clip_edits.edit_clip(shown.document, clip_id, lambda each: (ended_at(each, each.last + frames, count),), text)
+        clip_edits.edit_clip(
+            shown.document, clip_id, lambda each: (with_last_frame(each, each.last + frames, count),), text
+        )
 
 
 def offer_clip(menu: QMenu, shown: RowContext, hit: Hit) -> None:
@@ -69,7 +73,7 @@ def offer_clip(menu: QMenu, shown: RowContext, hit: Hit) -> None:
     players = players_of(project, hit.id)
     if len(players) > 1:
         text = f"Make unique for {project.performers[hit.performer_id].name}"
-        offer(text, lambda: select(clip_edits.make_own(document, hit.performer_id, hit.id)))
+        offer(text, lambda: select(clip_edits.detach_clip(document, hit.performer_id, hit.id)))
     text = f"Delete clip {clip_edits.name_of(project, project.clips[hit.id])}"
     offer("Delete", lambda: clip_edits.remove_clips(document, (hit.id,), text))
 
@@ -86,7 +90,7 @@ def offer_motions(menu: QMenu, shown: RowContext, performer_id: str, start: floa
 def _offer(menu: QMenu, shown: RowContext, performer_id: str, text: str, run: Callable[[], None]) -> None:
     """An entry about a performer's row, which may be removed while the menu is open."""
     kept = partial(_run_on, shown, performer_id, run)
-    menu.addAction(literal(text)).triggered.connect(lambda: try_edit(shown, kept))
+    menu.addAction(escaped_mnemonics(text)).triggered.connect(lambda: try_edit(shown, kept))
 
 
 def _run_on(shown: RowContext, performer_id: str, run: Callable[[], None]) -> None:

@@ -20,7 +20,7 @@ from studio.engine.residuals import residuals_on
 from studio.timeline.axis import AXIS_MARGIN, TimeAxis
 from studio.timeline.shown import RowContext
 from studio.timeline.strip_states import strip_of
-from studio.timeline.subject import Body, Subject
+from studio.timeline.subject import ActiveMotion, BodyOnTimeline
 
 FloatArray = NDArray[np.float64]
 
@@ -83,7 +83,7 @@ _UNITS = {
 
 
 @dataclass(frozen=True)
-class AddedQuantity:
+class PlugInQuantity:
     """Quantity that a plug-in measures; there is no curve where it fails."""
 
     measure: MotionMeasure
@@ -99,12 +99,12 @@ class AddedQuantity:
         return self.measure.unit
 
 
-Plotted = Quantity | AddedQuantity
+Plotted = Quantity | PlugInQuantity
 
 
 def plotted_quantities() -> tuple[Plotted, ...]:
     """All quantities that can be plotted."""
-    return (*Quantity, *map(AddedQuantity, ADDED_MEASURES.values()))
+    return (*Quantity, *map(PlugInQuantity, ADDED_MEASURES.values()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +126,7 @@ class Curve:
 def foot_speed(adapted: AdaptedMotion, sides: tuple[int, ...] = (0, 1)) -> FloatArray:
     """(F,) speed of the ball of the faster foot, metres a second."""
     layout = BodyLayout(len(adapted.morphology.spine))
-    return _speed(adapted.positions[:, [layout.toe(side) for side in sides]], adapted.frame_rate)
+    return _speed(adapted.positions[:, [layout.toe_point(side) for side in sides]], adapted.frame_rate)
 
 
 def _speed(points: FloatArray, frame_rate: float) -> FloatArray:
@@ -145,12 +145,12 @@ class CurveQuery:
     """Input of a curve: values only, which a worker may hold."""
 
     project: Project
-    subject: Subject
+    subject: ActiveMotion
     quantity: Plotted
     constraint_id: str | None
     """Constraint of which the error is plotted."""
 
-    def curve(self, body: Body, adapted: AdaptedMotion) -> Curve | None:
+    def curve(self, body: BodyOnTimeline, adapted: AdaptedMotion) -> Curve | None:
         """Curve of a body's result; None if it does not apply."""
         values = self._values(body.performer_id, adapted)
         if values is None:
@@ -169,7 +169,7 @@ class CurveQuery:
         return timing.begin + (adapted.first_frame + np.arange(adapted.frame_count)) / timing.frame_rate
 
     def _values(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray | None:
-        if isinstance(self.quantity, AddedQuantity):
+        if isinstance(self.quantity, PlugInQuantity):
             try:
                 return self.quantity.measure.of(adapted)
             except ValueError as error:
@@ -272,7 +272,7 @@ def error_measure(shown: RowContext) -> Measure:
     return measure_of(shown.project.constraints[constraint_id]) if constraint_id else LENGTH_MEASURE
 
 
-def seen_curve(curve: Curve, axis: TimeAxis) -> tuple[FloatArray, FloatArray]:
+def displayed_curve(curve: Curve, axis: TimeAxis) -> tuple[FloatArray, FloatArray]:
     """Times and values of a curve in the visible range, with one frame more on each side.
 
     If a pixel has many frames, as in a capture of an hour, the least and the greatest represent them.

@@ -14,10 +14,10 @@ from studio.document.clip_edits import name_of as clip_name
 from studio.document.clip_edits import remove_clips
 from studio.document.key_edits import delete_keys
 from studio.document.keyed_fields import KeyRef, fields_of
-from studio.timeline.clip_actions import nudged
+from studio.timeline.clip_actions import nudged_clip
 from studio.timeline.gestures.activation import time_of, with_time
 from studio.timeline.gestures.begin import name_of
-from studio.timeline.gestures.contact import free_stretch, new_contact
+from studio.timeline.gestures.contact import gap_between_contacts, new_contact
 from studio.timeline.shown import EDGES, HANDLES, ItemPart, RowContext
 from studio.timeline.tracks.keys import growth_fields, keys_between, sheet_fields, stage_times
 
@@ -139,7 +139,7 @@ def next_handle(shown: RowContext, forward: bool) -> ItemPart | None:
     return ring[place] if place < len(ring) else None
 
 
-def nudge(shown: RowContext, frames: int) -> None:
+def nudge_handle(shown: RowContext, frames: int) -> None:
     """Move the focused handle by whole frames, of all selected entities of a kind: one undo step."""
     current = shown.document.selection.current
     if current is None or shown.handle is None:
@@ -152,7 +152,7 @@ def nudge(shown: RowContext, frames: int) -> None:
         for key in ids:
             entity: Any = shown.project.get(collection, key)
             if collection == "clips":
-                nudged(shown, key, shown.handle, frames)
+                nudged_clip(shown, key, shown.handle, frames)
                 continue
             if collection == "contacts":
                 new: Any = _trimmed(shown, key, entity, shown.handle, frames)
@@ -188,7 +188,7 @@ def handle_words(shown: RowContext) -> str:
 def _trimmed(
     shown: RowContext, entity_id: str, contact: ContactInterval, edge: ItemPart, frames: int
 ) -> ContactInterval:
-    room = free_stretch(shown, contact.point, contact.first, (entity_id,))
+    room = gap_between_contacts(shown, contact.point, contact.first, (entity_id,))
     low, high = room or (contact.first, contact.last)
     if edge == ItemPart.FIRST:
         return replace(contact, first=min(max(contact.first + frames, low), contact.last))

@@ -9,16 +9,16 @@ from studio.timeline.gestures.begin import name_of
 from studio.timeline.sheet import TimelineLayout
 from studio.timeline.shown import EDGES, HANDLES, ROW_LABEL_WIDTH, Hit, ItemPart
 from studio.timeline.strip_states import StripState
-from studio.timeline.time_words import moment
+from studio.timeline.time_words import time_text
 from studio.timeline.tracks import clip, constraint, keys, remarks
-from studio.timeline.tracks.change import take_over
+from studio.timeline.tracks.change import clip_transition
 from studio.timeline.tracks.hold import hold_under
 from studio.timeline.tracks.plot import PlotPicture
 
 
 def hover_text(sheet: TimelineLayout, plot: PlotPicture, position: QPointF) -> str:
     """Tooltip of a position; empty if there is none."""
-    hit = sheet.thing_at(position)
+    hit = sheet.part_under_playhead(position)
     if position.x() < ROW_LABEL_WIDTH:
         return _label_text(sheet, hit)
     if hit.keys:
@@ -62,9 +62,9 @@ def hover_text(sheet: TimelineLayout, plot: PlotPicture, position: QPointF) -> s
     return ""
 
 
-def is_value(sheet: TimelineLayout, position: QPointF) -> bool:
+def shows_value(sheet: TimelineLayout, position: QPointF) -> bool:
     """True if the position shows a measured value or a mark, whose tooltip appears at once."""
-    hit = sheet.thing_at(position)
+    hit = sheet.part_under_playhead(position)
     return position.x() >= ROW_LABEL_WIDTH and (
         hit.kind in ("plot", "ruler") or (hit.kind == "constraints" and hit.part == ItemPart.EMPTY)
     )
@@ -93,7 +93,7 @@ def _label_text(sheet: TimelineLayout, hit: Hit) -> str:
     if hit.kind == "plot":
         return "Click to choose what is plotted"
     if hit.kind == "constraints":
-        entity, (text, _) = sheet.shown.project.constraints[hit.id], constraint.verdict(sheet.shown, hit.id)
+        entity, (text, _) = sheet.shown.project.constraints[hit.id], constraint.residual_text(sheet.shown, hit.id)
         name = f"{entity.name}, of {sheet.shown.subject_name} only" if entity.scope.is_narrow else entity.name
         return f"{name}: {text}" if text else name
     return ""
@@ -110,7 +110,7 @@ def _clip_text(sheet: TimelineLayout, hit: Hit) -> str:
     text = f"{clip.clip_text(shown, entity)}: frames {entity.first} to {entity.last}, {length:.3f} s{shared}"
     if hit.part in EDGES:
         text += "\nDrag to trim; Shift+drag changes the speed. Later clips move along"
-    comes = take_over(shown, hit.performer_id, entity)
+    comes = clip_transition(shown, hit.performer_id, entity)
     return f"{text}\n{comes.words(entity)}" if comes else text
 
 
@@ -120,7 +120,7 @@ def _label_words(sheet: TimelineLayout, hit: Hit) -> str:
         return "Labels: double-click to add one"
     rate = sheet.shown.subject.frame_rate
     if label.last == label.first:
-        return f"{label.name}: {moment(label.first, label.first / rate)}"
+        return f"{label.name}: {time_text(label.first, label.first / rate)}"
     return f"{label.name}: frames {label.first} to {label.last}, {(label.last - label.first) / rate:.3f} s"
 
 
@@ -131,7 +131,7 @@ def _correction_text(sheet: TimelineLayout, hit: Hit) -> str:
     curve = entity.activation
     if hit.part in HANDLES:
         time = time_of(curve, hit.part)
-        return f"{entity.name}, {hit.part}: {moment(time * sheet.shown.axis.frame_rate, time)}"
+        return f"{entity.name}, {hit.part}: {time_text(time * sheet.shown.axis.frame_rate, time)}"
     return f"{entity.name}: {curve.start:.3f} s to {curve.end:.3f} s, {where} the constraints"
 
 
@@ -140,7 +140,7 @@ def _keys_text(sheet: TimelineLayout, hit: Hit) -> str:
     shown, count = sheet.shown, len(hit.keys)
     key = hit.keys[0]
     time = float(keys.stage_times(shown, key.field)[key.place])
-    place = moment(time * shown.axis.frame_rate, time)
+    place = time_text(time * shown.axis.frame_rate, time)
     name = getattr(shown.project.get(*key.field.item), "name", "")
     return f"Key of {name}, {keys.field_words(key.field)}: {place}" if count == 1 else f"{count} keys: {place}"
 

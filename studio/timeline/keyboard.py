@@ -18,7 +18,7 @@ FRAMING = (Key.Key_A, Key.Key_F)
 JUMPS = {Key.Key_Up: -1, Key.Key_Down: 1}
 
 
-def is_wanted(canvas: "TrackCanvas", key: int, modifiers: Qt.KeyboardModifier) -> bool:
+def handles_key(canvas: "TrackCanvas", key: int, modifiers: Qt.KeyboardModifier) -> bool:
     """True if the timeline uses a key, which is then no shortcut of the window."""
     if key == Key.Key_Escape:
         return canvas.gesture is not None or canvas.handle is not None or bool(canvas.document.keys.items)
@@ -46,7 +46,7 @@ def press_key(canvas: "TrackCanvas", key: Qt.Key, modifiers: Qt.KeyboardModifier
     elif (key, modifiers) == (Key.Key_A, Modifier.ControlModifier):
         edits.select_all_keys(shown)
     elif key in FRAME_STEPS and canvas.handle is not None:
-        edits.nudge(shown, FRAME_STEPS[key])
+        edits.nudge_handle(shown, FRAME_STEPS[key])
         canvas.setAccessibleName(edits.handle_words(shown))
     elif key in (Key.Key_Delete, Key.Key_Backspace):
         return edits.delete_selected(shown)

@@ -30,7 +30,7 @@ REFERENCE_CURVE_OPACITY = 0.3
 RULER = ("ruler", "")
 
 
-class Picture:
+class TimelineImage:
     """Pixmap of the timeline, and its outdated rows."""
 
     def __init__(self, parent: QWidget) -> None:
@@ -45,12 +45,12 @@ class Picture:
         """Release the resources for drawing."""
         self.plot.close()
 
-    def expire(self, *rows: tuple[str, str]) -> None:
+    def invalidate(self, *rows: tuple[str, str]) -> None:
         """Mark these rows, or all, to be drawn again."""
         self._stale.update(rows)
         self._all_stale |= not rows
 
-    def expire_lanes(self, *rows: tuple[str, str]) -> None:
+    def invalidate_rows(self, *rows: tuple[str, str]) -> None:
         """Mark only the content of rows over time; their labels are kept."""
         self._stale_lanes.update(rows)
 

@@ -23,7 +23,7 @@ PLAYHEAD_REACH = 4.0
 RIGHT_MARGIN = 12
 CURVE_EDITOR_PART, CURVE_EDITOR_LEAST_PX = 0.55, 150
 """Least height of the curve editor, in parts of the timeline's and in pixels."""
-FOLDING = ("constraints", "lane")
+FOLDED_ROW_KINDS = ("constraints", "lane")
 """Kinds of rows of which each can be folded by itself."""
 
 
@@ -133,12 +133,12 @@ class TimelineLayout:
 
     def hit(self, position: QPointF) -> Hit:
         """Part under the mouse: entities first, then the playhead's line, then empty places."""
-        hit = self.thing_at(position)
+        hit = self.part_under_playhead(position)
         line = self.shown.axis.x_of_time(self.shown.document.playhead.time)
         over_line = position.x() >= ROW_LABEL_WIDTH and abs(position.x() - line) <= PLAYHEAD_REACH
         return Hit("playhead", "", ItemPart.TIME) if hit.part == ItemPart.EMPTY and over_line else hit
 
-    def thing_at(self, position: QPointF) -> Hit:
+    def part_under_playhead(self, position: QPointF) -> Hit:
         """Part under the playhead's line, if the line is there."""
         point = position.toPoint()
         if self.ruler.contains(point):
@@ -153,7 +153,7 @@ class TimelineLayout:
         return self._hit_row(row, position) if row else Hit("", "", ItemPart.EMPTY)
 
     def _hit_row(self, row: TimelineRow, position: QPointF) -> Hit:
-        if position.x() < FOLD_WIDTH and (row.kind in FOLDING or self._folds(row)):
+        if position.x() < FOLD_WIDTH and (row.kind in FOLDED_ROW_KINDS or self._folds(row)):
             return Hit(row.kind, row.id, ItemPart.FOLD)
         if position.x() < ROW_LABEL_WIDTH:
             return self._label_hit(row)
@@ -192,4 +192,4 @@ class TimelineLayout:
         return Hit(row.kind, row.id, ItemPart.LABEL)
 
     def _folds(self, row: TimelineRow) -> bool:
-        return row.kind == "clip" and clip.folds(self.shown, row.id)
+        return row.kind == "clip" and clip.is_foldable(self.shown, row.id)

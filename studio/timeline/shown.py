@@ -15,9 +15,9 @@ from studio.document.keyed_fields import KeyRef
 from studio.engine.live_interface import Live
 from studio.engine.residuals import Inactive, Residual, applies_to, inactivity, worst_residual
 from studio.timeline.axis import TimeAxis
-from studio.timeline.strip_states import Strip, strip_of
-from studio.timeline.subject import Subject
-from studio.timeline.time_words import number
+from studio.timeline.strip_states import ErrorStrip, strip_of
+from studio.timeline.subject import ActiveMotion
+from studio.timeline.time_words import number_text
 
 FloatArray = NDArray[np.float64]
 
@@ -87,7 +87,7 @@ class RowContext:
     document: Document
     live: Live
     axis: TimeAxis
-    subject: Subject
+    subject: ActiveMotion
     handle: ItemPart | None = None
     folded: frozenset[tuple[str, str]] = frozenset()
     """Kind and id of the rows that are only a line high."""
@@ -121,8 +121,8 @@ class RowContext:
     def frame_words(self, frame: float) -> str:
         """``frame 1809 (178 of the clip)``: the frame of the stage for a frame of the motion."""
         stage = self.subject.stage_time(frame) * self.axis.frame_rate
-        own = f" ({number(frame)} of the clip)" if abs(stage - frame) >= 0.005 else ""
-        return f"frame {number(stage)}{own}"
+        own = f" ({number_text(frame)} of the clip)" if abs(stage - frame) >= 0.005 else ""
+        return f"frame {number_text(stage)}{own}"
 
     def moment(self, frame: float) -> str:
         """``30.151 s · frame 1809 (178 of the clip)``, of a frame of the motion."""
@@ -145,7 +145,7 @@ class RowContext:
         """Newest adapted motion of a body."""
         return self.live.result(performer_id)
 
-    def strip(self, constraint_id: str, performer_id: str) -> Strip | None:
+    def strip(self, constraint_id: str, performer_id: str) -> ErrorStrip | None:
         """Strip of a constraint on a body; None while it is unknown or the constraint is inactive."""
         return strip_of(self.project, performer_id, self.live.reported(performer_id), constraint_id)
 
@@ -162,7 +162,7 @@ class RowContext:
         return inactivity(self.project, performer_id, self.live.reported(performer_id), constraint_id)
 
 
-def within(point: QPointF, x: float, y: float, reach: float) -> bool:
+def clipped_span(point: QPointF, x: float, y: float, reach: float) -> bool:
     """True if a point is within ``reach`` pixels of another, horizontally and vertically."""
     return abs(point.x() - x) <= reach and abs(point.y() - y) <= reach
 

@@ -17,10 +17,10 @@ class Snapped:
     """Time of the stage, and the magnet to which it snapped, if any."""
 
     time: float
-    caught: float | None = None
+    magnet: float | None = None
 
 
-def snapped(axis: TimeAxis, time: float, magnets: tuple[float, ...], free: bool = False) -> Snapped:
+def snapped_time(axis: TimeAxis, time: float, magnets: tuple[float, ...], free: bool = False) -> Snapped:
     """Nearest magnet within six pixels, else the nearest frame; ``free`` keeps the time."""
     if free:
         return Snapped(time)

@@ -25,7 +25,7 @@ class StripState(StrEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class Strip:
+class ErrorStrip:
     """Residuals (F,) in metres or radians and activation (F,), from frame ``first_frame`` on.
 
     A residual is NaN where the constraint is inactive; if the activation is positive there, a foot's constraint yields
@@ -77,7 +77,9 @@ class Strip:
 STATES = tuple(StripState)
 
 
-def strip_of(project: Project, performer_id: str, result: AdaptedMotion | None, constraint_id: str) -> Strip | None:
+def strip_of(
+    project: Project, performer_id: str, result: AdaptedMotion | None, constraint_id: str
+) -> ErrorStrip | None:
     """Strip of a constraint in a body's newest result; None without one, or if it does not apply."""
     missed = residuals_on(project, performer_id, result, constraint_id)
     if missed is None:
@@ -87,7 +89,7 @@ def strip_of(project: Project, performer_id: str, result: AdaptedMotion | None, 
     held = freedom_from_contacts(project, performer_id, constraint, missed) < 1.0
     # A clip that is cut within a fade does without the constraint, and frames that are not played do.
     activation = np.where(np.isfinite(missed.amounts) | held, activation, 0.0)
-    return Strip(missed.first_frame, missed.amounts, activation, measure_of(constraint))
+    return ErrorStrip(missed.first_frame, missed.amounts, activation, measure_of(constraint))
 
 
 def strip_heights(errors: NDArray[np.float64], most: int, measure: Measure = LENGTH_MEASURE) -> NDArray[np.int64]:

@@ -16,7 +16,7 @@ Seconds = TypeVar("Seconds", float, NDArray[np.float64])
 
 
 @dataclass(frozen=True)
-class Body:
+class BodyOnTimeline:
     """Visible performer of the motion, with its identifying name and colour."""
 
     performer_id: str
@@ -25,7 +25,7 @@ class Body:
 
 
 @dataclass(frozen=True)
-class Subject:
+class ActiveMotion:
     """Motion of the active performer's clip; constraints and contacts are in its own time."""
 
     performer_id: str
@@ -33,7 +33,7 @@ class Subject:
     motion: Motion
     frame_rate: float
     frame_count: int
-    bodies: tuple[Body, ...]
+    bodies: tuple[BodyOnTimeline, ...]
 
     @property
     def motion_id(self) -> str:
@@ -70,7 +70,7 @@ class Subject:
         return float(self.to_motion(seconds) * self.frame_rate)
 
 
-def subject_of(document: Document) -> Subject | None:
+def subject_of(document: Document) -> ActiveMotion | None:
     """Content of the rows; None when no performer plays a motion."""
     project = document.project
     performer = project.performers.get(document.active_performer_id or "")
@@ -79,14 +79,14 @@ def subject_of(document: Document) -> Subject | None:
     clip = document.active_clip or performer.clips[0]
     motion = project.motions[clip.motion_id]
     capture = project.captures[motion.capture_id]
-    return Subject(
+    return ActiveMotion(
         performer_id=document.active_performer_id or "",
         clip=clip,
         motion=motion,
         frame_rate=capture.frame_rate,
         frame_count=capture.poses.frame_count,
         bodies=tuple(
-            Body(key, each.name, project.characters[each.character_id].colour)
+            BodyOnTimeline(key, each.name, project.characters[each.character_id].colour)
             for key, each in project.performers.items()
             if each.visible and _plays(each, clip.motion_id)
         ),
@@ -99,7 +99,7 @@ def stage_extent(project: Project) -> float:
     return max(ends, default=1.0)
 
 
-def play_apart(project: Project) -> bool:
+def play_different_rows(project: Project) -> bool:
     """True if visible performers play different clips, so that they need separate rows."""
     return len({(each.clips, each.layers) for each in project.performers.values() if each.visible}) > 1
 

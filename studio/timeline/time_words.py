@@ -1,16 +1,16 @@
 """Times as text, always with their unit."""
 
 
-def moment(frame: float, seconds: float) -> str:
+def time_text(frame: float, seconds: float) -> str:
     """``0.767 s · frame 23``; fractions of frames are shown."""
-    return f"{seconds:.3f} s · frame {number(frame)}"
+    return f"{seconds:.3f} s · frame {number_text(frame)}"
 
 
-def number(frame: float) -> str:
+def number_text(frame: float) -> str:
     """``23``; ``23.50`` between frames."""
     return f"{round(frame)}" if abs(frame - round(frame)) < 0.005 else f"{frame:.2f}"
 
 
-def rate(frame_rate: float) -> str:
+def rate_text(frame_rate: float) -> str:
     """``30 Hz``, ``59.94 Hz``."""
     return f"{frame_rate:.2f}".rstrip("0").rstrip(".") + " fps"

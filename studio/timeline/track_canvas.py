@@ -27,13 +27,13 @@ from studio.timeline.gestures.gesture import TimelineGesture
 from studio.timeline.gestures.keys import BoxSelect, DragKeys
 from studio.timeline.gestures.value_curves import BoxSelectCurves, DragCurveKeys, DragTangent
 from studio.timeline.gestures.view import Pan, Scrub
-from studio.timeline.hover import hover_text, is_value
-from studio.timeline.keyboard import is_wanted, press_key
+from studio.timeline.hover import hover_text, shows_value
+from studio.timeline.keyboard import handles_key, press_key
 from studio.timeline.menus import menu_at
 from studio.timeline.name_field import NameField
 from studio.timeline.shown import ROW_LABEL_WIDTH, Hit, ItemPart
-from studio.timeline.snapping import snapped
-from studio.timeline.time_words import moment
+from studio.timeline.snapping import snapped_time
+from studio.timeline.time_words import time_text
 from studio.timeline.track_view import TrackView
 from studio.timeline.tracks.labels import flags
 from studio.timeline.tracks.value_curves import HandleRef, plot_area
@@ -184,7 +184,7 @@ class TrackCanvas(TrackView):
         if event.isAccepted() and self.sheet is not None:
             time = self._dropped_at(event)
             name = "Strike" if motion_id is None else self.document.project.motions[motion_id].name
-            self.message_posted.emit(f"{name} from {moment(time * self.axis.frame_rate, time)}")
+            self.message_posted.emit(f"{name} from {time_text(time * self.axis.frame_rate, time)}")
 
     def dropEvent(self, event: QDropEvent) -> None:
         """Add a clip from there on, in the row under the mouse; outside all rows, at the end of the active one."""
@@ -212,7 +212,7 @@ class TrackCanvas(TrackView):
     def _dropped_at(self, event: QDropEvent) -> float:
         """Seconds of the stage under the mouse, snapped to frames and the playhead."""
         time = self.axis.time_at(event.position().x())
-        return snapped(self.axis, time, (self.document.playhead.time,)).time
+        return snapped_time(self.axis, time, (self.document.playhead.time,)).time
 
     def _dropped(self, event: QDropEvent) -> str | None:
         """Motion of the dragged capture."""
@@ -236,7 +236,7 @@ class TrackCanvas(TrackView):
         """Part under the mouse; keys and handles of the curve editor come before the playhead's line."""
         sheet = self.sheet
         assert sheet is not None
-        under: Hit = sheet.thing_at(position)
+        under: Hit = sheet.part_under_playhead(position)
         if under.kind == "curves" and self.picture.curves.hit(sheet.shown, plot_area(sheet.plot), position):
             return under
         return sheet.hit(position)
@@ -331,7 +331,7 @@ class TrackCanvas(TrackView):
         self._set_cursor(event.position())
         text = self._hovered = hover_text(self.sheet, self.picture.plot, event.position())
         self.message_posted.emit(text)
-        if text and is_value(self.sheet, event.position()):
+        if text and shows_value(self.sheet, event.position()):
             self._show_tooltip(event.position().toPoint(), text)
         elif QToolTip.isVisible():
             QToolTip.hideText()
@@ -384,7 +384,7 @@ class TrackCanvas(TrackView):
     def event(self, event: QEvent) -> bool:
         """Reserve the keys of the timeline from the window's shortcuts."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
-            if is_wanted(self, event.key(), event.modifiers()):
+            if handles_key(self, event.key(), event.modifiers()):
                 event.accept()
                 return True
         elif event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent) and self.sheet:

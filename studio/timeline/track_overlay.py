@@ -43,8 +43,8 @@ def paint_playhead(painter: QPainter, shown: RowContext, height: int) -> None:
 def paint_mark(painter: QPainter, shown: RowContext, mark: DragHint, mouse: QPointF, area: QRect) -> None:
     """Draw the line of the snapped time, and the text of the drag beside its handle."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
-    if mark.caught is not None:
-        x = round(shown.axis.x_of_time(mark.caught))
+    if mark.magnet is not None:
+        x = round(shown.axis.x_of_time(mark.magnet))
         painter.setPen(hairline(colours.SELECTED_HANDLE))
         painter.drawLine(x, ruler.RULER_HEIGHT, x, area.bottom())
     painter.setFont(font(11))

@@ -20,11 +20,11 @@ from studio.timeline.curves import Plotted
 from studio.timeline.gestures.gesture import TimelineGesture
 from studio.timeline.gestures.keys import BoxSelect
 from studio.timeline.gestures.value_curves import BoxSelectCurves
-from studio.timeline.picture import PLOT, Picture
-from studio.timeline.sheet import FOLDING, RIGHT_MARGIN, TimelineLayout, rows_of
+from studio.timeline.picture import PLOT, TimelineImage
+from studio.timeline.sheet import FOLDED_ROW_KINDS, RIGHT_MARGIN, TimelineLayout, rows_of
 from studio.timeline.shown import ROW_LABEL_WIDTH, ItemPart, RowContext
-from studio.timeline.subject import play_apart, stage_extent, subject_of
-from studio.timeline.tracks.constraint import looks_of
+from studio.timeline.subject import play_different_rows, stage_extent, subject_of
+from studio.timeline.tracks.constraint import activation_look
 from studio.timeline.tracks.keys import SHEET, SUMMARY, sheet_id
 
 UNSOLVED_ROWS = ("characters", "grounds", "props")
@@ -39,7 +39,7 @@ class TrackView(QWidget):
         super().__init__(parent)
         self.document, self.live = document, live
         self.axis = TimeAxis(self)
-        self.picture = Picture(self)
+        self.picture = TimelineImage(self)
         self.sheet: TimelineLayout | None = None
         self.gesture: TimelineGesture | None = None
         self.handle: ItemPart | None = None
@@ -118,7 +118,7 @@ class TrackView(QWidget):
             self.scroll_bar.hide()
             self.update()
             return
-        apart = play_apart(self.document.project) if self.apart is None else self.apart
+        apart = play_different_rows(self.document.project) if self.apart is None else self.apart
         remarks = self._remarks_on(self.document.project.captures[subject.motion.capture_id])
         shown = RowContext(
             self.document,
@@ -160,14 +160,14 @@ class TrackView(QWidget):
     def _redraw_all(self) -> None:
         if self.editing:
             self.fields.show_keys(self.shown)
-        self.picture.expire()
+        self.picture.invalidate()
         self.update()
 
     def _redraw(self, *rows: tuple[str, str]) -> None:
         """Draw only these rows again."""
         if not rows or self.sheet is None:
             return
-        self.picture.expire(*rows)
+        self.picture.invalidate(*rows)
         for row in rows:
             self._update_row(row)
 
@@ -217,7 +217,7 @@ class TrackView(QWidget):
             self.lay_out()
 
     def fold(self, kind: str, row_id: str = "") -> None:
-        """Fold a row of ``FOLDING``, or the plot, to a line, or unfold it; rows of performers one, or all."""
+        """Fold a row of ``FOLDED_ROW_KINDS``, or the plot, to a line, or unfold it; rows of performers one, or all."""
         if kind == "clip":
             self.apart = not (self.shown and self.shown.apart)
         else:
@@ -227,7 +227,7 @@ class TrackView(QWidget):
     def fold_all(self) -> None:
         """Fold every row that can be folded; unfold them if all are."""
         rows = self.sheet.rows if self.sheet else ()
-        foldable = frozenset({PLOT} | {(row.kind, row.id) for row in rows if row.kind in FOLDING})
+        foldable = frozenset({PLOT} | {(row.kind, row.id) for row in rows if row.kind in FOLDED_ROW_KINDS})
         self.folded = frozenset() if foldable <= self.folded else foldable
         self.lay_out()
 
@@ -258,11 +258,11 @@ class TrackView(QWidget):
             self._redraw((collection, entity_id))
         elif collection == "contacts":
             self._redraw(*((row.kind, row.id) for row in self.sheet.rows if row.kind == "lane"))
-        elif self._looks.get(entity_id) != (look := looks_of(self.document.project.constraints.get(entity_id))):
+        elif self._looks.get(entity_id) != (look := activation_look(self.document.project.constraints.get(entity_id))):
             self._looks[entity_id] = look  # a target that is dragged changes nothing here until it is solved
             row = ("constraints", entity_id)
             if self.live.interactive:  # how well it holds is told some times a second, in its label as well
-                self.picture.expire_lanes(row)
+                self.picture.invalidate_rows(row)
                 self._update_row(row)
             else:
                 self._redraw(row)

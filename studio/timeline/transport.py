@@ -12,7 +12,7 @@ from studio.document.document import Document
 from studio.document.playhead import INITIAL_PLAYHEAD
 from studio.engine.live_play import LivePlay
 from studio.timeline.shown import ROW_LABEL_WIDTH
-from studio.timeline.time_words import rate
+from studio.timeline.time_words import rate_text
 from studio.timeline.timecode import TIMECODE, frame_of_timecode, timecode
 
 TRANSPORT_HEIGHT = 32
@@ -148,7 +148,7 @@ class Transport(QWidget):
 
     def _show_range(self) -> None:
         playhead = self.playhead
-        self.rate.setText(rate(playhead.frame_rate))
+        self.rate.setText(rate_text(playhead.frame_rate))
         with QSignalBlocker(self.first), QSignalBlocker(self.last), QSignalBlocker(self.seconds):
             self.first.setMaximum(playhead.last)
             self.last.setMinimum(playhead.first)

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from studio.engine.performance import Posed
+from studio.engine.performance import PosedPerformer
 from studio.viewport.camera import OrbitCamera
-from studio.viewport.opening import clear_of_words
+from studio.viewport.opening import clear_of_overlays
 
 Size = tuple[float, float]
 PICTURE_EDGE = 0.06
@@ -18,7 +18,7 @@ PICTURE_EDGE = 0.06
 class CameraStep:
     """Camera before and after it was moved for new performers."""
 
-    came: frozenset[str]
+    arrived: frozenset[str]
     before: OrbitCamera
     after: OrbitCamera
 
@@ -30,12 +30,12 @@ class AutoFraming:
         self._known = frozenset[str]()
         self._step: CameraStep | None = None
 
-    def meet(self, bodies: Collection[str]) -> None:
+    def note_performers(self, bodies: Collection[str]) -> None:
         """Store the performers when the stage is shown first."""
         self._known, self._step = frozenset(bodies), None
 
     def camera_for(
-        self, performers: Collection[str], bodies: Mapping[str, Posed], camera: OrbitCamera, size: Size
+        self, performers: Collection[str], bodies: Mapping[str, PosedPerformer], camera: OrbitCamera, size: Size
     ) -> OrbitCamera:
         """Camera moved so that bodies that are new since the last call are visible, never nearer than before.
 
@@ -43,26 +43,28 @@ class AutoFraming:
         """
         before, self._known = self._known, (self._known | bodies.keys()) & frozenset(performers)
         step = self._step
-        if step is not None and step.came.isdisjoint(performers):
+        if step is not None and step.arrived.isdisjoint(performers):
             self._step = None
             return step.before if camera == step.after else camera
         new = bodies.keys() - before
-        if all(is_seen(bodies[key], camera, size) for key in new):
+        if all(is_in_picture(bodies[key], camera, size) for key in new):
             return camera
-        shown = {key: body for key, body in bodies.items() if key in new or seen(body, camera, size, 0.0) > 0.5}
+        shown = {
+            key: body for key, body in bodies.items() if key in new or visible_fraction(body, camera, size, 0.0) > 0.5
+        }
         points = np.concatenate([body.points for body in shown.values()])
         framed = camera.framing(points, size)
-        framed = clear_of_words(replace(framed, distance=max(framed.distance, camera.distance)), points, size)
+        framed = clear_of_overlays(replace(framed, distance=max(framed.distance, camera.distance)), points, size)
         self._step = CameraStep(frozenset(new), camera, framed)
         return framed
 
 
-def is_seen(body: Posed, camera: OrbitCamera, size: Size) -> bool:
+def is_in_picture(body: PosedPerformer, camera: OrbitCamera, size: Size) -> bool:
     """True if all of a body is in the picture, and not at its edge."""
-    return seen(body, camera, size, PICTURE_EDGE) == 1.0
+    return visible_fraction(body, camera, size, PICTURE_EDGE) == 1.0
 
 
-def seen(body: Posed, camera: OrbitCamera, size: Size, edge: float) -> float:
+def visible_fraction(body: PosedPerformer, camera: OrbitCamera, size: Size, edge: float) -> float:
     """Fraction of a body's points in the picture, without an ``edge`` in fractions of its width and height."""
     pixels, depth = camera.project(body.points, size)
     place = pixels / size

@@ -8,10 +8,10 @@ import pyvista as pv
 
 from studio.core.body.canonical import BodyLayout
 from studio.core.mesh.character import Character
-from studio.core.mesh.skin import SkinnedMesh, gripping, skin_vertices
+from studio.core.mesh.skin import SkinnedMesh, skin_vertices, with_grip
 from studio.core.rigs.driven_fingers import hand_pose
 from studio.core.stage.placement import Placement
-from studio.engine.performance import Posed
+from studio.engine.performance import PosedPerformer
 from studio.viewport.bone_figure import BoneFigure
 from studio.viewport.character_materials import material_actors
 from studio.viewport.coarse import coarse_skin_beside
@@ -28,7 +28,7 @@ def make_actor(mesh: LiveMesh, colour: str) -> pv.Actor:
     return actor
 
 
-def place(actor: pv.Actor, placement: Placement) -> None:
+def set_actor_placement(actor: pv.Actor, placement: Placement) -> None:
     """Set the stage placement of an actor in motion space."""
     actor.SetPosition(placement.position[0], placement.position[1], 0.0)
     actor.SetOrientation(0.0, 0.0, math.degrees(placement.heading))
@@ -114,19 +114,19 @@ class BodyVisual:
         self.bones_actor = make_actor(self._bones.mesh, self._character.colour)
         return self.bones_actor
 
-    def pose(self, posed: Posed, bones: bool) -> None:
+    def pose(self, posed: PosedPerformer, bones: bool) -> None:
         """Apply a pose and its placement on the stage."""
         motion, row = posed.motion, posed.row
         for actor in self.skin_actors:
             actor.SetVisibility(not bones)
-            place(actor, posed.placement)
+            set_actor_placement(actor, posed.placement)
         if self.bones_actor is not None:
             self.bones_actor.SetVisibility(bones)
         if bones and self._bones is not None and self.bones_actor is not None:
             self._bones.pose(motion.positions[row])
-            place(self.bones_actor, posed.placement)
+            set_actor_placement(self.bones_actor, posed.placement)
             return
-        mesh, shown = self._drawn.mesh, gripping(self._drawn.skin, posed.grip(self._character.grip))
+        mesh, shown = self._drawn.mesh, with_grip(self._drawn.skin, posed.grip(self._character.grip))
         posing = mesh, shown, self._character.blending, motion, row, id(posed.capture)
         if posing == self._posing:
             return

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.constraints.base import BodyPoint, Chain, Vector
 from studio.core.solver.request import AdaptedMotion
-from studio.engine.performance import Posed
+from studio.engine.performance import PosedPerformer
 from studio.engine.point_names import POINT_NAMES
 
 _ARM = Chain(limb=1.0, clavicle=1.0, trunk=0.4, root=0.2)
@@ -55,7 +55,7 @@ def skin_point(layout: BodyLayout, part: BodyPart, offset: Vector, at_end: bool)
     return BodyJoint(int(ends[layout.segment(part)]), f"{part.label.lower()} skin", point, _chain(part, at_end))
 
 
-def place_of_joint(pose: Posed, joint: BodyJoint) -> NDArray[np.float64]:
+def place_of_joint(pose: PosedPerformer, joint: BodyJoint) -> NDArray[np.float64]:
     """(3,) stage position of a picked joint or point."""
     return pose.placement.to_stage(point_path(pose.motion, joint.point, slice(pose.row, pose.row + 1))[0])
 

@@ -68,7 +68,7 @@ class Canvas(QWidget):
         return False
 
     @property
-    def in_hand(self) -> bool:
+    def is_interacting(self) -> bool:
         """True while the user drags and waits for each picture."""
         return False
 
@@ -94,13 +94,13 @@ class Canvas(QWidget):
             self._scene.close()
             self._scene = None
 
-    def show_again(self, *_: object) -> None:
+    def redraw(self, *_: object) -> None:
         """Update scene and picture, once in this turn of the event loop."""
         self._stale = True
         self._frame_timer.start(0)
 
-    def show_soon(self) -> None:
-        """As ``show_again``, but after a short delay that collects further changes."""
+    def schedule_redraw(self) -> None:
+        """As ``redraw``, but after a short delay that collects further changes."""
         self._stale = True
         if not self._frame_timer.isActive():
             self._frame_timer.start(GATHER_MILLISECONDS)
@@ -111,7 +111,7 @@ class Canvas(QWidget):
             self.camera = camera
             self._frame_timer.start(0)
 
-    def set_sight(self, sight: StereoView) -> None:
+    def set_stereo_view(self, sight: StereoView) -> None:
         """Set one or two eyes, and the head's position."""
         if sight != self.sight:
             self.sight = sight
@@ -205,10 +205,10 @@ class Canvas(QWidget):
         """Draw the view, in a lower resolution while it moves and drawing is slow."""
         if not self.moving:
             return self.sight.render(scene, self.camera, self._device_size())
-        sharpness = self._sharp_in_hand if self.in_hand else self._sharp_at_play
+        sharpness = self._sharp_in_hand if self.is_interacting else self._sharp_at_play
         begun = time.monotonic()
         pixels = self.sight.render(scene, self.camera, sharpness.size(self._device_size()))
-        sharpness.took(time.monotonic() - begun)
+        sharpness.note_duration(time.monotonic() - begun)
         return pixels
 
     def _take(self, pixels: Pixels) -> None:
@@ -228,8 +228,8 @@ class Canvas(QWidget):
         if self._still is not None and self._still.complete:
             return
         if self._still is None:
-            self._sharp_in_hand.rest()
-            self._sharp_at_play.rest()
+            self._sharp_in_hand.note_rest()
+            self._sharp_at_play.note_rest()
         self._smooth()
         if self._still is not None and self._still.complete:
             self._take(self._still.pixels)

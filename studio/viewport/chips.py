@@ -6,7 +6,7 @@ from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtWidgets import QGraphicsOpacityEffect, QGridLayout, QHBoxLayout, QLabel, QPushButton, QWidget
 
 from studio.document import colours
-from studio.document.mnemonics import literal
+from studio.document.mnemonics import escaped_mnemonics
 
 CHIP_MARGIN = 8
 """Pixels between a chip and the view's edge."""
@@ -27,7 +27,7 @@ class Chip(QPushButton):
     """Clickable label."""
 
     def __init__(self, text: str, name: str, clicked: Callable[[], object], parent: QWidget, extra: str = "") -> None:
-        super().__init__(literal(text), parent)
+        super().__init__(escaped_mnemonics(text), parent)
         self.setObjectName(name.replace(" ", "_").lower())
         self.setAccessibleName(name)
         self.setToolTip(name)
@@ -46,8 +46,8 @@ class Chip(QPushButton):
 
     def say(self, text: str) -> None:
         """Set the text; does nothing if it is the same."""
-        if literal(text) != self.text():
-            self.setText(literal(text))
+        if escaped_mnemonics(text) != self.text():
+            self.setText(escaped_mnemonics(text))
             self.adjustSize()
 
 
@@ -144,23 +144,23 @@ class Chips:
                 effect.setOpacity(0.0)
             chip.setGraphicsEffect(effect)  # type: ignore[arg-type]
 
-    def tell_parallel(self, parallel: bool) -> None:
+    def show_parallel(self, parallel: bool) -> None:
         """Show if the projection is parallel."""
         self.view.say("Orthographic" if parallel else "Perspective")
 
-    def tell_space(self, space: str, used: bool) -> None:
+    def show_gizmo_space(self, space: str, used: bool) -> None:
         """Show the space of the gizmo's axes, while it uses one."""
         self.space.say(f"{space.capitalize()} axes")
         self._space_used = used
         self.fit(self._view.width())
 
-    def tell_recorded(self, recorded: bool) -> None:
+    def show_recorded(self, recorded: bool) -> None:
         """Show the chip for markers if there are some."""
         if recorded != self._recorded:
             self._recorded = recorded
             self.fit(self._view.width())
 
-    def tell_work(self, bodies: int, pace: str, eased: bool) -> None:
+    def show_work(self, bodies: int, pace: str, eased: bool) -> None:
         """Show the number of visible bodies and, during motion, the frame rate, and if they are smoothed."""
         text = f"{bodies} character{'' if bodies == 1 else 's'}"
         if pace:
@@ -169,7 +169,7 @@ class Chips:
             self.work.setText(text)
         self.work.setVisible(bodies > 0 and self._wide)
 
-    def tell_problem(self, sentence: str | None) -> None:
+    def show_problem(self, sentence: str | None) -> None:
         """Show the most important problem, elided if it does not fit, or nothing."""
         words = sentence or ""
         room = self._view.width() - PROBLEM_FRAME

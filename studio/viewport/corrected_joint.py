@@ -11,7 +11,7 @@ from studio.core.rotations import from_matrix, to_rotation_vector
 from studio.core.stage.correction import STILL, PoseOffsets
 from studio.document.correction_edits import correction_at, set_pose
 from studio.document.document import Document
-from studio.engine.performance import Posed
+from studio.engine.performance import PosedPerformer
 from studio.viewport.body_points import BodyJoint
 from studio.viewport.camera import FloatArray
 from studio.viewport.movables import Movable
@@ -25,7 +25,7 @@ class CorrectedJoint(Movable):
 
     rotates = True
 
-    def __init__(self, document: Document, performer_id: str, pose: Posed, joint: BodyJoint) -> None:
+    def __init__(self, document: Document, performer_id: str, pose: PosedPerformer, joint: BodyJoint) -> None:
         self._document, self._performer_id, self._pose, self._joint = document, performer_id, pose, joint
         self.placement = pose.placement
         self._part = turned_part(joint.point)
@@ -96,7 +96,7 @@ class CorrectedJoint(Movable):
             further = place - self.place
             self._set(head_turns(*posed, posed[1][posed[0].head_joint] + further), None, gesture)
 
-    def put_back(self, gesture: int) -> None:
+    def restore(self, gesture: int) -> None:
         """Restore the correction; a new one is removed."""
         document = self._document
         with document.group(f"Correct {self.words}", gesture):
@@ -109,10 +109,10 @@ class CorrectedJoint(Movable):
 
     def _set(self, turns: Mapping[BodyPart, FloatArray], displacement: FloatArray | None, gesture: int) -> None:
         """Key rotations, and a displacement (3,) of the hips in metres, relative to the shown pose."""
-        from studio.core.solver.posing import composed  # here: it loads kernels
+        from studio.core.solver.posing import composed_rotations  # here: it loads kernels
 
         before, weight = self._offsets
-        now = composed(turns, {part: weight * np.array(before.turn(part)) for part in turns})
+        now = composed_rotations(turns, {part: weight * np.array(before.turn(part)) for part in turns})
         keyed = {part: _vector(turn / weight) for part, turn in now.items()}
         hips = None
         if displacement is not None:

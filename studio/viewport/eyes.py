@@ -32,7 +32,7 @@ class Stereo(StrEnum):
 
 
 @dataclass(frozen=True)
-class Eye:
+class EyePosition:
     """Position of an eye, in metres from the camera: to the right, up, away from the stage."""
 
     right: float = 0.0
@@ -40,7 +40,7 @@ class Eye:
     back: float = 0.0
 
 
-CENTRE_EYE = Eye()
+CENTRE_EYE = EyePosition()
 
 
 class RenderableScene(Protocol):
@@ -51,7 +51,7 @@ class RenderableScene(Protocol):
         camera: OrbitCamera,
         size: tuple[int, int],
         offset: tuple[float, float] = (0.0, 0.0),
-        eye: Eye = CENTRE_EYE,
+        eye: EyePosition = CENTRE_EYE,
     ) -> Pixels:
         """(height, width, 4) RGBA; ``offset`` shifts it by fractions of a pixel."""
 
@@ -61,18 +61,18 @@ class StereoView:
     """Eyes of the view: one or two, and the position of the ``head``, in metres before the screen."""
 
     stereo: Stereo = Stereo.OFF
-    head: Eye = CENTRE_EYE
+    head: EyePosition = CENTRE_EYE
 
     @property
     def is_plain(self) -> bool:
         """True if the projection depends on the camera alone: one eye, no tracked head."""
         return self == ONE_EYE
 
-    def looked(self, camera: OrbitCamera, tall: float) -> Eye:
+    def looked(self, camera: OrbitCamera, tall: float) -> EyePosition:
         """Eye midway between both, of a head before a window ``tall`` metres high."""
         scale = tall / SCREEN
         back = max(scale * self.head.back, (NEAREST - 1.0) * camera.distance)
-        return Eye(scale * self.head.right, scale * self.head.up, back)
+        return EyePosition(scale * self.head.right, scale * self.head.up, back)
 
     def render(
         self,
@@ -105,7 +105,11 @@ class StereoScene:
     sight: StereoView
 
     def render(
-        self, camera: OrbitCamera, size: tuple[int, int], offset: tuple[float, float] = (0.0, 0.0), _: Eye = CENTRE_EYE
+        self,
+        camera: OrbitCamera,
+        size: tuple[int, int],
+        offset: tuple[float, float] = (0.0, 0.0),
+        _: EyePosition = CENTRE_EYE,
     ) -> Pixels:
         """As ``RenderableScene.render``."""
         return self.sight.render(self.scene, camera, size, offset)

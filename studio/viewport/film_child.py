@@ -20,10 +20,10 @@ def main() -> None:
     prepare_process()
     from studio.io.png import write_numbered
     from studio.viewport.film_pictures import render_shots
-    from studio.viewport.shots import receive
+    from studio.viewport.shots import receive_shots
 
-    shots = receive(sys.stdin.buffer)
-    tell(share=0.0, text="Adapting")
+    shots = receive_shots(sys.stdin.buffer)
+    write_record(share=0.0, text="Adapting")
     try:
         # An encoder that takes no more tells by itself what the matter is.
         with suppress(BrokenPipeError), frames_out, closing(render_shots(shots)) as pictures:
@@ -32,14 +32,14 @@ def main() -> None:
                     write_numbered(shots.stem, number, picture)
                 else:
                     frames_out.write(picture.data)
-                tell(share=number / len(shots.times), text=f"Frame {number} of {len(shots.times)}")
+                write_record(share=number / len(shots.times), text=f"Frame {number} of {len(shots.times)}")
     except StudioError as error:
-        tell(error=str(error))
+        write_record(error=str(error))
     except OSError as error:
-        tell(errno=error.errno)
+        write_record(errno=error.errno)
 
 
-def tell(**record: object) -> None:
+def write_record(**record: object) -> None:
     """Write one record for the parent process."""
     print(json.dumps(record), file=sys.stderr, flush=True)
 

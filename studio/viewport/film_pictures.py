@@ -10,11 +10,11 @@ from studio.core.errors import StudioError
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
 from studio.engine.live_adaptation import as_recorded
-from studio.engine.performance import Posed, pose_of, posed_performers, resting_performers
+from studio.engine.performance import PosedPerformer, pose_of, posed_performers, resting_performers
 from studio.engine.prop_places import props_at
-from studio.jobs.performances import performances
+from studio.jobs.performances import stage_performances
 from studio.viewport.camera import FloatArray, OrbitCamera
-from studio.viewport.follow_camera import gone_on, way_place
+from studio.viewport.follow_camera import smoothed_root, translated_camera
 from studio.viewport.overlay import Overlay
 from studio.viewport.paths import trails
 from studio.viewport.shots import Shots, View
@@ -25,7 +25,7 @@ from studio.viewport.stills import FILM_PICTURE_SAMPLES, smooth_picture
 def render_shots(shots: Shots) -> Generator[Pixels, None, None]:
     """Draw the stage at each of the times, with all performers adapted again. Raises StudioError."""
     project, view = shots.project, shots.view
-    made = performances(project).performances
+    made = stage_performances(project).performances
     if not made:
         raise StudioError("No visible character has a clip: there is nothing to render.")
     results = {key: each.adapted for key, each in made.items()}
@@ -60,13 +60,13 @@ def _cameras(project: Project, results: Mapping[str, AdaptedMotion], view: View)
         return lambda time: view.camera
 
     def place(time: float) -> FloatArray:
-        return way_place(pose_of(project, project.performers[view.followed or ""], motion, time))
+        return smoothed_root(pose_of(project, project.performers[view.followed or ""], motion, time))
 
     begin = place(view.time)
-    return lambda time: gone_on(view.camera, place(time) - begin)
+    return lambda time: translated_camera(view.camera, place(time) - begin)
 
 
-def _paint_ghost(picture: Pixels, ghost: Posed, view: View) -> None:
+def _paint_ghost(picture: Pixels, ghost: PosedPerformer, view: View) -> None:
     """Paint the ghost like the viewport, with lines of the same width relative to the bodies."""
     height, width = picture.shape[:2]
     scale = height / view.height

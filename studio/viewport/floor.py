@@ -140,8 +140,8 @@ def _spots(
 ) -> list[tuple[NDArray[np.float64], float, float]]:
     """Position, radius and strength of the soft spots of a body: feet sharp and near, trunk wide and faint."""
     layout, size = morphology.layout, morphology.leg_length
-    parts = [(layout.ankle(side) + k, 0.13, 0.62) for side in (0, 1) for k in (0, 1)]
-    parts += [(layout.wrist(side), 0.12, 0.30) for side in (0, 1)]
+    parts = [(layout.ankle_point(side) + k, 0.13, 0.62) for side in (0, 1) for k in (0, 1)]
+    parts += [(layout.wrist_point(side), 0.12, 0.30) for side in (0, 1)]
     parts += [(0, 0.42, 0.42), (layout.neck_base, 0.34, 0.20)]
     places = points[[place for place, _, _ in parts]]
     heights = np.maximum(places[:, 2] - ground.height_at(places), 0.0)

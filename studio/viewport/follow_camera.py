@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from studio.engine.performance import Posed
+from studio.engine.performance import PosedPerformer
 from studio.viewport.camera import FloatArray, OrbitCamera
 
 SECONDS = 0.6
@@ -17,26 +17,26 @@ class FollowCamera:
     def __init__(self) -> None:
         self._last: tuple[str, FloatArray] | None = None
 
-    def moved(self, camera: OrbitCamera, performer_id: str, pose: Posed | None) -> OrbitCamera:
+    def moved(self, camera: OrbitCamera, performer_id: str, pose: PosedPerformer | None) -> OrbitCamera:
         """``camera`` moved along with a performer, or moved in front of a newly followed one; unchanged without a
         ``pose``.
         """
         if pose is None:
             self._last = None
             return camera
-        place = way_place(pose)
+        place = smoothed_root(pose)
         before, self._last = self._last, (performer_id, place)
         known = before is not None and before[0] == performer_id
-        return gone_on(camera, place - (before[1] if before is not None and known else camera.target[:2]))
+        return translated_camera(camera, place - (before[1] if before is not None and known else camera.target[:2]))
 
 
-def gone_on(camera: OrbitCamera, way: FloatArray) -> OrbitCamera:
+def translated_camera(camera: OrbitCamera, way: FloatArray) -> OrbitCamera:
     """``camera`` moved by a displacement (2,) over the ground."""
     x, y, z = camera.target
     return replace(camera, target=(x + float(way[0]), y + float(way[1]), z))
 
 
-def way_place(pose: Posed) -> FloatArray:
+def smoothed_root(pose: PosedPerformer) -> FloatArray:
     """(2,) position on the stage of a performer's smoothed root path.
 
     A performer that is driven live is displaced from its clips, which are known over time: the smoothing is theirs, the

@@ -23,7 +23,7 @@ class FrameStats:
         self._posed: tuple[float | None] | None = None
         self._words, self._said_at = "", -math.inf
 
-    def rest(self) -> None:
+    def note_rest(self) -> None:
         """Note that nothing moves any more."""
         self._pictures.clear()
         self._begun = self._asked_at = self._behind = None
@@ -36,7 +36,7 @@ class FrameStats:
     def seen(self, moving: bool) -> None:
         """Note that the picture is painted; repeated paints count once, with the pose's present age."""
         if not moving:
-            self.rest()
+            self.note_rest()
         elif self._posed is not None:
             self.picture(*self._posed)
         self._posed = None

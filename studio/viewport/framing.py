@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from studio.document.document import Document
-from studio.engine.performance import Posed
+from studio.engine.performance import PosedPerformer
 from studio.engine.prop_places import PropPose
 from studio.viewport.camera import FloatArray
 from studio.viewport.handles import Handle
@@ -15,12 +15,12 @@ ROOM_AROUND_TARGET = 0.6
 
 
 def selected_points(
-    document: Document, posed: Mapping[str, Posed], props: Mapping[str, PropPose], handles: Iterable[Handle]
+    document: Document, posed: Mapping[str, PosedPerformer], props: Mapping[str, PropPose], handles: Iterable[Handle]
 ) -> list[FloatArray]:
     """Points (N, 3) of the stage round the selected constraints and props, else of the selected bodies."""
     around = ROOM_AROUND_TARGET * np.concatenate([np.eye(3), -np.eye(3)])
     selection = document.selection
-    chosen = [one for one in handles if one.main and one.constraint_id in selection.of("constraints")]
+    chosen = [one for one in handles if one.is_primary and one.constraint_id in selection.of("constraints")]
     things = [one.extent for one in chosen]
     things += [props[key].place[None] for key in selection.of("props") if key in props]
     bodies = [posed[key].points for key in selection.of("performers") if key in posed]

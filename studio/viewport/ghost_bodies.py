@@ -5,9 +5,9 @@ from collections.abc import Callable, Sequence
 import pyvista as pv
 
 from studio.core.mesh.character import Character
-from studio.core.mesh.skin import gripping, skin_vertices
+from studio.core.mesh.skin import skin_vertices, with_grip
 from studio.core.stage.project import Project
-from studio.viewport.bodies import make_actor, place
+from studio.viewport.bodies import make_actor, set_actor_placement
 from studio.viewport.coarse import coarse_skin
 from studio.viewport.live_mesh import LiveMesh
 from studio.viewport.onion_skins import Ghost
@@ -29,8 +29,8 @@ class GhostBody:
         motion, row = posed.motion, posed.row
         self.actor.prop.color, self.actor.prop.opacity = ghost.colour, ghost.opacity
         self.actor.SetVisibility(True)
-        place(self.actor, posed.placement)
-        shown = gripping(self._skin, posed.grip(character.grip))
+        set_actor_placement(self.actor, posed.placement)
+        shown = with_grip(self._skin, posed.grip(character.grip))
         posing = shown, character.blending, motion, row
         if posing != self._posing:
             self._posing = posing

@@ -10,7 +10,7 @@ from studio.viewport.gizmo import BALL_HANDLE, GIZMO_AXES, PLANES, Gizmo, GizmoF
 from studio.viewport.mouse_gestures import EditDrag, RotateDrag, ViewportGesture
 from studio.viewport.rotate_gizmo import SCREEN_PART, TRACKBALL, RotateGizmo
 from studio.viewport.scale_gizmo import ScaleGizmo
-from studio.viewport.strokes import SHADOW, draw_disc, draw_line
+from studio.viewport.strokes import STROKE_SHADOW, draw_disc, draw_line
 
 AXIS_COLOURS = {"x": "#e8675f", "y": "#7cc47a", "z": "#5f9fe8"}
 HOVERED, MIDDLE = "#ffe08a", "#f4f7fb"
@@ -88,7 +88,7 @@ class GizmoPainter:
     def _polyline(self, corners: FloatArray, colour: QColor, width: float, strength: float = 1.0) -> None:
         line = QPolygonF([QPointF(*corner) for corner in corners])
         self._painter.setBrush(Qt.BrushStyle.NoBrush)
-        for hue, extent in ((SHADOW, width + 1.6), (colour, width)):
+        for hue, extent in ((STROKE_SHADOW, width + 1.6), (colour, width)):
             faint = QColor(hue)
             faint.setAlphaF(hue.alphaF() * strength)
             self._painter.setPen(QPen(faint, extent, Qt.PenStyle.SolidLine, Qt.PenCapStyle.FlatCap))
@@ -132,13 +132,13 @@ class GizmoPainter:
         across = np.array([-way[1], way[0]])
         base = tip - way * min(ARROW_LENGTH, length)
         draw_line(self._painter, begin + way * min(9.0, length), base, colour, 2.6)
-        self._painter.setPen(QPen(SHADOW, 1.0))
+        self._painter.setPen(QPen(STROKE_SHADOW, 1.0))
         self._painter.setBrush(QBrush(QColor(colour)))
         corners = (tip, base + ARROW_WIDTH * across, base - ARROW_WIDTH * across)
         self._painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
 
     def _box(self, place: FloatArray, colour: QColor) -> None:
-        self._painter.setPen(QPen(SHADOW, 1.5))
+        self._painter.setPen(QPen(STROKE_SHADOW, 1.5))
         self._painter.setBrush(QBrush(colour))
         self._painter.drawRect(QRectF(place[0] - HALF_BOX, place[1] - HALF_BOX, 2.0 * HALF_BOX, 2.0 * HALF_BOX))
 

@@ -57,7 +57,7 @@ class GroundVisual:
             points, normals, faces = surface_of(ground)
             self._surface.points = np.array(points, dtype=np.float32)
             self._surface.faces = faces.ravel()
-            self._surface.point_data["colour"] = shades(points, normals)
+            self._surface.point_data["colour"] = lighting_factors(points, normals)
             self._surface.point_data.active_scalars_name = "colour"
             ends, tints, pairs = lines_of(ground)
             self._lines.points = ends.astype(np.float32)
@@ -96,7 +96,7 @@ def surface_of(ground: Ground) -> tuple[FloatArray, FloatArray, Faces]:
     return np.concatenate([floor, corners]), normals, np.concatenate([faces, more])
 
 
-def shades(points: FloatArray, normals: FloatArray) -> NDArray[np.uint8]:
+def lighting_factors(points: FloatArray, normals: FloatArray) -> NDArray[np.uint8]:
     """(V, 3) floor's grey, lit from one side, fading to the horizon's in the distance."""
     light = np.maximum(1.0 + LAMP_STRENGTH * (normals @ LAMP - LAMP[2]), DARKEST)
     away = np.clip((np.linalg.norm(points[:, :2], axis=1) - 12.0) / 60.0, 0, 1)[:, None]
@@ -121,7 +121,7 @@ def lines_of(ground: Ground) -> tuple[FloatArray, NDArray[np.uint8], Faces]:
         tints = np.concatenate([tints, np.tile(GRID_LINE_COLOUR, (len(edges), 1))])
     points = np.column_stack([xy, heights + LINE_LIFT])
     fade = line_fade(xy)
-    under = shades(points, ground.normal_at(xy)).astype(np.float64)
+    under = lighting_factors(points, ground.normal_at(xy)).astype(np.float64)
     return points, as_bytes(under * (1 - fade) + tints * fade), pairs
 
 

@@ -21,13 +21,13 @@ from studio.core.constraints.target import own_place_of
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.rotations import to_matrix
 from studio.core.stage.placement import Placement
-from studio.engine.performance import Posed
+from studio.engine.performance import PosedPerformer
 from studio.engine.residual_measures import measure_of
 from studio.viewport.body_points import point_path
 from studio.viewport.camera import FloatArray
 from studio.viewport.solid_figures import capsule_lines, mesh_lines
 
-REACHED = 0.003
+REACHED_COLOUR = 0.003
 """Metres; nearer than this the point counts as on its target."""
 DISC_RADIUS, BALANCE_RING_RADIUS = 0.05, 0.08
 """Metres: the disc under a centre of mass, the ring where it is asked to be."""
@@ -62,7 +62,7 @@ class HandleShape:
         return replace(self, lines=lines, faces=faces, link=link)
 
 
-def figure_of(constraint: Constraint, pose: Posed, floor: float) -> HandleShape:
+def figure_of(constraint: Constraint, pose: PosedPerformer, floor: float) -> HandleShape:
     """Figure of ``constraint`` on a body at a moment, over a ground ``floor`` metres high."""
     draw = CONSTRAINT_KINDS[constraint.kind].figure
     if draw is None:
@@ -92,13 +92,13 @@ def with_path(figure: HandleShape, target: object, time: float, place: FloatArra
     return replace(figure, lines=(*figure.lines, path))
 
 
-def position_figure(constraint: PositionConstraint, pose: Posed, floor: float) -> HandleShape:
+def position_figure(constraint: PositionConstraint, pose: PosedPerformer, floor: float) -> HandleShape:
     """Link from the point to its target."""
     link = np.stack([_point(pose, constraint.point), np.array(constraint.target)])
-    return HandleShape(link=link, missed=_length(link) > REACHED)
+    return HandleShape(link=link, missed=_length(link) > REACHED_COLOUR)
 
 
-def look_at_figure(constraint: LookAtConstraint, pose: Posed, floor: float) -> HandleShape:
+def look_at_figure(constraint: LookAtConstraint, pose: PosedPerformer, floor: float) -> HandleShape:
     """Link from the eyes to the target, drawn also while it is met."""
     link = np.stack([_point(pose, constraint.point), np.array(constraint.target)])
     gaze, way = _turn(pose, constraint.point)[:, 0], link[1] - link[0]
@@ -106,16 +106,16 @@ def look_at_figure(constraint: LookAtConstraint, pose: Posed, floor: float) -> H
     return HandleShape(link=link, link_always=True, missed=angle > measure_of(constraint).held_below)
 
 
-def distance_figure(constraint: DistanceConstraint, pose: Posed, floor: float) -> HandleShape:
+def distance_figure(constraint: DistanceConstraint, pose: PosedPerformer, floor: float) -> HandleShape:
     """Link between both ends."""
     other = constraint.other
     end = _point(pose, other) if isinstance(other, BodyPoint) else np.array(other)
     link = np.stack([_point(pose, constraint.point), end])
     distance = float(np.array(constraint.distance))
-    return HandleShape(link=link, link_always=True, missed=abs(_length(link) - distance) > REACHED)
+    return HandleShape(link=link, link_always=True, missed=abs(_length(link) - distance) > REACHED_COLOUR)
 
 
-def orientation_figure(constraint: OrientationConstraint, pose: Posed, floor: float) -> HandleShape:
+def orientation_figure(constraint: OrientationConstraint, pose: PosedPerformer, floor: float) -> HandleShape:
     """Three axes of the target rotation, at the segment's origin."""
     begin = _point(pose, constraint.point)
     asked, is_so = to_matrix(np.array(constraint.target)), _turn(pose, constraint.point)
@@ -124,7 +124,7 @@ def orientation_figure(constraint: OrientationConstraint, pose: Posed, floor: fl
     return HandleShape(lines=lines, missed=float(np.arccos(cosine)) > measure_of(constraint).held_below)
 
 
-def parallel_figure(constraint: ParallelConstraint, pose: Posed, floor: float) -> HandleShape:
+def parallel_figure(constraint: ParallelConstraint, pose: PosedPerformer, floor: float) -> HandleShape:
     """Both axes, each at its segment."""
     turn, other = _turn(pose, constraint.point), _turn(pose, constraint.other)
     lines = (
@@ -135,7 +135,7 @@ def parallel_figure(constraint: ParallelConstraint, pose: Posed, floor: float) -
     return HandleShape(lines=lines, missed=lean > measure_of(constraint).held_below)
 
 
-def balance_figure(constraint: BalanceConstraint, pose: Posed, floor: float) -> HandleShape:
+def balance_figure(constraint: BalanceConstraint, pose: PosedPerformer, floor: float) -> HandleShape:
     """Disc under the centre of mass, and its target."""
     x, y, _ = _mass(pose)
     below = np.array([x, y, floor])
@@ -144,16 +144,18 @@ def balance_figure(constraint: BalanceConstraint, pose: Posed, floor: float) -> 
         return HandleShape(lines=(disc, below + BALANCE_RING_RADIUS * _CIRCLE), faces=(disc,))
     asked = np.array([*constraint.place[:2], floor])
     link = np.stack([below, asked])
-    return HandleShape((disc, asked + BALANCE_RING_RADIUS * _CIRCLE), (disc,), link, missed=_length(link) > REACHED)
+    return HandleShape(
+        (disc, asked + BALANCE_RING_RADIUS * _CIRCLE), (disc,), link, missed=_length(link) > REACHED_COLOUR
+    )
 
 
-def clear_figure(constraint: ClearConstraint, pose: Posed, floor: float) -> HandleShape:
+def clear_figure(constraint: ClearConstraint, pose: PosedPerformer, floor: float) -> HandleShape:
     """Capsules that the arms avoid."""
     lines = tuple(pose.points_in_clip(each) for each in capsule_lines(pose.motion, pose.row))
     return HandleShape(lines=lines, only_chosen=True)
 
 
-def area_figure(constraint: AreaConstraint, pose: Posed, floor: float) -> HandleShape:
+def area_figure(constraint: AreaConstraint, pose: PosedPerformer, floor: float) -> HandleShape:
     """Lines and faces of the shape, and the link to the nearest allowed position."""
     if constraint.mesh is not None and constraint.shape is AreaShape.MESH:
         lines, faces = mesh_lines(constraint.mesh)
@@ -166,7 +168,7 @@ def area_figure(constraint: AreaConstraint, pose: Posed, floor: float) -> Handle
         tuple(line @ turn.T + centre for line in lines),
         tuple(face @ turn.T + centre for face in faces),
         link,
-        missed=_length(link) > REACHED,
+        missed=_length(link) > REACHED_COLOUR,
     )
 
 
@@ -212,11 +214,11 @@ _SHAPES: dict[AreaShape, Callable[[FloatArray], Shape]] = {
 }
 
 
-def _point(pose: Posed, point: BodyPoint) -> FloatArray:
+def _point(pose: PosedPerformer, point: BodyPoint) -> FloatArray:
     return pose.points_in_clip(point_path(pose.motion, point, slice(pose.row, pose.row + 1))[0])
 
 
-def _turn(pose: Posed, point: BodyPoint) -> FloatArray:
+def _turn(pose: PosedPerformer, point: BodyPoint) -> FloatArray:
     return pose.rotation_in_clip(point.part)
 
 
@@ -228,7 +230,7 @@ def _allowed(constraint: AreaConstraint, place: FloatArray) -> FloatArray:
     return nearest_allowed_position(constraint, place)
 
 
-def _mass(pose: Posed) -> FloatArray:
+def _mass(pose: PosedPerformer) -> FloatArray:
     from studio.core.quality.metrics import centre_of_mass  # as above
 
     row = slice(pose.row, pose.row + 1)

@@ -3,7 +3,7 @@
 from studio.core.constraints.base import Constraint, Vector
 
 
-def handle_place(constraint: Constraint, floor: float = 0.0) -> Vector | None:
+def handle_position(constraint: Constraint, floor: float = 0.0) -> Vector | None:
     """Position (3,) of the handle, metres in the motion's space over a ground ``floor`` high; None if it has none.
 
     The constraint is that of one moment (``TargetContext.fixed``).

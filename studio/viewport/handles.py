@@ -9,10 +9,10 @@ from studio.core.constraints.balance import Support
 from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.stage.project import Project
 from studio.engine.moments import TargetContext
-from studio.engine.performance import Posed
+from studio.engine.performance import PosedPerformer
 from studio.viewport.camera import FloatArray
 from studio.viewport.handle_figures import HandleShape, figure_of, with_outline, with_path
-from studio.viewport.handle_places import handle_place
+from studio.viewport.handle_places import handle_position
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +25,7 @@ class Handle:
     target: FloatArray | None
     figure: HandleShape
     activation: float
-    main: bool
+    is_primary: bool
     """Handles of the active performer: drawn in full."""
 
     @property
@@ -42,7 +42,7 @@ class Handle:
 
 
 def constraint_handles(
-    project: Project, posed: Mapping[str, Posed], active: str | None, only: Container[str] | None = None
+    project: Project, posed: Mapping[str, PosedPerformer], active: str | None, only: Container[str] | None = None
 ) -> list[Handle]:
     """Handles of every posed performer, the active one's last, so that they are drawn on top; or ``only`` some."""
     handles = []
@@ -56,10 +56,10 @@ def constraint_handles(
             now = moment.fixed(constraint) if constraint.enabled else None
             if now is None:
                 continue
-            place = handle_place(now, floor)
+            place = handle_position(now, floor)
             figure = figure_of(now, pose, floor)
             if isinstance(getattr(constraint, "place", None), Support):
-                figure = with_outline(figure, moment.outline(), floor)
+                figure = with_outline(figure, moment.support_outline(), floor)
             if place is not None:
                 held, leg_length = getattr(constraint, constraint.shown.held_by, None), pose.motion.body.leg_length
                 figure = with_path(figure, held, pose.seconds, np.array(place), leg_length)
@@ -74,6 +74,6 @@ def constraint_handles(
     return handles
 
 
-def floor_under(project: Project, pose: Posed) -> float:
+def floor_under(project: Project, pose: PosedPerformer) -> float:
     """Height in metres of the ground under a body's root."""
     return float(project.ground.height_at(pose.points[0]))

@@ -91,6 +91,6 @@ def _bytes_of(hue: str) -> tuple[int, int, int]:
 
 def _faded(paths: Sequence[StagePath]) -> NDArray[np.uint8]:
     full = np.repeat([_bytes_of(path.colour) for path in paths], [len(path.points) for path in paths], axis=0)
-    strength, away = np.concatenate([path.strength for path in paths]), np.array(_bytes_of(colours.STAGE_BAR))
+    strength, away = np.concatenate([path.opacity for path in paths]), np.array(_bytes_of(colours.STAGE_BAR))
     bytes_: NDArray[np.uint8] = np.round(away + np.clip(strength, 0, 1)[:, None] * (full - away)).astype(np.uint8)
     return bytes_

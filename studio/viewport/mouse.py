@@ -14,7 +14,7 @@ from studio.viewport.mouse_gestures import CameraDrag, MoveDrag, RotateDrag, Sca
 from studio.viewport.navigation import camera_drag
 from studio.viewport.rotate_gizmo import RotateGizmo
 from studio.viewport.scale_gizmo import ScaleGizmo
-from studio.viewport.selected_movable import zero_of
+from studio.viewport.selected_movable import rotation_reference
 from studio.viewport.skin_picking import skin_point_at
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 HANDLE_PICK_REACH = 11.0
 
 
-def press(viewport: Viewport, document: Document, live: Live, event: QMouseEvent) -> None:
+def begin_gesture(viewport: Viewport, document: Document, live: Live, event: QMouseEvent) -> None:
     """Begin a gesture or select: the left button drags the gizmo, unless Alt is held; else the navigation says which
     buttons move the camera, and the left one picks or selects.
     """
@@ -47,7 +47,7 @@ def press(viewport: Viewport, document: Document, live: Live, event: QMouseEvent
         _select(viewport, document, x, y)
 
 
-def move(viewport: Viewport, event: QMouseEvent) -> None:
+def update_hover(viewport: Viewport, event: QMouseEvent) -> None:
     """Update the running drag, or the highlight under the mouse if there is none."""
     x, y = event.position().x(), event.position().y()
     keys = event.modifiers()
@@ -70,7 +70,7 @@ def _grab_gizmo(viewport: Viewport, document: Document, live: Live, x: float, y:
         case ScaleGizmo():
             viewport.gesture = ScaleDrag(document, live, movable, gizmo, part, x, y, steps)
         case _:
-            zero = zero_of(movable, viewport.gizmo_space)
+            zero = rotation_reference(movable, viewport.gizmo_space)
             viewport.gesture = MoveDrag(document, live, movable, gizmo, part, x, y, steps, zero)
     return True
 

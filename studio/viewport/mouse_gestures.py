@@ -86,7 +86,7 @@ class EditDrag:
 
     def cancel(self) -> None:
         """Restore the thing, and remove the edit from the history."""
-        self._movable.put_back(self._number)
+        self._movable.restore(self._number)
         self._live.interactive = False
 
 

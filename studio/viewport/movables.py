@@ -19,13 +19,13 @@ from studio.core.stage.placement import Placement
 from studio.core.stage.project import Performer
 from studio.core.stage.prop import InHand, Prop
 from studio.document.document import Document
-from studio.document.mirrored import mirrored_change
+from studio.document.mirrored import mirrored_edit
 from studio.document.obstacles import obstacles_of
 from studio.engine.moments import TargetContext
-from studio.engine.performance import Posed
-from studio.engine.prop_places import moved_prop, prop_at, resized_prop, tilt_of, turned_prop, wrapped
+from studio.engine.performance import PosedPerformer
+from studio.engine.prop_places import moved_prop, prop_at, resized_prop, tilt_of, turned_prop, wrapped_angle
 from studio.viewport.camera import FloatArray
-from studio.viewport.handle_places import handle_place, is_flat
+from studio.viewport.handle_places import handle_position, is_flat
 from studio.viewport.rotate_gizmo import rotation_about
 
 LEAST_SIDE = 0.001
@@ -76,12 +76,12 @@ class Movable:
     def scale(self, factors: FloatArray, gesture: int) -> None:
         """Resize it by ``factors`` (3,) along its own axes relative to its state at creation."""
 
-    def put_back(self, gesture: int) -> None:
+    def restore(self, gesture: int) -> None:
         """Restore its state at creation."""
         raise NotImplementedError
 
 
-class Target(Movable):
+class MovableTarget(Movable):
     """Target of a constraint, as on a performer at one moment, over a ``floor``."""
 
     def __init__(self, document: Document, constraint_id: str, moment: TargetContext, floor: float) -> None:
@@ -92,7 +92,7 @@ class Target(Movable):
     @staticmethod
     def is_held(now: Constraint) -> bool:
         """True if a constraint, fixed at one moment, has a position to be moved."""
-        return handle_place(now) is not None
+        return handle_position(now) is not None
 
     @property
     def _constraint(self) -> Constraint:
@@ -103,13 +103,13 @@ class Target(Movable):
     def place(self) -> FloatArray:
         """(3,) position in the space of the motion."""
         now = self._moment.fixed(self._constraint)
-        return np.array(handle_place(now, self._floor) if now else None)
+        return np.array(handle_position(now, self._floor) if now else None)
 
     def move(self, place: FloatArray, gesture: int) -> None:
         """Move it to ``place``."""
         old = self._constraint
         x, y, z = place.tolist()
-        text = f"{'Key' if is_keyed(old) and not self._is_apart else 'Move'} {self._words}"
+        text = f"{'Key' if has_keyed_target(old) and not self._is_apart else 'Move'} {self._words}"
         self._put(self._moment.moved(self._begin, (x, y, z)), text, gesture)
 
     @property
@@ -139,13 +139,13 @@ class Target(Movable):
         own = own_place_of(getattr(self._begin, self._begin.shown.held_by))
         return own is not None and self._moment.performer_id in dict(own.own)
 
-    def put_back(self, gesture: int) -> None:
+    def restore(self, gesture: int) -> None:
         """Restore it, without the key that a drag has set."""
         self._put(self._begin, f"Move {self._begin.name}", gesture)
 
     def _put(self, seen: Constraint, text: str, gesture: int) -> None:
         stored = self._document.project.constraints[self._id]
-        new = mirrored_change(stored, seen) if self._moment.pose.mirrored else seen
+        new = mirrored_edit(stored, seen) if self._moment.pose.mirrored else seen
         self._document.replace("constraints", self._id, new, text, gesture)
 
 
@@ -155,7 +155,7 @@ class PlacedProp(Movable):
     rotates = True
     scales = (True, True, True)
 
-    def __init__(self, document: Document, prop_id: str, posed: Mapping[str, Posed]) -> None:
+    def __init__(self, document: Document, prop_id: str, posed: Mapping[str, PosedPerformer]) -> None:
         self._document, self._id = document, prop_id
         self.placement, self._begin = Placement(), document.project.props[prop_id]
         self._pose = prop_at(document.project, posed, prop_id, document.playhead.time)
@@ -198,7 +198,7 @@ class PlacedProp(Movable):
         resized = resized_prop(self._pose, (x, y, z), self._document.project.ground)
         self._put(resized, "Resize", gesture, obstacles)
 
-    def put_back(self, gesture: int) -> None:
+    def restore(self, gesture: int) -> None:
         """Restore it."""
         self._put(self._begin, "Move", gesture, self._obstacles)
 
@@ -217,7 +217,7 @@ class PlacedPerformer(Movable):
 
     flat = yields = rotates = heading_only = True
 
-    def __init__(self, document: Document, performer_id: str, pose: Posed, floor: float) -> None:
+    def __init__(self, document: Document, performer_id: str, pose: PosedPerformer, floor: float) -> None:
         self._document, self._id, self._pose = document, performer_id, pose
         self.placement, self._begin = Placement(), document.project.performers[performer_id]
         self._floor = floor
@@ -241,10 +241,10 @@ class PlacedPerformer(Movable):
         """Rotate it about its present root, by the rotation's part about Z."""
         pivot, angle = self.place[:2], math.atan2(rotation[1, 0], rotation[0, 0])
         x, y = (pivot + rotation[:2, :2] @ (np.array(self._begin.position) - pivot)).tolist()
-        turned = replace(self._begin, position=(x, y), heading=wrapped(self._begin.heading + angle))
+        turned = replace(self._begin, position=(x, y), heading=wrapped_angle(self._begin.heading + angle))
         self._put(turned, "Rotate", gesture)
 
-    def put_back(self, gesture: int) -> None:
+    def restore(self, gesture: int) -> None:
         """Restore its placement."""
         self._put(self._begin, "Move", gesture)
 
@@ -302,13 +302,13 @@ class SelectedTogether(Movable):
             for each in self._all:
                 each.scale(factors, gesture)
 
-    def put_back(self, gesture: int) -> None:
+    def restore(self, gesture: int) -> None:
         """Restore all."""
         with self._document.group(f"Move {self._words}", gesture):
             for each in self._all:
-                each.put_back(gesture)
+                each.restore(gesture)
 
 
-def is_keyed(constraint: Constraint) -> bool:
+def has_keyed_target(constraint: Constraint) -> bool:
     """True if the dragged position is keyed, so that a drag sets a key."""
     return isinstance(getattr(constraint, constraint.shown.held_by, None), KeyedPlace | KeyedOwnPlace)

@@ -32,7 +32,7 @@ from studio.core.rotations import from_matrix
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
 from studio.engine.moments import TargetContext
-from studio.engine.performance import Posed
+from studio.engine.performance import PosedPerformer
 from studio.viewport.body_points import BodyJoint, point_path
 from studio.viewport.camera import FloatArray
 
@@ -71,7 +71,7 @@ class NewConstraintContext:
         return self.moment.project
 
     @property
-    def pose(self) -> Posed:
+    def pose(self) -> PosedPerformer:
         """Body at the playhead."""
         return self.moment.pose
 
@@ -118,7 +118,7 @@ class NewConstraintContext:
         return max(begin, (frame - steps_back) / rate), min(end, (frame + steps_on) / rate)
 
     @cached_property
-    def around(self) -> tuple[AdaptedMotion, slice, FloatArray]:
+    def frames_around(self) -> tuple[AdaptedMotion, slice, FloatArray]:
         """Motion over time, its rows around the playhead, and their seconds (F,) of the clip's motion."""
         motion, clip = self.pose.over_time, self.pose.clip
         assert clip is not None
@@ -130,12 +130,12 @@ class NewConstraintContext:
 
     def points(self, point: BodyPoint) -> FloatArray:
         """(F, 3) positions of a point of the body in the rows ``around``."""
-        motion, rows, _ = self.around
+        motion, rows, _ = self.frames_around
         return point_path(motion, point, rows)
 
     def turns(self, part: BodyPart) -> FloatArray:
         """(F, 3, 3) rotations of a segment in the rows ``around``."""
-        motion, rows, _ = self.around
+        motion, rows, _ = self.frames_around
         return motion.rotations[rows, motion.morphology.layout.segment(part)]
 
     def limb(self, point: BodyPoint) -> LimbPath | None:
@@ -144,7 +144,7 @@ class NewConstraintContext:
         if bone not in UPPER_SEGMENT:
             return None
         upper, end = BodyPart(f"{side}{UPPER_SEGMENT[bone]}"), self.points(point)
-        now = int(np.argmin(np.abs(self.around[2] - self.pose.seconds)))
+        now = int(np.argmin(np.abs(self.frames_around[2] - self.pose.seconds)))
         return LimbPath(self.points(BodyPoint(upper)), self.points(BodyPoint(upper, at_end=True)), end, end[now])
 
     def common(
@@ -161,7 +161,9 @@ class NewConstraintContext:
         activation = ActivationCurve(begin, begin, end, end)
         if moving is not None and self.fits_activation:
             between = self.between_stances(point.part, now)
-            activation = fitted_activation(self.around[2], moving, now, *between, self.limb(point) if limb else None)
+            activation = fitted_activation(
+                self.frames_around[2], moving, now, *between, self.limb(point) if limb else None
+            )
         return {
             "motion_id": motion_id,
             "name": free_name(name, {one.name for one in existing}),
@@ -213,7 +215,7 @@ def new_orientation(here: NewConstraintContext) -> Constraint:
     target = tuple(from_matrix(here.turn(part)).tolist())
     chain = _HEAD if part in (BodyPart.HEAD, BodyPart.NECK) else replace(joint.chain, end_segment=1.0)
     turns = here.turns(part)
-    now = int(np.argmin(np.abs(here.around[2] - here.pose.seconds)))
+    now = int(np.argmin(np.abs(here.frames_around[2] - here.pose.seconds)))
     moving = Rotation.from_matrix(turns[now].T @ turns).as_rotvec()
     return OrientationConstraint(
         **here.common(f"{part.label.capitalize()} orientation", BodyPoint(part), chain, moving), target=target

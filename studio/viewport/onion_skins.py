@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from studio.core.stage.project import Project
 from studio.document import colours
-from studio.engine.performance import Posed, pose_of
+from studio.engine.performance import PosedPerformer, pose_of
 
 NEAREST_OPACITY, FARTHEST_OPACITY = 0.38, 0.12
 """Opacity of the skin next to the playhead and of the last one; a body at a kept moment has the first."""
@@ -24,13 +24,13 @@ class OnionSkins:
 class Ghost:
     """Body at another moment, translucent in a colour."""
 
-    pose: Posed
+    pose: PosedPerformer
     colour: str
     opacity: float
 
 
 def onion_ghosts(
-    project: Project, poses: Iterable[Posed], skins: OnionSkins, time: float, frame_rate: float
+    project: Project, poses: Iterable[PosedPerformer], skins: OnionSkins, time: float, frame_rate: float
 ) -> Iterator[Ghost]:
     """Ghosts of poses at ``time`` (seconds of the stage), ``skins.step`` frames apart; none beyond a motion's ends.
 
@@ -52,7 +52,9 @@ def onion_ghosts(
                 yield Ghost(ghost, colour, NEAREST_OPACITY + faded * (FARTHEST_OPACITY - NEAREST_OPACITY))
 
 
-def kept_ghosts(project: Project, posed: Mapping[str, Posed], kept: Iterable[tuple[str, float]]) -> Iterator[Ghost]:
+def kept_ghosts(
+    project: Project, posed: Mapping[str, PosedPerformer], kept: Iterable[tuple[str, float]]
+) -> Iterator[Ghost]:
     """Ghosts of performers at kept moments, (performer id, seconds of the stage), as adapted now."""
     for performer_id, time in kept:
         pose = posed.get(performer_id)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from studio.core.grounds.ground import Ground
-from studio.engine.performance import Posed
+from studio.engine.performance import PosedPerformer
 from studio.viewport.camera import FloatArray, OrbitCamera
 
 AZIMUTHS = tuple(math.radians(degrees) for degrees in (-52, 52, -40, 40, -30, 30))
@@ -29,7 +29,7 @@ ANOTHER = 0.2
 """Part of its width or height by which a view becomes another."""
 
 
-def performed_points(posed: Mapping[str, Posed]) -> FloatArray:
+def performed_points(posed: Mapping[str, PosedPerformer]) -> FloatArray:
     """(N, 3) stage points that the performers reach over their whole motions, thinned out."""
     paths = []
     for pose in posed.values():
@@ -39,7 +39,7 @@ def performed_points(posed: Mapping[str, Posed]) -> FloatArray:
 
 
 def opening_camera(
-    posed: Mapping[str, Posed],
+    posed: Mapping[str, PosedPerformer],
     size: tuple[float, float],
     parallel: bool = False,
     ground: Ground | None = None,
@@ -56,10 +56,10 @@ def opening_camera(
     cameras = [replace(OrbitCamera(), azimuth=front + azimuth, parallel=parallel) for azimuth in azimuths]
     best = max(cameras, key=lambda camera: round(5 * _apart(camera, places)) - _tall_in_front(camera, posed))
     now = np.concatenate([pose.points for pose in posed.values()]) if posed else np.zeros((0, 3))
-    return clear_of_words(best.framing(performed_points(posed), size), now, size, covered_below)
+    return clear_of_overlays(best.framing(performed_points(posed), size), now, size, covered_below)
 
 
-def clear_of_words(
+def clear_of_overlays(
     camera: OrbitCamera, points: FloatArray, size: tuple[float, float], covered_below: float = 0.0
 ) -> OrbitCamera:
     """Camera moved away and tilted until no stage point (N, 3) is behind the chips along the upper edge or the
@@ -77,7 +77,7 @@ def clear_of_words(
     return camera
 
 
-def _facing(posed: Mapping[str, Posed]) -> float:
+def _facing(posed: Mapping[str, PosedPerformer]) -> float:
     """Azimuth of the front of the pelves most of the time; 0 if they turn all round."""
     ways = []
     for pose in posed.values():
@@ -94,7 +94,7 @@ def _apart(camera: OrbitCamera, places: FloatArray) -> float:
     return float(np.minimum(np.diff(across), ENOUGH_APART).mean())
 
 
-def _tall_in_front(camera: OrbitCamera, posed: Mapping[str, Posed]) -> bool:
+def _tall_in_front(camera: OrbitCamera, posed: Mapping[str, PosedPerformer]) -> bool:
     """True if taller bodies are nearer and hide smaller ones."""
     statures = np.array([pose.over_time.morphology.stature for pose in posed.values()])
     nearness = np.array([pose.points[0] @ camera.axes[2] for pose in posed.values()])

@@ -13,7 +13,7 @@ from studio.core.markers.trial import Trial
 from studio.core.stage.placement import Placement
 from studio.document import colours
 from studio.document.document import Document
-from studio.engine.performance import Posed
+from studio.engine.performance import PosedPerformer
 from studio.io.up_axis import turn_to_world
 from studio.viewport.paths import StagePath
 
@@ -35,7 +35,7 @@ class MarkerFrame:
     paths: tuple[StagePath, ...]
 
 
-class RecordedBy:
+class RecordingOfPerformer:
     """Optical capture in the space of its motion, or above the floor if it has no body."""
 
     def __init__(self, capture: Capture) -> None:
@@ -94,7 +94,7 @@ class RecordingView:
         self.named = False
         """True if every marker is shown with its name."""
         self._changed = changed
-        self._made: RecordedBy | None = None
+        self._made: RecordingOfPerformer | None = None
 
     def mark(self, labels: Collection[str]) -> None:
         """Highlight markers by their bare labels; none for an empty list."""
@@ -106,11 +106,11 @@ class RecordingView:
         self.named = all_of_them
         self._changed()
 
-    def at(self, document: Document, posed: Mapping[str, Posed], *, shown: bool) -> MarkerFrame | None:
+    def at(self, document: Document, posed: Mapping[str, PosedPerformer], *, shown: bool) -> MarkerFrame | None:
         """Recording to be drawn: a selected capture without a body; else, if ``shown`` or some marker is highlighted,
         the source of the active performer's motion.
         """
-        bare = bare_capture(document)
+        bare = markers_only_capture(document)
         if bare is not None:
             return self._by(bare).at(round(document.playhead.time * bare.frame_rate), Placement())
         pose = posed.get(document.active_performer_id or "")
@@ -119,20 +119,20 @@ class RecordingView:
             return None
         return self._by(capture).at(pose.row + pose.motion.first_frame, pose.placement)
 
-    def _by(self, capture: Capture) -> RecordedBy:
+    def _by(self, capture: Capture) -> RecordingOfPerformer:
         if self._made is None or self._made.capture is not capture:
-            self._made = RecordedBy(capture)
+            self._made = RecordingOfPerformer(capture)
         return self._made
 
 
-def bare_capture(document: Document) -> Capture | None:
+def markers_only_capture(document: Document) -> Capture | None:
     """Selected capture if it has markers and no body."""
     chosen = document.selection.of("captures")
     capture = document.project.captures.get(chosen[-1]) if chosen else None
     return capture if capture is not None and capture.markers is not None and capture.body_map is None else None
 
 
-def recorded_of(document: Document, pose: Posed | None) -> Capture | None:
+def recorded_of(document: Document, pose: PosedPerformer | None) -> Capture | None:
     """Optical capture of a performer's motion, if it is one."""
     motion = document.project.motions.get(pose.motion_id or "") if pose else None
     capture = document.project.captures.get(motion.capture_id) if motion else None

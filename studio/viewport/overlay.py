@@ -9,12 +9,12 @@ from PySide6.QtCore import QLineF, QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 
 from studio.document import colours
-from studio.engine.performance import Posed
+from studio.engine.performance import PosedPerformer
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.handles import Handle
 from studio.viewport.optical_recording import MarkerFrame
 from studio.viewport.paths import TrailKeys
-from studio.viewport.strokes import SHADOW, draw_disc, draw_line
+from studio.viewport.strokes import STROKE_SHADOW, draw_disc, draw_line
 
 GHOST = QColor(196, 204, 214, 215)
 MARKER_COLOUR, OTHER_MARKER_COLOUR = QColor("#f0f4f8"), QColor(142, 152, 164, 170)
@@ -52,7 +52,7 @@ class Overlay:
             if depth[0] <= 0:
                 continue
             colour = QColor(colours.kind_colour(handle.kind))
-            if not handle.main:
+            if not handle.is_primary:
                 colour.setAlpha(220 if handle.activation > 0 else 90)
                 draw_disc(self._painter, pixels[0], 3.5, colour)
                 continue
@@ -65,7 +65,7 @@ class Overlay:
         if (depth <= 0).any():
             return
         sticks = [QLineF(QPointF(*pixels[begin]), QPointF(*pixels[end])) for begin, end in pairs]
-        for colour, width in ((SHADOW, 4.5), (GHOST, 2.5)):
+        for colour, width in ((STROKE_SHADOW, 4.5), (GHOST, 2.5)):
             self._painter.setPen(QPen(colour, width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
             self._painter.drawLines(sticks)
         self._painter.setPen(Qt.PenStyle.NoPen)
@@ -79,7 +79,7 @@ class Overlay:
             pixels, depth = self._camera.project(each.points, self._size)
             for (x, y), ahead in zip(pixels, depth, strict=True):
                 if ahead > 0:
-                    self._painter.setPen(QPen(SHADOW, 1.5))
+                    self._painter.setPen(QPen(STROKE_SHADOW, 1.5))
                     self._painter.setBrush(QColor(each.colour))
                     corners = (
                         (x - TRAIL_KEY_PX, y),
@@ -115,7 +115,7 @@ class Overlay:
         font.setPixelSize(height)
         self._painter.setFont(font)
         where = QPointF(*place) + QPointF(8.0, -5.0)
-        self._painter.setPen(SHADOW)
+        self._painter.setPen(STROKE_SHADOW)
         self._painter.drawText(where + QPointF(1.0, 1.0), words)
         self._painter.setPen(colour)
         self._painter.drawText(where, words)
@@ -142,7 +142,7 @@ class Overlay:
             return
         centre = QPointF(*pixels[0])
         self._painter.setBrush(Qt.BrushStyle.NoBrush)
-        for width, hue in ((4.0, SHADOW), (2.0, QColor(colour))) if strong else ((1.4, QColor(colour)),):
+        for width, hue in ((4.0, STROKE_SHADOW), (2.0, QColor(colour))) if strong else ((1.4, QColor(colour)),):
             self._painter.setPen(QPen(hue, width))
             self._painter.drawEllipse(centre, 8.0 if strong else 6.0, 8.0 if strong else 6.0)
         if strong:
@@ -171,9 +171,9 @@ class Overlay:
     def _figure(self, handle: Handle, chosen: bool) -> None:
         """Paint faint lines: fainter on bodies that are not active, and while the constraint is inactive."""
         figure, colour = handle.figure, colours.kind_colour(handle.kind)
-        if figure.only_chosen and not (chosen and handle.main):
+        if figure.only_chosen and not (chosen and handle.is_primary):
             return
-        strength = (0.95 if chosen else 0.6) if handle.main else 0.3
+        strength = (0.95 if chosen else 0.6) if handle.is_primary else 0.3
         strength *= 0.4 if figure.only_chosen else 1.0
         strength *= 1.0 if handle.activation > 0 else 0.5
         for face in figure.faces:
@@ -192,12 +192,12 @@ class Overlay:
         if (depth <= 0).any():
             return
         if handle.missed:
-            draw_line(self._painter, pixels[0], pixels[1], colours.STAGE_NOT_REACHED, 2.0 if handle.main else 1.2)
+            draw_line(self._painter, pixels[0], pixels[1], colours.STAGE_NOT_REACHED, 2.0 if handle.is_primary else 1.2)
             return
         self._thin(link, colour, strength)
         dot = QColor(colour)
         dot.setAlphaF(strength)
-        for pixel in pixels if handle.main or handle.kind == "look_at" else ():
+        for pixel in pixels if handle.is_primary or handle.kind == "look_at" else ():
             draw_disc(self._painter, pixel, 3.0, dot)
 
     def _thin(self, points: FloatArray, colour: str, strength: float) -> None:
@@ -207,7 +207,7 @@ class Overlay:
             return
         corners = QPolygonF([QPointF(*pixel) for pixel in pixels])
         self._painter.setBrush(Qt.BrushStyle.NoBrush)
-        for hue, width, alpha in ((SHADOW, 3.4, 0.6), (QColor(colour), 1.8, 1.0)):
+        for hue, width, alpha in ((STROKE_SHADOW, 3.4, 0.6), (QColor(colour), 1.8, 1.0)):
             hue = QColor(hue)
             hue.setAlphaF(hue.alphaF() * strength * alpha)
             self._painter.setPen(QPen(hue, width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
@@ -235,7 +235,7 @@ class Overlay:
             self._painter.drawEllipse(QPointF(x, y), 10.0, 10.0)
 
 
-def twin_heads(posed: Mapping[str, Posed]) -> dict[str, FloatArray]:
+def twin_heads(posed: Mapping[str, PosedPerformer]) -> dict[str, FloatArray]:
     """Tops of the heads, (3,) metres, of bodies with the same character, by their distinguishing names."""
     seen = Counter(pose.performer.character_id for pose in posed.values())
     return {

@@ -11,7 +11,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.stage.project import Project
 from studio.document import colours
 from studio.document.keyed_fields import fields_of, to_stage
-from studio.engine.performance import FloatArray, Posed, pose_of
+from studio.engine.performance import FloatArray, PosedPerformer, pose_of
 from studio.viewport.body_points import point_path
 
 TRAIL_SECONDS, TRAIL_RATE = 0.8, 120.0
@@ -33,22 +33,22 @@ class TrailKeys:
 
 @dataclass(frozen=True, eq=False)
 class StagePath:
-    """Line through stage ``points`` (N, 3), with opacity ``strength`` (N,)."""
+    """Line through stage ``points`` (N, 3), with opacity ``opacity`` (N,)."""
 
     points: FloatArray
     colour: str
-    strength: NDArray[np.float64]
+    opacity: NDArray[np.float64]
 
 
 def stage_paths(
-    project: Project, posed: Mapping[str, Posed], trail: BodyPoint | None, smooth: bool = True
+    project: Project, posed: Mapping[str, PosedPerformer], trail: BodyPoint | None, smooth: bool = True
 ) -> list[StagePath]:
     """Lines on the stage: trails of a point, marks of contacts."""
     return [*trails(project, posed, trail, smooth), *contact_marks(project, posed)]
 
 
 def trails(
-    project: Project, posed: Mapping[str, Posed], point: BodyPoint | None, smooth: bool = True
+    project: Project, posed: Mapping[str, PosedPerformer], point: BodyPoint | None, smooth: bool = True
 ) -> list[StagePath]:
     """Path of ``point`` on every body round this moment, in the body's colour; interpolated by a curve if ``smooth``,
     else from frame to frame.
@@ -68,7 +68,9 @@ def trails(
     return found
 
 
-def trail_keys(project: Project, posed: Mapping[str, Posed], point: BodyPoint, constraint_id: str) -> list[TrailKeys]:
+def trail_keys(
+    project: Project, posed: Mapping[str, PosedPerformer], point: BodyPoint, constraint_id: str
+) -> list[TrailKeys]:
     """Positions on the trails of ``point`` at the keys of a constraint, of every body with one within its trail."""
     fields = fields_of("constraints", constraint_id, project.constraints.get(constraint_id))
     found = []
@@ -86,7 +88,9 @@ def trail_keys(project: Project, posed: Mapping[str, Posed], point: BodyPoint, c
     return found
 
 
-def selection_rings(project: Project, posed: Mapping[str, Posed], selected: Collection[str]) -> list[StagePath]:
+def selection_rings(
+    project: Project, posed: Mapping[str, PosedPerformer], selected: Collection[str]
+) -> list[StagePath]:
     """Ring on the ground round each selected performer."""
     chosen = [posed[key] for key in selected if key in posed]
     centres, sizes = [pose.points[0] for pose in chosen], [2 * pose.motion.morphology.leg_length for pose in chosen]
@@ -102,7 +106,7 @@ def prop_paths(project: Project, selected: Collection[str], time: float) -> list
     return [StagePath(path, colours.STAGE_SELECTED_HANDLE, np.full(len(path), 0.7)) for path in paths]
 
 
-def contact_marks(project: Project, posed: Mapping[str, Posed]) -> list[StagePath]:
+def contact_marks(project: Project, posed: Mapping[str, PosedPerformer]) -> list[StagePath]:
     """Small ring on the ground at each present contact of a heel, toe, hand, knee or seat."""
     centres = [
         _touching_point(pose, each.point)
@@ -122,7 +126,7 @@ def _smooth(path: FloatArray, frames: FloatArray, frame_rate: float) -> tuple[Fl
     return CubicSpline(frames, path)(finer), finer
 
 
-def _touching_point(pose: Posed, point: ContactPoint) -> FloatArray:
+def _touching_point(pose: PosedPerformer, point: ContactPoint) -> FloatArray:
     touching = touching_points(point, pose.motion.morphology.layout)
     return np.asarray(pose.points[touching].mean(axis=0))
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from studio.core.body.sticks import bone_pairs
-from studio.engine.performance import Posed
+from studio.engine.performance import PosedPerformer
 from studio.engine.prop_places import PropPose
 from studio.viewport.body_points import BodyJoint, body_joints
 from studio.viewport.camera import FloatArray, OrbitCamera
@@ -29,7 +29,9 @@ class PickedJoint:
     joint: BodyJoint
 
 
-def joint_at(posed: Mapping[str, Posed], camera: OrbitCamera, size: Size, x: float, y: float) -> PickedJoint | None:
+def joint_at(
+    posed: Mapping[str, PosedPerformer], camera: OrbitCamera, size: Size, x: float, y: float
+) -> PickedJoint | None:
     """Joint nearest to pixel (x, y) within reach; of several about as near, the one in front."""
     found: list[tuple[float, float, PickedJoint]] = []
     for performer_id, pose in posed.items():
@@ -45,7 +47,7 @@ def joint_at(posed: Mapping[str, Posed], camera: OrbitCamera, size: Size, x: flo
     return in_front[2] if in_front else None
 
 
-def body_at(posed: Mapping[str, Posed], camera: OrbitCamera, size: Size, x: float, y: float) -> str | None:
+def body_at(posed: Mapping[str, PosedPerformer], camera: OrbitCamera, size: Size, x: float, y: float) -> str | None:
     """Performer whose bones are under pixel (x, y); the front one of several."""
     found: list[tuple[float, str]] = []
     for performer_id, pose in posed.items():

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.solver.performers.rows import stage_span
-from studio.core.solver.performers.stage import asked_of
+from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.stage.project import Project
 from studio.engine.performance import Results, stage_time
 from studio.engine.residuals import Residual, worst_residual
@@ -30,7 +30,7 @@ def worst_problem(project: Project, result_of: Results) -> Problem | None:
         motion = result_of(performer_id) if performer.visible and performer.clips else None
         if motion is None:
             continue
-        for asked in asked_of(project, performer_id):
+        for asked in constraints_of_performer(project, performer_id):
             constraint_id, constraint, clip = asked.constraint_id, asked.constraint, performer.clips[asked.clip]
             found = worst_residual(project, performer_id, motion, constraint_id)
             if found is None or found.amount <= found.measure.worth_saying:

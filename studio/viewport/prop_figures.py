@@ -5,13 +5,13 @@ from typing import Any
 import pyvista as pv
 
 from studio.core.stage.prop import Prop, PropShape
-from studio.core.stage.prop_shapes import FloatArray, fitted, unit_surface
+from studio.core.stage.prop_shapes import FloatArray, fitted_to_cube, unit_surface
 
 
 def unit_mesh(prop: Prop) -> pv.PolyData:
     """Surface of a prop's shape; faces do not share vertices at sharp edges."""
     if prop.shape is PropShape.MESH and prop.mesh is not None:
-        return _polygons(fitted(prop.mesh), prop.mesh.triangles)
+        return _polygons(fitted_to_cube(prop.mesh), prop.mesh.triangles)
     surface = unit_surface(prop.shape)
     mesh = _polygons(surface.vertices, surface.triangles)
     mesh.point_data.active_normals = surface.normals

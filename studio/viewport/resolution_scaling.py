@@ -23,7 +23,7 @@ class ResolutionScaling:
         share = SHARES[self._step]
         return max(round(full[0] * share), 1), max(round(full[1] * share), 1)
 
-    def took(self, seconds: float) -> None:
+    def note_duration(self, seconds: float) -> None:
         """Note the drawing time of a picture."""
         self._slow = max(self._slow + (1 if seconds > self._limit else -1), 0)
         finer = SHARES[max(self._step - 1, 0)] / SHARES[self._step]  # as its time is: half of it is not of the pixels
@@ -34,7 +34,7 @@ class ResolutionScaling:
         elif self._quick >= self._retry and self._step > 0:
             self._go(self._step - 1)
 
-    def rest(self) -> None:
+    def note_rest(self) -> None:
         """Note that nothing moves: the next motion starts with a slightly higher resolution."""
         self._go(max(self._step - 1, 0))
         self._retry = RETRY

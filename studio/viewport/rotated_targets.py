@@ -20,7 +20,7 @@ from studio.engine.moments import TargetContext
 from studio.engine.prop_places import further_heading, is_about_z
 from studio.viewport.body_points import point_path
 from studio.viewport.camera import FloatArray
-from studio.viewport.movables import LEAST_SIDE, Target
+from studio.viewport.movables import LEAST_SIDE, MovableTarget
 
 SIZED = {
     AreaShape.BOX: (True, True, True),
@@ -32,7 +32,7 @@ SIZED = {
 HEADED = (AreaShape.BOX, AreaShape.TABLE, AreaShape.MESH)
 
 
-class RotatedTarget(Target):
+class RotatedTarget(MovableTarget):
     """Target that is rotated about the constrained point of the body."""
 
     rotates = True
@@ -153,7 +153,7 @@ class RotatedRail(RotatedAboutCentre):
         self._put(replace(self._begin, direction=(x, y, z)), f"Rotate direction of {self._begin.name}", gesture)
 
 
-class LookedAt(RotatedTarget):
+class RotatedLookAt(RotatedTarget):
     """Look-at target, which orbits the eyes when rotated."""
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
@@ -187,7 +187,7 @@ class RotatedArea(RotatedAboutCentre):
         if now.shape is AreaShape.HALF_SPACE:
             return self._axes_along(now.size)
         heading = now.heading if isinstance(now.heading, float | int) else 0.0
-        return self.placement.around(type(self.placement)(heading=heading)).rotation
+        return self.placement.compose(type(self.placement)(heading=heading)).rotation
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
         """Rotate it about Z through its centre, or tilt the plane of a half-space."""
@@ -218,8 +218,8 @@ def tilt_of(moment: TargetContext, constraint: Constraint, name: str) -> FloatAr
     return np.stack(columns, axis=1)
 
 
-def target_of_kind(constraint: Constraint) -> type[Target]:
+def target_of_kind(constraint: Constraint) -> type[MovableTarget]:
     """Class of a constraint's handle; a kind without one can only be moved."""
     target = CONSTRAINT_KINDS[constraint.kind].target
-    kind: type[Target] = target() if target else Target
+    kind: type[MovableTarget] = target() if target else MovableTarget
     return kind

@@ -8,7 +8,7 @@ from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.stage.placement import Placement
 from studio.document.document import Document
 from studio.engine.moments import TargetContext
-from studio.engine.performance import Posed
+from studio.engine.performance import PosedPerformer
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.gizmo import Gizmo, Space
 from studio.viewport.handles import floor_under
@@ -22,7 +22,9 @@ KIND_WORDS = {"performers": "characters", "constraints": "targets"}
 AnyGizmo = Gizmo | RotateGizmo | ScaleGizmo
 
 
-def selected_movable(document: Document, posed: Mapping[str, Posed], *, picking: bool = False) -> Movable | None:
+def selected_movable(
+    document: Document, posed: Mapping[str, PosedPerformer], *, picking: bool = False
+) -> Movable | None:
     """Thing that the gizmo moves: the current selection, if it can be moved, with the others of its kind.
 
     A body cannot while a joint of it is picked, because the handles would overlap.
@@ -40,7 +42,9 @@ def selected_movable(document: Document, posed: Mapping[str, Posed], *, picking:
     return SelectedTogether(document, words, lead, others) if others else lead
 
 
-def _movable(document: Document, posed: Mapping[str, Posed], collection: str, entity_id: str) -> Movable | None:
+def _movable(
+    document: Document, posed: Mapping[str, PosedPerformer], collection: str, entity_id: str
+) -> Movable | None:
     """Prop, body or target as a ``Movable``; None if it is not visible or has no position."""
     project, active = document.project, posed.get(document.active_performer_id or "")
     if collection == "props" and entity_id in project.props:
@@ -91,7 +95,7 @@ def axes_in(movable: Movable, space: Space, camera: OrbitCamera) -> FloatArray:
     return Placement(heading=float(np.arctan2(axes[1, 0], axes[0, 0]))).rotation
 
 
-def zero_of(movable: Movable, space: Space) -> FloatArray | None:
+def rotation_reference(movable: Movable, space: Space) -> FloatArray | None:
     """(3,) stage point from which the steps of a space count; None for the thing's own position."""
     if space is Space.WORLD:
         return np.zeros(3)

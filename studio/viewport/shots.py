@@ -47,8 +47,8 @@ class Shots:
     """With a number behind it, the PNG file that each becomes; without, they go out one behind the other."""
 
 
-def send(shots: Shots, stream: IO[bytes]) -> None:
-    """Write the input of ``receive``: a line of JSON, the project as in its file, and its arrays."""
+def send_shots(shots: Shots, stream: IO[bytes]) -> None:
+    """Write the input of ``receive_shots``: a line of JSON, the project as in its file, and its arrays."""
     members: Members = {}
     project = project_json(shots.project, members)
     arrays = {name: npy_parts(array) for name, array in members.items()}
@@ -66,8 +66,8 @@ def send(shots: Shots, stream: IO[bytes]) -> None:
             stream.write(part)
 
 
-def receive(stream: IO[bytes]) -> Shots:
-    """Shots written by ``send``, read like any file of ours, without running anything in them.
+def receive_shots(stream: IO[bytes]) -> Shots:
+    """Shots written by ``send_shots``, read like any file of ours, without running anything in them.
 
     Raises StudioError, ValueError.
     """

@@ -5,9 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from studio.core.body.canonical import BodyPart
-from studio.core.mesh.skin import SkinnedMesh, gripping, skin_vertices
+from studio.core.mesh.skin import SkinnedMesh, skin_vertices, with_grip
 from studio.core.stage.project import Project
-from studio.engine.performance import Posed
+from studio.engine.performance import PosedPerformer
 from studio.viewport.body_points import skin_point
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.picking import PickedJoint, Size
@@ -17,7 +17,7 @@ LEAST_DETERMINANT = 1e-12
 
 
 def skin_point_at(
-    project: Project, posed: Mapping[str, Posed], camera: OrbitCamera, size: Size, x: float, y: float
+    project: Project, posed: Mapping[str, PosedPerformer], camera: OrbitCamera, size: Size, x: float, y: float
 ) -> PickedJoint | None:
     """Point of the first skin that the view ray through pixel (x, y) meets, fixed to the segment that moves it most."""
     origin, sight = camera.ray(x, y, size)
@@ -25,7 +25,7 @@ def skin_point_at(
     for performer_id, pose in posed.items():
         character, axes = project.characters[pose.performer.character_id], pose.placement.rotation
         motion, row = pose.motion, pose.row
-        skin = gripping(character.skin, pose.grip(character.grip))
+        skin = with_grip(character.skin, pose.grip(character.grip))
         posed_vertices, _ = skin_vertices(
             skin, character.build, motion.morphology_at(row), motion.positions[row], motion.rotations[row],
             blending=character.blending,
@@ -65,7 +65,7 @@ def _leading_segment(skin: SkinnedMesh, triangle: int, shares: FloatArray) -> in
     return int(np.bincount(skin.segments[corners].ravel(), weights).argmax())
 
 
-def _fixed_point(performer_id: str, pose: Posed, part: BodyPart, place: FloatArray) -> PickedJoint:
+def _fixed_point(performer_id: str, pose: PosedPerformer, part: BodyPart, place: FloatArray) -> PickedJoint:
     """Picked point at ``place`` (3,) in the space of the motion; one of the waist moves with the chest."""
     part = BodyPart.THORAX if part is BodyPart.ABDOMEN else part
     layout, row = pose.motion.morphology.layout, pose.row

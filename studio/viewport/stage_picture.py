@@ -16,11 +16,11 @@ from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.stage.project import Project
 from studio.core.stage.prop import PropShape
 from studio.core.stage.prop_shapes import PROP_COLOUR
-from studio.engine.performance import Posed
+from studio.engine.performance import PosedPerformer
 from studio.engine.prop_places import PropPose
 from studio.viewport.bodies import BodyVisual
 from studio.viewport.camera import OrbitCamera
-from studio.viewport.eyes import CENTRE_EYE, Eye
+from studio.viewport.eyes import CENTRE_EYE, EyePosition
 from studio.viewport.floor import SHADOW_REACH, SoftShadows, make_lines, make_plane, make_sky
 from studio.viewport.ghost_bodies import GhostBodies
 from studio.viewport.ground_visual import GroundVisual
@@ -60,7 +60,7 @@ class StageScene:
     def sync(
         self,
         project: Project,
-        posed: Mapping[str, Posed],
+        posed: Mapping[str, PosedPerformer],
         props: Mapping[str, PropPose],
         bones: bool = False,
         paths: Sequence[StagePath] = (),
@@ -86,7 +86,7 @@ class StageScene:
         camera: OrbitCamera,
         size: tuple[int, int],
         offset: tuple[float, float] = (0.0, 0.0),
-        eye: Eye = CENTRE_EYE,
+        eye: EyePosition = CENTRE_EYE,
     ) -> Pixels:
         """Picture (height, width, 4), RGBA; ``offset`` shifts it by fractions of a pixel.
 
@@ -147,7 +147,7 @@ class StageScene:
         self._shading.take(actor)
         self.plotter.renderer.RemoveActor(actor)
 
-    def _drop_bodies(self, project: Project, posed: Mapping[str, Posed]) -> None:
+    def _drop_bodies(self, project: Project, posed: Mapping[str, PosedPerformer]) -> None:
         for performer_id, body in list(self._bodies.items()):
             pose = posed.get(performer_id)
             if pose is None or not body.can_show(project.characters[pose.performer.character_id]):

@@ -10,7 +10,7 @@ _GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])
 """Steps of the R2 sequence: points that fill a square evenly."""
 
 
-def shift(sample: int) -> tuple[float, float]:
+def subpixel_shift(sample: int) -> tuple[float, float]:
     """Shift in pixels, within half of one, of the picture of ``sample``; zero for sample 0."""
     x, y = (0.5 + _GOLDEN * sample) % 1.0 - 0.5
     return float(x), float(y)
@@ -26,7 +26,7 @@ class AveragedPicture:
 
     def refine(self) -> None:
         """Add one more picture."""
-        self._sum += self._scene.render(self._camera, self._size, shift(self.count))
+        self._sum += self._scene.render(self._camera, self._size, subpixel_shift(self.count))
         self.count += 1
 
     @property

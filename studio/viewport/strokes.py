@@ -5,18 +5,18 @@ from PySide6.QtGui import QBrush, QColor, QPainter, QPen
 
 from studio.viewport.camera import FloatArray
 
-SHADOW = QColor(12, 14, 17, 170)
+STROKE_SHADOW = QColor(12, 14, 17, 170)
 
 
 def draw_disc(painter: QPainter, place: FloatArray, radius: float, colour: QColor) -> None:
     """Draw a filled disc of ``radius`` pixels at pixel ``place`` (2,)."""
-    painter.setPen(QPen(SHADOW, 1.5))
+    painter.setPen(QPen(STROKE_SHADOW, 1.5))
     painter.setBrush(QBrush(colour))
     painter.drawEllipse(QPointF(*place), radius, radius)
 
 
 def draw_line(painter: QPainter, begin: FloatArray, end: FloatArray, colour: str, width: float) -> None:
     """Draw a line between pixels ``begin`` and ``end`` (2,)."""
-    for hue, extent in ((SHADOW, width + 1.5), (QColor(colour), width)):
+    for hue, extent in ((STROKE_SHADOW, width + 1.5), (QColor(colour), width)):
         painter.setPen(QPen(hue, extent, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
         painter.drawLine(QPointF(*begin), QPointF(*end))

@@ -21,7 +21,7 @@ from studio.document.dragging import POSE, STRIKE
 from studio.engine.empty_stage import empty_words
 from studio.engine.live_interface import Live
 from studio.engine.moments import TargetContext
-from studio.engine.performance import Posed, has_moved_on, pose_of, resting_performers, seen_now
+from studio.engine.performance import PosedPerformer, displayed_stage, has_new_frames, pose_of, resting_performers
 from studio.engine.prop_places import PropPose, props_at
 from studio.viewport import mouse
 from studio.viewport.auto_framing import AutoFraming
@@ -43,7 +43,7 @@ from studio.viewport.movables import Movable
 from studio.viewport.navigation import DEFAULT_NAVIGATION
 from studio.viewport.new_constraints import NewConstraintContext, constraint_here
 from studio.viewport.onion_skins import Ghost, OnionSkins, kept_ghosts, onion_ghosts
-from studio.viewport.opening import clear_of_words, is_another_size, opening_camera
+from studio.viewport.opening import clear_of_overlays, is_another_size, opening_camera
 from studio.viewport.optical_recording import MarkerFrame, RecordingView, recorded_of
 from studio.viewport.overlay import Overlay, twin_heads
 from studio.viewport.paths import StagePath, prop_paths, selection_rings, stage_paths, trail_keys
@@ -79,8 +79,8 @@ class Viewport(Canvas):
         """True if new constraints act while the body stays, False if for the whole clip."""
         self._kept: list[tuple[str, float]] = []
         self._nudged = "z"
-        self.posed: dict[str, Posed] = {}
-        self.resting: dict[str, Posed] = {}
+        self.posed: dict[str, PosedPerformer] = {}
+        self.resting: dict[str, PosedPerformer] = {}
         self.props: dict[str, PropPose] = {}
         self._progress = ("", 0.0)
         self.joint_picked: PickedJoint | None = None
@@ -91,7 +91,7 @@ class Viewport(Canvas):
         self.body_hovered: str | None = None
         """The performer under the mouse, whose joints can be seen."""
         self.gesture: ViewportGesture | None = None
-        self.recording = RecordingView(self.show_again)
+        self.recording = RecordingView(self.redraw)
         self._recorded: MarkerFrame | None = None
         self._bones = False
         self._framed = False
@@ -115,11 +115,11 @@ class Viewport(Canvas):
                 "shading": self.toggle_bones,
                 "space": self.next_gizmo_space,
                 "correct": self._correcting_changed,
-                "ghost": self.show_again,
-                "onion": self.show_again,
-                "trails": self.show_again,
-                "follow": self.show_again,
-                "markers": self.show_again,
+                "ghost": self.redraw,
+                "onion": self.redraw,
+                "trails": self.redraw,
+                "follow": self.redraw,
+                "markers": self.redraw,
                 "problem": self.go_to_problem,
                 "constrain": self.add_constraint_at_pick,
             },
@@ -164,7 +164,7 @@ class Viewport(Canvas):
     def set_tool(self, name: str) -> None:
         """Set the tool: ``select`` hides the gizmo; ``move``, ``rotate`` and ``scale`` show theirs on the selection."""
         self.tool = name
-        self._chips.tell_space(self.gizmo_space.value, name in ("move", "rotate"))
+        self._chips.show_gizmo_space(self.gizmo_space.value, name in ("move", "rotate"))
         self.update()
 
     def next_gizmo_space(self) -> None:
@@ -188,7 +188,7 @@ class Viewport(Canvas):
     def toggle_parallel(self) -> None:
         """Toggle perspective and parallel projection."""
         self.set_camera(replace(self.camera, parallel=not self.camera.parallel))
-        self._chips.tell_parallel(self.camera.parallel)
+        self._chips.show_parallel(self.camera.parallel)
 
     @property
     def placement(self) -> CameraPlacement:
@@ -198,7 +198,7 @@ class Viewport(Canvas):
     def look_through(self, placement: CameraPlacement) -> None:
         """Animate to a placement of the camera."""
         self._glide.start(self.camera, OrbitCamera.at(placement))
-        self._chips.tell_parallel(placement.parallel)
+        self._chips.show_parallel(placement.parallel)
 
     def set_turntable(self, on: bool) -> None:
         """Start or stop the turntable."""
@@ -206,7 +206,7 @@ class Viewport(Canvas):
             self._turntable.start()
         else:
             self._turntable.stop()
-        self.show_again()
+        self.redraw()
 
     def _turn(self, angle: float) -> None:
         self.set_camera(replace(self.camera, azimuth=self.camera.azimuth + angle))
@@ -220,12 +220,12 @@ class Viewport(Canvas):
         """Toggle skin and bones."""
         self._bones = not self._bones
         self._chips.shading.say("Bones" if self._bones else "Skin")
-        self.show_again()
+        self.redraw()
 
     def set_ghost_shown(self, shown: bool) -> None:
         """Show or hide the ghost of the source at the active performer."""
         self._chips.ghost.setChecked(shown)
-        self.show_again()
+        self.redraw()
 
     @property
     def ghost_shown(self) -> bool:
@@ -245,12 +245,12 @@ class Viewport(Canvas):
     def _correcting_changed(self) -> None:
         if self.correcting and self.tool not in ("move", "rotate"):
             self.set_tool("rotate")
-        self.show_again()
+        self.redraw()
 
     def set_onion_shown(self, shown: bool) -> None:
         """Show or hide the onion skins of the selected bodies."""
         self._chips.onion.setChecked(shown)
-        self.show_again()
+        self.redraw()
 
     @property
     def onion_shown(self) -> bool:
@@ -260,13 +260,13 @@ class Viewport(Canvas):
     def set_onion_skins(self, skins: OnionSkins) -> None:
         """Set the number of skins and their distance in frames."""
         self.onion_skins = skins
-        self.show_again()
+        self.redraw()
 
     def keep_ghosts(self) -> None:
         """Keep ghosts of the selected bodies, or the active one, at the playhead."""
         now = self._document.playhead.time
         self._kept += [(key, now) for key in self._ghosted() if (key, now) not in self._kept]
-        self.show_again()
+        self.redraw()
 
     @property
     def kept_ghosts(self) -> tuple[tuple[str, float], ...]:
@@ -276,12 +276,12 @@ class Viewport(Canvas):
     def clear_ghosts(self) -> None:
         """Remove all kept ghosts."""
         self._kept.clear()
-        self.show_again()
+        self.redraw()
 
     def set_following(self, following: bool) -> None:
         """Let the camera follow the active performer, or stop that."""
         self._chips.follow.setChecked(following)
-        self.show_again()
+        self.redraw()
 
     @property
     def following(self) -> bool:
@@ -291,7 +291,7 @@ class Viewport(Canvas):
     def set_markers_shown(self, shown: bool) -> None:
         """Show or hide the markers, plates and forces of the active performer's recording."""
         self._chips.markers.setChecked(shown)
-        self.show_again()
+        self.redraw()
 
     @property
     def markers_shown(self) -> bool:
@@ -313,7 +313,7 @@ class Viewport(Canvas):
             self.picked_changed.emit()
         if picked is not None:
             self._document.selection.set(("performers", picked.performer_id))
-        self.show_again()
+        self.redraw()
 
     def begin_skin_pick(self) -> None:
         """Let the next click pick a point on a skin."""
@@ -371,7 +371,7 @@ class Viewport(Canvas):
         gesture, self.gesture = self.gesture, None
         if gesture is not None:
             gesture.cancel()
-            self.show_again()
+            self.redraw()
         return gesture is not None
 
     def finish_gesture(self) -> None:
@@ -379,7 +379,7 @@ class Viewport(Canvas):
         gesture, self.gesture = self.gesture, None
         if gesture is not None:
             gesture.finish()
-            self.show_again()
+            self.redraw()
 
     def set_camera(self, camera: OrbitCamera) -> None:
         """Set the camera; automatic framing ends."""
@@ -421,20 +421,20 @@ class Viewport(Canvas):
         return (
             self._document.playhead.playing
             or self._live.play.running
-            or self.in_hand
+            or self.is_interacting
             or self._glide.moving
             or self.turntable
         )
 
     @property
-    def in_hand(self) -> bool:
+    def is_interacting(self) -> bool:
         """True during a drag."""
         return self.gesture is not None or self._live.interactive
 
     def bring_up_to_date(self, scene: "StageScene") -> None:
         """Pose every visible performer at the playhead."""
         self._live.bring(self._document.playhead.time)
-        project, time, self.posed = seen_now(self._document, self._live)
+        project, time, self.posed = displayed_stage(self._document, self._live)
         self._posed_in = project
         self.resting = resting_performers(project, self.posed)
         if not self._framed and (self.posed or self.resting):
@@ -448,7 +448,7 @@ class Viewport(Canvas):
         active = self._document.active_performer_id or ""
         pose = self.posed.get(active)
         self.camera = self._follower.moved(self.camera, active, pose if self.following else None)
-        self._chips.tell_recorded(recorded_of(self._document, pose) is not None)
+        self._chips.show_recorded(recorded_of(self._document, pose) is not None)
         self.props = props_at(project, self.posed, time)
         scene.sync(
             project,
@@ -460,7 +460,7 @@ class Viewport(Canvas):
             self._ghosts(time),
         )
         self._pace.posed(self._live.asked_at(active) if self._live.interactive else None)
-        self._chips.tell_work(len(self.posed), self._pace.words, all(map(self._live.is_eased, self.posed)))
+        self._chips.show_work(len(self.posed), self._pace.words, all(map(self._live.is_eased, self.posed)))
 
     def _ghosted(self) -> list[str]:
         """Ids of the selected performers, else that of the active one, if visible."""
@@ -481,12 +481,12 @@ class Viewport(Canvas):
         if not self._live.interactive:
             self._tell_problem()
         if not self._framed:
-            self.show_soon()
+            self.schedule_redraw()
 
     def _tell_problem(self) -> None:
         """Show the worst problem of the same results as the strips of the timeline."""
         self._problem = worst_problem(self._document.project, self._live.reported)
-        self._chips.tell_problem(self._problem.sentence if self._problem else None)
+        self._chips.show_problem(self._problem.sentence if self._problem else None)
 
     def _open(self) -> None:
         self._opening_size = self.view_size
@@ -494,7 +494,7 @@ class Viewport(Canvas):
         self.camera = self._opening = opening_camera(
             posed, self.view_size, parallel, self._document.project.ground, self.covered_below()
         )
-        self._newcomers.meet(self._document.project.performers)
+        self._newcomers.note_performers(self._document.project.performers)
 
     def paint_over(self, painter: QPainter) -> None:
         """Paint handles, joints and gizmo."""
@@ -541,7 +541,7 @@ class Viewport(Canvas):
             beside_gizmo = QPoint(16, -34 if self.gizmo() is None else 26)
             chip.stand_at(self.widget_point(place_of_joint(pose, picked.joint)).toPoint() + beside_gizmo)
 
-    def _ghost(self) -> Posed | None:
+    def _ghost(self) -> PosedPerformer | None:
         pose = self.posed.get(self._document.active_performer_id or "")
         if not self.ghost_shown or pose is None or pose.motion_id is None:
             return None
@@ -575,7 +575,7 @@ class Viewport(Canvas):
 
     def _frame(self, points: FloatArray) -> None:
         framed = self.camera.framing(points, self.view_size)
-        self._glide.start(self.camera, clear_of_words(framed, points, self.view_size, self.covered_below()))
+        self._glide.start(self.camera, clear_of_overlays(framed, points, self.view_size, self.covered_below()))
 
     # What changes elsewhere
 
@@ -586,12 +586,12 @@ class Viewport(Canvas):
             (document.project_opened, self._project_opened),
             (document.selection.changed, self._selection_changed),
             (document.playhead.changed, self._playhead_moved),
-            (document.playhead.playing_changed, self.show_again),
+            (document.playhead.playing_changed, self.redraw),
             (self._live.adapted, self._adapted),
             (self._live.reported_changed, self._reported_changed),
-            (self._live.interactive_changed, self.show_again),
-            (self._live.play.stepped, self.show_again),
-            (self._live.play.running_changed, self.show_again),
+            (self._live.interactive_changed, self.redraw),
+            (self._live.play.stepped, self.redraw),
+            (self._live.play.running_changed, self.redraw),
         )
         for signal, slot in links:
             signal.connect(slot)
@@ -605,7 +605,7 @@ class Viewport(Canvas):
             self._framed = False  # all that plays now is new, and may be elsewhere
         if not self._live.interactive:
             self._tell_problem()  # what was told before this edit is not known any more
-        self.show_again()
+        self.redraw()
 
     def _project_opened(self) -> None:
         self._played, self._framed = self._document.project.motions_played, False
@@ -618,19 +618,19 @@ class Viewport(Canvas):
         picked = self.joint_picked
         if picked is not None and ("performers", picked.performer_id) not in self._document.selection:
             self.pick(None)
-        self.show_again()
+        self.redraw()
 
     def _playhead_moved(self, time: float) -> None:
         """Draw again only for another frame or project, since playback ticks faster than captures."""
         project = self._document.project
-        if project is not self._posed_in or not self.posed or has_moved_on(project, self.posed, time):
-            self.show_again()
+        if project is not self._posed_in or not self.posed or has_new_frames(project, self.posed, time):
+            self.redraw()
 
     def _adapted(self, performer_id: str) -> None:
         shown, newer = self.posed.get(performer_id), self._live.shown(performer_id)
         # While dragging, the rest of the clip comes after the frame on show.
         if not self._live.interactive or shown is None or newer is None or not shown.is_as_in(newer):
-            self.show_soon()
+            self.schedule_redraw()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Lay out the chips again."""
@@ -638,7 +638,7 @@ class Viewport(Canvas):
         self._chips.fit(event.size().width())
         if self.camera == self._opening and self.posed and is_another_size(self.view_size, self._opening_size):
             self._open()
-        self._chips.tell_problem(self._problem.sentence if self._problem else None)
+        self._chips.show_problem(self._problem.sentence if self._problem else None)
 
     # Mouse and keys
 
@@ -647,11 +647,11 @@ class Viewport(Canvas):
         self.setFocus(Qt.FocusReason.MouseFocusReason)
         self._glide.stop()
         self._turntable.stop()
-        mouse.press(self, self._document, self._live, event)
+        mouse.begin_gesture(self, self._document, self._live, event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Follow the mouse."""
-        mouse.move(self, event)
+        mouse.update_hover(self, event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Finish the gesture."""

@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtCore import QObject
 
 from studio.app import main_thread_gc
-from studio.app.application import make_application, make_window, settle
+from studio.app.application import freeze_loaded_objects, make_application, make_window
 from studio.app.main_thread_gc import Collector
 from studio.app.settings import Settings
 from studio.core.stage.project import Project
@@ -56,7 +56,7 @@ def test_what_the_start_has_loaded_is_never_looked_through(qtbot, tmp_path):
     looked: list[int] = []
     watch = lambda _phase, info: looked.append(info["generation"])  # noqa: E731 - to be taken off again
     gc.callbacks.append(watch)
-    settle(window)
+    freeze_loaded_objects(window)
     gc.callbacks.remove(watch)
     assert looked == []
     assert gc.get_freeze_count() > 10_000

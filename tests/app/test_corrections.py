@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.app.import_corrections import as_corrected
+from studio.app.import_corrections import with_corrections
 from studio.core.errors import StudioError
 from studio.io.export import write_capture
 from studio.io.importing import ImportOptions, load_capture, read_capture
@@ -20,7 +20,7 @@ def silent(_share: float, _text: str) -> None:
 
 def corrected(path: Path, reference: str) -> dict[str, dict[str, object]]:
     """Options kept, as JSON has them, when the user reads a file otherwise."""
-    read_as = as_corrected(read_capture(path), GUESS_ALL, {}, silent)[1]
+    read_as = with_corrections(read_capture(path), GUESS_ALL, {}, silent)[1]
     said = ImportOptions(reference=reference)
     kept = {read_as.kind: replace(read_as, options=said).corrections(load_capture(path, said))}
     return json.loads(json.dumps(kept))
@@ -40,7 +40,7 @@ def other(tmp_path: Path) -> Path:
 
 def test_a_reference_pose_that_was_a_frame_is_the_same_pose_in_a_shorter_file_of_its_kind(walk, other) -> None:
     kept = corrected(walk, reference="20")
-    again, read_as = as_corrected(read_capture(other), GUESS_ALL, kept, silent)
+    again, read_as = with_corrections(read_capture(other), GUESS_ALL, kept, silent)
     assert np.abs(again.reference_rotations - load_capture(walk).poses.local_rotations[20]).max() < 1e-12
     assert "reference pose" not in {guess.subject for guess in again.guesses}
     assert read_as.corrections(again) == kept[read_as.kind]
@@ -50,7 +50,7 @@ def test_a_reference_pose_that_was_a_frame_is_the_same_pose_in_a_shorter_file_of
 def test_the_zero_pose_and_frame_0_are_those_of_every_file(walk, other, which: str) -> None:
     kept = corrected(walk, reference=which)
     assert [*kept.values()] == [{"reference": which}]
-    again, _ = as_corrected(read_capture(other), GUESS_ALL, kept, silent)
+    again, _ = with_corrections(read_capture(other), GUESS_ALL, kept, silent)
     assert np.array_equal(
         again.reference_rotations, load_capture(other, ImportOptions(reference=which)).reference_rotations
     )
@@ -73,5 +73,5 @@ def test_a_reference_pose_that_does_not_fit_is_refused_in_a_sentence(walk, pose,
 def test_a_reference_frame_of_one_strike_holds_for_the_next_of_the_same_actor(captures: Path) -> None:
     first, second = (captures / f"bvh/strikes/accad_male2_{name}.bvh" for name in ("E1_JabLeft", "G2_FrontKick"))
     kept = corrected(first, reference="30")
-    again, _ = as_corrected(read_capture(second), GUESS_ALL, kept, silent)
+    again, _ = with_corrections(read_capture(second), GUESS_ALL, kept, silent)
     assert np.abs(again.reference_rotations - load_capture(first).poses.local_rotations[30]).max() < 1e-12

@@ -30,7 +30,7 @@ def test_what_an_arm_can_reach_needs_nothing():
 
 def test_an_arm_alone_misses_what_lies_beyond_its_length():
     wrist = replace(TASKS[-1].request.constraints[2], chain=LIMB)
-    shoulder = STANDING.positions[FRAMES, BODY.layout.collar(1) + 1]
+    shoulder = STANDING.positions[FRAMES, BODY.layout.collar_point(1) + 1]
     spans = np.linalg.norm(places_of(TASKS[-1], wrist)[FRAMES] - shoulder, axis=1)
     assert _least(TASKS[-1], (wrist,)) == pytest.approx(spans - BODY.arm[1].sum(), abs=1e-9)
 

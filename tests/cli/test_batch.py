@@ -24,7 +24,7 @@ from studio.io.export import write_capture
 from studio.io.importing import ImportOptions
 from studio.jobs.adapted_files import AdaptSettings
 from studio.jobs.batch import BatchResult, BatchSettings, FileDone, run_batch
-from studio.jobs.batch_jobs import BatchJob, done_before, find_jobs, work
+from studio.jobs.batch_jobs import BatchJob, adapt_job, find_jobs, finished_jobs
 from studio.jobs.batch_workers import can_fork
 from tests.architecture.sources import ROOT
 from tests.builders import make_capture
@@ -80,16 +80,16 @@ def test_each_capture_of_the_folder_and_those_below_is_a_job_and_what_was_writte
 
 def test_a_job_is_done_anew_only_when_something_that_matters_has_changed(folder):
     [_, _, job] = jobs_of(folder)
-    assert done_before(job) is None
-    record = work(job)
-    assert done_before(job) == json.loads(json.dumps(record))
-    assert done_before(jobs_of(folder, replace(SETTINGS, reading=ImportOptions(unit="inch")))[2]) is None
+    assert finished_jobs(job) is None
+    record = adapt_job(job)
+    assert finished_jobs(job) == json.loads(json.dumps(record))
+    assert finished_jobs(jobs_of(folder, replace(SETTINGS, reading=ImportOptions(unit="inch")))[2]) is None
     [written] = record["written"]
     Path(written).write_text("touched")
-    assert done_before(job) is None
-    work(job)
+    assert finished_jobs(job) is None
+    adapt_job(job)
     write_capture(make_capture(seed=7), folder / "walk.bvh")
-    assert done_before(jobs_of(folder)[2]) is None
+    assert finished_jobs(jobs_of(folder)[2]) is None
 
 
 def test_a_report_that_is_none_of_ours_is_no_reason_to_skip(folder):
@@ -97,14 +97,14 @@ def test_a_report_that_is_none_of_ours_is_no_reason_to_skip(folder):
     job.report.parent.mkdir(parents=True)
     for content in ("", "[]", '{"digest": 1}', '{"written": 3}'):
         job.report.write_text(content)
-        assert done_before(job) is None
+        assert finished_jobs(job) is None
 
 
 def test_what_goes_wrong_is_a_record_of_that_file_alone(folder, monkeypatch):
     (folder / "walk.bvh").write_text("HIERARCHY\n")
-    assert work(jobs_of(folder)[2])["error"] == "walk.bvh, line 1: the file ends before MOTION. It is cut off."
+    assert adapt_job(jobs_of(folder)[2])["error"] == "walk.bvh, line 1: the file ends before MOTION. It is cut off."
     monkeypatch.setattr("studio.jobs.batch_jobs.adapt_file", lambda *_: 1 / 0)
-    assert "ZeroDivisionError" in work(jobs_of(folder)[0])["error"]
+    assert "ZeroDivisionError" in adapt_job(jobs_of(folder)[0])["error"]
 
 
 def test_files_of_one_name_and_several_kinds_do_not_overwrite_each_other(folder, monkeypatch):
@@ -176,7 +176,7 @@ def test_with_a_worker_killed_half_way_nothing_is_lost(folder, two_workers):
     assert outcomes == ["done"] * 15
     assert len(rows(folder)) == 15
     assert all(row["error"] == "" and Path(row["file"]).is_file() for row in rows(folder))
-    assert all(done_before(job) for job in find_jobs(folder, folder.parent / "out", SETTINGS))
+    assert all(finished_jobs(job) for job in find_jobs(folder, folder.parent / "out", SETTINGS))
 
 
 def test_stopped_it_says_how_far_it_came_and_keeps_it(folder, two_workers, monkeypatch, capsys):
@@ -211,7 +211,7 @@ def test_workers_that_are_new_processes_do_what_forks_do(folder, monkeypatch, ca
 @pytest.mark.skipif(not can_fork(), reason="elsewhere workers do not inherit what is replaced here")
 def test_a_capture_of_which_workers_die_is_a_row_with_its_error_and_the_others_are_done(folder, monkeypatch, capsys):
     monkeypatch.setattr(
-        "studio.jobs.batch_workers.work", lambda job: work(job) if "run" not in job.name else os._exit(9)
+        "studio.jobs.batch_workers.adapt_job", lambda job: adapt_job(job) if "run" not in job.name else os._exit(9)
     )
     command = ["batch", str(folder), "--out", str(folder.parent / "out"), "--character", "child", "--workers", "2"]
     assert main(command) == 1

@@ -6,7 +6,7 @@ import struct
 import pytest
 
 from studio.cli.main import main
-from studio.core.solver.adapt import place_of
+from studio.core.solver.adapt import body_point_positions
 from studio.core.stage.placement import Placement
 from studio.io.export import write_capture
 from studio.io.project.project_file import new_document_id, write_project
@@ -57,7 +57,9 @@ def test_a_project_is_drawn_with_its_own_characters(capsys, tmp_path):
 def test_performers_who_follow_each_other_are_drawn_where_they_follow(circle):
     project = stage(2, p0="p1", **({"p1": "p0"} if circle else {}))
     made = adapted_performers(project)
-    wrists = [Placement.of(project.performers[key]).to_stage(place_of(RIGHT, made[key])) for key in ("p0", "p1")]
+    wrists = [
+        Placement.of(project.performers[key]).to_stage(body_point_positions(RIGHT, made[key])) for key in ("p0", "p1")
+    ]
     assert wrists[0] == pytest.approx(wrists[1], abs=1e-3)
 
 

@@ -14,7 +14,7 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.project import Performer
 from studio.io.importing import load_capture
 from studio.io.project.project_file import new_document_id, read_project, write_project
-from studio.jobs.performances import performances
+from studio.jobs.performances import stage_performances
 from tests.builders import make_capture, make_project
 from tests.core.motions import ALWAYS
 
@@ -41,7 +41,7 @@ def test_every_performer_is_a_file_and_a_report_and_one_that_fails_keeps_nobody_
     assert [each["name"] for each in report["failed"]] == ["Lost"]
     assert len(report["performers"][0]["clips"]) == 2
     assert all(np.isfinite(each["slide_mm"]) for each in report["performers"])
-    made = performances(read_project(play).project)
+    made = stage_performances(read_project(play).project)
     for key, record in zip(made.performances, report["performers"], strict=True):
         assert load_capture(record["file"]).frame_count == made.performances[key].played.frame_count
     assert json.loads((out / "report.json").read_text()) == report

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from functools import lru_cache
 
-from studio.core.solver.adapt import grounded, solve
+from studio.core.solver.adapt import grounded_motion, solve_request
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import Standing
 
@@ -24,9 +24,9 @@ class _Grounding:
 
 @lru_cache(maxsize=32)
 def _standing(grounding: _Grounding) -> Standing:
-    return grounded(grounding.request)
+    return grounded_motion(grounding.request)
 
 
 def adapt_again(request: AdaptRequest, first: int = 0, last: int | None = None) -> AdaptedMotion:
     """Adapted motion of ``request``, as ``adapt`` finds it, on a grounded motion kept from the last such request."""
-    return solve(_standing(_Grounding(request)), request, first, last)
+    return solve_request(_standing(_Grounding(request)), request, first, last)

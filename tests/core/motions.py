@@ -15,7 +15,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.kernels import layout as at
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.rotations import multiply, rotate, to_matrix
 from studio.core.solver.request import AdaptedMotion
 from tests.builders import make_capture, make_skeleton
@@ -122,7 +122,7 @@ def walk(frames: int = 150) -> tuple[NormalizedMotion, tuple[ContactInterval, ..
     translations[:, 0, 2] += 0.02 * np.cos(4 * np.pi * times) - 0.04
     poses = PoseSequence(rotations, translations)
     capture = make_capture("walk", frames, skeleton=skeleton, poses=poses)
-    return normalize(capture)[0], tuple(contacts)
+    return normalize_capture(capture)[0], tuple(contacts)
 
 
 def target(

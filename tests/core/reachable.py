@@ -62,9 +62,9 @@ def reachable_target(
     if limb < 0:
         return doll.place(point)
     upper = spine + (10 if limb >= 2 else 3) + 4 * side
-    before = doll.positions[body.layout.ankle(side)], doll.place(point)
+    before = doll.positions[body.layout.ankle_point(side)], doll.place(point)
     doll.jiggle(upper, 0.5)
     doll.bend(upper)
     if point.part.endswith(("foot", "toe")):
-        return before[1] + doll.positions[body.layout.ankle(side)] - before[0]
+        return before[1] + doll.positions[body.layout.ankle_point(side)] - before[0]
     return doll.place(point)

@@ -14,7 +14,7 @@ from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
-from studio.core.solver.adapt import place_of
+from studio.core.solver.adapt import body_point_positions
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptedMotion
 from tests.core.motions import ALWAYS, RATE
@@ -65,7 +65,9 @@ class Scene:
 
     def position(self, number: int) -> Constraint:
         fields = self.common(number)
-        return PositionConstraint(**fields, target=self.swing(number, place_of(fields["point"], self.before)))
+        return PositionConstraint(
+            **fields, target=self.swing(number, body_point_positions(fields["point"], self.before))
+        )
 
     def orientation(self, number: int) -> Constraint:
         fields = self.common(number)
@@ -77,7 +79,7 @@ class Scene:
         return OrientationConstraint(**fields, target=follow)
 
     def look_at(self, number: int) -> Constraint:
-        ahead = place_of(EYES, self.before) + np.array([2.0, 0.0, 0.0])
+        ahead = body_point_positions(EYES, self.before) + np.array([2.0, 0.0, 0.0])
         fields = {**self.common(number), "point": EYES}
         return LookAtConstraint(**fields, target=self.swing(number, ahead, 0.5))
 
@@ -91,7 +93,9 @@ class Scene:
 
     def area(self, number: int) -> Constraint:
         fields = self.common(number, BodyPart(self.random.choice(["left_hand", "right_hand"])))
-        centre = np.median(place_of(fields["point"], self.before), axis=0) + self.random.normal(size=3) * 0.2
+        centre = (
+            np.median(body_point_positions(fields["point"], self.before), axis=0) + self.random.normal(size=3) * 0.2
+        )
         return AreaConstraint(**fields, shape=self.random.choice(SHAPES), centre=tuple(centre), size=(0.6, 0.6, 0.6))
 
     def clear(self, number: int) -> Constraint:

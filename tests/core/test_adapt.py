@@ -14,9 +14,9 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.quality.metrics import contact_quality
-from studio.core.solver.adapt import adapt, place_of
+from studio.core.solver.adapt import adapt, body_point_positions
 from studio.core.solver.asking.points import limb_of, point_indices
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.project.character_file import bundled_characters
@@ -116,8 +116,8 @@ def test_a_character_scaled_as_a_whole_moves_scaled_as_a_whole(factor: float) ->
 def test_without_contacts_upper_bodies_are_as_realised() -> None:
     """Nothing stands, so nothing comes down: only legs differ, which stretch less."""
     adapted = adapt(AdaptRequest(WALK, WOMAN))
-    positions, rotations = realize(WALK, WOMAN)
-    above = WOMAN.layout.hip(0)
+    positions, rotations = realize_motion(WALK, WOMAN)
+    above = WOMAN.layout.hip_point(0)
     assert np.array_equal(adapted.positions[:, :above], positions[:, :above])
     assert np.array_equal(adapted.rotations[:, : WOMAN.layout.spine_count + 10], rotations[:, : above - 3])
 
@@ -153,7 +153,7 @@ def test_an_arm_alone_moves_nothing_but_the_arm() -> None:
     after = _adapted(target(BodyPart.LEFT_FOREARM, (1.4, 0.5, 1.4), ARM), frames=(60, 60))
     arm = slice(WOMAN.layout.spine_count + 3, WOMAN.layout.spine_count + 6)
     assert np.array_equal(np.delete(after.rotations, arm, axis=1), np.delete(before.rotations, arm, axis=1))
-    points = slice(WOMAN.layout.collar(0) + 2, WOMAN.layout.collar(0) + 5)
+    points = slice(WOMAN.layout.collar_point(0) + 2, WOMAN.layout.collar_point(0) + 5)
     assert np.array_equal(np.delete(after.positions, points, axis=1), np.delete(before.positions, points, axis=1))
 
 
@@ -164,12 +164,12 @@ def test_what_is_out_of_reach_is_pointed_at_and_the_residual_is_what_is_missing(
     body: Morphology, chain: Chain, part: BodyPart
 ) -> None:
     side = 0 if part.startswith("left") else 1
-    shoulder, out = body.layout.collar(side) + 1, 1.0 - 2.0 * side
+    shoulder, out = body.layout.collar_point(side) + 1, 1.0 - 2.0 * side
     for direction in ([1.0, 0.0, 0.5], [0.3, out, 0.0], [0.8, -0.4 * out, 0.2], [0.3, 0.2 * out, 1.0]):
         place = _adapted(body=body, frames=(30, 30)).positions[0, shoulder] + 2.5 * np.array(direction)
         constraint = target(part, place, chain)
         adapted = adapt(AdaptRequest(WALK, body, CONTACTS, (constraint,)), 30, 30)
-        end = place_of(constraint.point, adapted)[0]
+        end = body_point_positions(constraint.point, adapted)[0]
         stretched, wanted = end - adapted.positions[0, shoulder], place - adapted.positions[0, shoulder]
         cosine = stretched @ wanted / np.linalg.norm(stretched) / np.linalg.norm(wanted)
         assert cosine > np.cos(np.deg2rad(1.0))
@@ -180,7 +180,7 @@ def test_what_is_out_of_reach_is_pointed_at_and_the_residual_is_what_is_missing(
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_a_trunk_that_may_help_leaves_less_missing(body: Morphology) -> None:
-    place = _adapted(body=body, frames=(30, 30)).positions[0, body.layout.wrist(1)] + [0.9, -0.2, 0.4]
+    place = _adapted(body=body, frames=(30, 30)).positions[0, body.layout.wrist_point(1)] + [0.9, -0.2, 0.4]
     missing = [
         _adapted(target(BodyPart.RIGHT_FOREARM, place, chain), body=body, frames=(30, 30)).residuals[0, 0]
         for chain in (ARM, Chain(), Chain(trunk=1.0), Chain(trunk=1.0, root=1.0))
@@ -192,12 +192,12 @@ def test_a_trunk_that_may_help_leaves_less_missing(body: Morphology) -> None:
 def _recoil(seed: int) -> tuple[float, float]:
     """Metres by which a wrist, and the elbow below it in priority, are further from their targets for asking both."""
     random = np.random.default_rng(seed)
-    place = _adapted(frames=(50, 50)).positions[0, WOMAN.layout.wrist(0)] + random.normal(size=3) * 0.15
+    place = _adapted(frames=(50, 50)).positions[0, WOMAN.layout.wrist_point(0)] + random.normal(size=3) * 0.15
     elbow = place + random.normal(size=3) * 0.3
     wrist = target(BodyPart.LEFT_FOREARM, place, ARM, 0)
     alone = _adapted(wrist, frames=(50, 50))
     both = _adapted(wrist, target(BodyPart.LEFT_UPPER_ARM, elbow, ARM, 1), frames=(50, 50))
-    before = np.linalg.norm(alone.positions[0, WOMAN.layout.collar(0) + 2] - elbow)
+    before = np.linalg.norm(alone.positions[0, WOMAN.layout.collar_point(0) + 2] - elbow)
     return both.residuals[0, 0] - alone.residuals[0, 0], float(both.residuals[1, 0] - before)
 
 
@@ -221,7 +221,7 @@ def test_nor_does_an_elbow_recoil_from_a_limit(seed: int) -> None:
 def test_limbs_that_share_nothing_do_not_disturb_each_other() -> None:
     left, right = target("left_hand", (1.2, 0.4, 1.2), ARM), target("right_hand", (1.2, -0.4, 1.2), ARM)
     together, alone = _adapted(left, right), _adapted(left)
-    arm = slice(WOMAN.layout.collar(0), WOMAN.layout.collar(0) + 5)
+    arm = slice(WOMAN.layout.collar_point(0), WOMAN.layout.collar_point(0) + 5)
     assert np.array_equal(together.positions[:, arm], alone.positions[:, arm])
     swapped = _adapted(right, left)
     assert np.array_equal(swapped.positions, together.positions)
@@ -301,19 +301,19 @@ def test_a_little_activation_moves_a_little(part: BodyPart, chain: Chain) -> Non
 @pytest.mark.parametrize("spine_count", [2, 3, 7])
 def test_any_number_of_vertebrae_will_do(spine_count: int) -> None:
     body = make_morphology(spine_count=spine_count)
-    place = _adapted(body=body, frames=(30, 30)).positions[0, body.layout.wrist(1)] + [0.5, 0.0, 0.2]
+    place = _adapted(body=body, frames=(30, 30)).positions[0, body.layout.wrist_point(1)] + [0.5, 0.0, 0.2]
     constraint = target(BodyPart.RIGHT_FOREARM, place, Chain(trunk=1.0, root=1.0))
     assert _adapted(constraint, body=body, frames=(30, 30)).residuals[0, 0] < 2e-4
 
 
 def test_points_are_found_on_the_segments_they_are_fixed_to() -> None:
     adapted, layout = _adapted(frames=(10, 20)), WOMAN.layout
-    assert point_indices(BodyPoint(BodyPart.LEFT_FOREARM, at_end=True), layout)[0] == layout.wrist(0)
-    assert point_indices(BodyPoint(BodyPart.LEFT_HAND), layout)[0] == layout.wrist(0)
-    wrist = place_of(BodyPoint(BodyPart.RIGHT_HAND), adapted)
-    assert np.array_equal(wrist, adapted.positions[:, layout.wrist(1)])
-    end = place_of(BodyPoint(BodyPart.RIGHT_HAND, tuple(WOMAN.hand[1])), adapted)
-    assert np.allclose(end, adapted.positions[:, layout.wrist(1) + 1])
+    assert point_indices(BodyPoint(BodyPart.LEFT_FOREARM, at_end=True), layout)[0] == layout.wrist_point(0)
+    assert point_indices(BodyPoint(BodyPart.LEFT_HAND), layout)[0] == layout.wrist_point(0)
+    wrist = body_point_positions(BodyPoint(BodyPart.RIGHT_HAND), adapted)
+    assert np.array_equal(wrist, adapted.positions[:, layout.wrist_point(1)])
+    end = body_point_positions(BodyPoint(BodyPart.RIGHT_HAND, tuple(WOMAN.hand[1])), adapted)
+    assert np.allclose(end, adapted.positions[:, layout.wrist_point(1) + 1])
     limbs = [limb_of(part) for part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_UPPER_ARM, BodyPart.LEFT_TOE)]
     assert limbs == [0, 1, 2]
     assert limb_of(BodyPart.RIGHT_SHANK) == 3

@@ -11,7 +11,7 @@ from studio.core.body.kinematics import joint_world
 from studio.core.body.morphology import AnimatedMorphology, sole_rows
 from studio.core.grounds import Slope
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.quality.metrics import angular_acceleration, contact_quality
 from studio.core.rigs.character_skeleton import character_poses, character_skeleton
 from studio.core.solver.adapt import adapt
@@ -65,7 +65,7 @@ def test_joints_are_as_smooth_as_on_a_still_body(first: str, second: str) -> Non
 def test_where_a_growing_body_goes_does_not_depend_on_how_far_the_origin_is(shift: tuple[float, float]) -> None:
     body, channels = _between("child", "giant"), WALK.channels.copy()
     channels[:, :2] += shift
-    here, there = (realize(replace(WALK, channels=each), body)[0] for each in (WALK.channels, channels))
+    here, there = (realize_motion(replace(WALK, channels=each), body)[0] for each in (WALK.channels, channels))
     apart = there - here
     assert np.allclose(apart, apart[0], atol=1e-9)
     assert np.allclose(apart[0, 0, :2], np.array(shift) * BODIES["child"].leg_length, atol=1e-9)
@@ -76,10 +76,10 @@ def test_every_frame_has_its_own_lengths_and_constraints_are_met() -> None:
     wrist = target("left_forearm", (1.2, 0.4, 1.0))
     adapted = adapt(AdaptRequest(WALK, body, CONTACTS, (wrist,)), 20, 160)
     rows = body.rows[20:161]
-    legs = np.linalg.norm(np.diff(adapted.positions[:, body.layout.hip(0) :][:, :3], axis=1), axis=2)
+    legs = np.linalg.norm(np.diff(adapted.positions[:, body.layout.hip_point(0) :][:, :3], axis=1), axis=2)
     assert np.allclose(legs, rows[:, 26:28], atol=1e-9)
     assert adapted.animated is body
-    assert adapted.morphology == body.still == BODIES["child"]
+    assert adapted.morphology == body.first_frame_body == BODIES["child"]
     whole = adapt(AdaptRequest(WALK, body, CONTACTS, (wrist,)))
     assert np.array_equal(adapted.positions, whole.positions[20:161])
 
@@ -96,7 +96,7 @@ def test_other_programs_get_every_joint_where_it_is() -> None:
     adapted = adapt(AdaptRequest(WALK, _between("child", "tall_man"), CONTACTS))
     poses = character_poses(adapted)
     places, _ = joint_world(character_skeleton(adapted.morphology), poses)
-    ankle = adapted.morphology.layout.ankle(0)
+    ankle = adapted.morphology.layout.ankle_point(0)
     distances = np.linalg.norm(places - adapted.positions[:, ankle, None], axis=2).min(axis=1)
     assert distances.max() < 1e-9
 
@@ -108,7 +108,7 @@ def test_between_two_bodies_lie_their_measures(share: float, spine_count: int) -
     body = AnimatedMorphology.from_bodies(small, large, np.array([0.0, share, 1.0]))
     assert body.layout == small.layout
     assert np.allclose(body.rows[1], small.packed + share * (large.packed - small.packed))
-    assert body.still == small
+    assert body.first_frame_body == small
 
 
 @pytest.mark.parametrize(

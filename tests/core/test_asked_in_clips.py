@@ -13,12 +13,12 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.scope import Scope
 from studio.core.curves.activation import ActivationCurve
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import Performance, perform
+from studio.core.solver.performers.performing import Performance, adapt_performers
 from studio.core.stage.clip import Clip
-from studio.core.stage.clip_row import split
+from studio.core.stage.clip_row import clip_halves
 from studio.core.stage.project import Performer, Project
 from studio.engine.residuals import residuals_on
-from studio.jobs.performances import prepared
+from studio.jobs.performances import prepared_capture
 from studio.library.scenes.stagehand import bodies, material
 
 WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
@@ -39,14 +39,14 @@ def staged(*clips: Clip, **asked: PositionConstraint) -> Project:
 
 
 def played(*clips: Clip, **asked: PositionConstraint) -> Performance:
-    return perform(staged(*clips, **asked), ["one"], prepared, adapt).performances["one"]
+    return adapt_performers(staged(*clips, **asked), ["one"], prepared_capture, adapt).performances["one"]
 
 
 @pytest.mark.parametrize("second", [1.6, 1.7, 2.2, 2.9])
 @pytest.mark.parametrize("narrow", [False, True])
 def test_a_split_clip_does_what_it_is_asked_as_it_did(second: float, narrow: bool) -> None:
     """At the split the hand left its place, came back, and the body with it."""
-    parts = split(WHOLE, 60.0, second, (f"part {number}" for number in count()))
+    parts = clip_halves(WHOLE, 60.0, second, (f"part {number}" for number in count()))
     asked = {each.id: replace(REACH, scope=Scope(clip_id=each.id)) for each in parts} if narrow else {"reach": REACH}
     whole, cut = played(WHOLE, reach=REACH).played, played(*parts, **asked).played
     np.testing.assert_allclose(
@@ -73,7 +73,7 @@ def test_what_a_clip_ends_in_the_middle_of_goes_before_it_ends() -> None:
 
 
 def test_what_is_missed_in_both_parts_of_a_split_clip_is_told_of_both() -> None:
-    parts = split(WHOLE, 60.0, 2.2, (f"part {number}" for number in count()))
+    parts = clip_halves(WHOLE, 60.0, 2.2, (f"part {number}" for number in count()))
     missed = residuals_on(staged(*parts, reach=REACH), "one", played(*parts, reach=REACH).adapted, "reach")
     assert missed is not None
     assert np.isfinite(missed.amounts[145:190]).all()

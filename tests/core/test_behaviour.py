@@ -13,21 +13,30 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowPerformer, FollowProp
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
-from studio.core.stage.behaviour import Behaviour, BehaviourProgress, Role, State, Transition, advance, begun, without
+from studio.core.stage.behaviour import (
+    Behaviour,
+    BehaviourProgress,
+    Role,
+    State,
+    Transition,
+    advanced_progress,
+    initial_progress,
+    without_references,
+)
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import (
     ClipEndCondition,
     Condition,
+    ConditionInput,
     DistanceCondition,
     EventCondition,
     KeyCondition,
-    Senses,
     TimeCondition,
 )
-from studio.core.stage.manners import KeepDistance, LeanAway, Manner, Meet, asked_by
+from studio.core.stage.manners import KeepDistance, LeanAway, Manner, Meet, manner_constraints
 from studio.core.stage.project import Project, references
 from studio.core.stage.prop import Prop
-from studio.core.stage.whom import DistanceMeasure, FollowPartner, Whom
+from studio.core.stage.whom import BehaviourTarget, DistanceMeasure, FollowPartner
 from studio.io.project.entity_json import entity_of, entity_record, project_json, project_of
 from tests.builders import make_project
 
@@ -48,7 +57,7 @@ FIGHTER = Behaviour(
 names = st.text(st.characters(codec="ascii", categories=["L"]), min_size=1, max_size=6)
 metres = st.floats(0.01, 10.0)
 points = st.builds(BodyPoint, st.sampled_from(BodyPart), st.tuples(metres, metres, metres), st.booleans())
-whoms: st.SearchStrategy[Whom] = st.one_of(
+whoms: st.SearchStrategy[BehaviourTarget] = st.one_of(
     st.builds(FollowPartner, points),
     st.builds(FollowPerformer, st.just("performer 1"), points),
     st.builds(FollowProp, st.just("box")),
@@ -87,10 +96,10 @@ def behaviours(draw: st.DrawFn) -> Behaviour:
 
 
 @st.composite
-def sensed(draw: st.DrawFn) -> list[Senses]:
+def sensed(draw: st.DrawFn) -> list[ConditionInput]:
     """Some frames of anything."""
     frame = st.builds(
-        Senses,
+        ConditionInput,
         st.floats(0.0, 1.0),
         st.dictionaries(gaps, metres, max_size=2),
         st.booleans(),
@@ -105,12 +114,12 @@ def stage() -> Project:
 
 
 @given(behaviours(), sensed())
-def test_what_is_sensed_decides_alone_where_it_goes(behaviour: Behaviour, frames: list[Senses]) -> None:
+def test_what_is_sensed_decides_alone_where_it_goes(behaviour: Behaviour, frames: list[ConditionInput]) -> None:
     runs = []
     for _ in range(2):
-        running = begun(behaviour)
+        running = initial_progress(behaviour)
         for senses in frames:
-            before, running = running, advance(behaviour, running, senses)
+            before, running = running, advanced_progress(behaviour, running, senses)
             assert behaviour.state(running.state) is not None
             if running.through is not before.through or running.seconds < before.seconds:
                 assert running.through in behaviour.transitions_from(before.state)
@@ -120,10 +129,12 @@ def test_what_is_sensed_decides_alone_where_it_goes(behaviour: Behaviour, frames
 
 
 @given(behaviours(), sensed())
-def test_the_first_transition_of_which_all_conditions_hold_is_taken(behaviour: Behaviour, frames: list[Senses]) -> None:
+def test_the_first_transition_of_which_all_conditions_hold_is_taken(
+    behaviour: Behaviour, frames: list[ConditionInput]
+) -> None:
     for senses in frames:
         running = BehaviourProgress(behaviour.start, 0.3)
-        after = advance(behaviour, running, senses)
+        after = advanced_progress(behaviour, running, senses)
         seconds = running.seconds + senses.step
         ready = [
             each
@@ -139,7 +150,7 @@ def test_the_first_transition_of_which_all_conditions_hold_is_taken(behaviour: B
 def test_of_two_transitions_whose_conditions_hold_the_first_is_taken(targets: tuple[str, str]) -> None:
     both = tuple(Transition("Guard", target, (TimeCondition(0.0),)) for target in targets)
     fighter = replace(FIGHTER, transitions=both)
-    assert advance(fighter, begun(fighter), Senses(0.1)).state == targets[0]
+    assert advanced_progress(fighter, initial_progress(fighter), ConditionInput(0.1)).state == targets[0]
 
 
 @given(behaviours())
@@ -152,29 +163,36 @@ def test_a_behaviour_is_stored_as_it_is(behaviour: Behaviour) -> None:
 
 @given(behaviours(), st.sampled_from([("performers", "performer 1"), ("motions", "motion"), ("props", "box")]))
 def test_a_behaviour_goes_on_without_what_is_gone(behaviour: Behaviour, gone: tuple[str, str]) -> None:
-    left = without(behaviour, *gone)
+    left = without_references(behaviour, *gone)
     assert gone not in references(left)
     assert [each.name for each in left.states] == [each.name for each in behaviour.states]
     assert set(left.transitions) <= set(behaviour.transitions)
-    assert without(left, *gone) == left
+    assert without_references(left, *gone) == left
 
 
 def test_a_fighter_wards_off_when_attacked_even_where_it_was_about_to_strike() -> None:
-    near = Senses(0.1, gaps={NEAR.gap: 0.8}, keys=frozenset({"K"}), events=frozenset({"attack"}))
-    running = advance(FIGHTER, begun(FIGHTER), near)
+    near = ConditionInput(0.1, gaps={NEAR.gap: 0.8}, keys=frozenset({"K"}), events=frozenset({"attack"}))
+    running = advanced_progress(FIGHTER, initial_progress(FIGHTER), near)
     assert (running.state, running.seconds) == ("Ward off", 0.0)
-    waiting = [advance(FIGHTER, running, Senses(step)).state for step in (0.4, 0.5)]
+    waiting = [advanced_progress(FIGHTER, running, ConditionInput(step)).state for step in (0.4, 0.5)]
     assert waiting == ["Ward off", "Guard"]
 
 
 def test_a_key_alone_does_not_strike_at_who_is_far_or_not_there() -> None:
     far, alone = ({NEAR.gap: 1.2}, {})
     for gaps in (far, alone):
-        assert advance(FIGHTER, begun(FIGHTER), Senses(0.1, gaps, keys=frozenset({"K"}))).state == "Guard"
+        assert (
+            advanced_progress(
+                FIGHTER, initial_progress(FIGHTER), ConditionInput(0.1, gaps, keys=frozenset({"K"}))
+            ).state
+            == "Guard"
+        )
 
 
 def test_what_plays_a_state_that_is_removed_begins_again() -> None:
-    assert advance(FIGHTER, BehaviourProgress("Nap", 3.0), Senses(0.1, clip_ended=True)) == BehaviourProgress("Guard")
+    assert advanced_progress(
+        FIGHTER, BehaviourProgress("Nap", 3.0), ConditionInput(0.1, clip_ended=True)
+    ) == BehaviourProgress("Guard")
 
 
 def test_what_has_to_be_measured_is_what_leads_away() -> None:
@@ -214,12 +232,12 @@ def test_what_cannot_be_is_told_in_a_sentence(wrong: object, words: str) -> None
 
 def test_manners_are_constraints_after_the_partner() -> None:
     meet, lean, keep = Meet(), LeanAway(metres=0.3), KeepDistance()
-    first, second = asked_by((meet, lean, keep), "motion", "other", "Guard")
+    first, second = manner_constraints((meet, lean, keep), "motion", "other", "Guard")
     assert isinstance(first, PositionConstraint)
     assert first.target == FollowPerformer("other", meet.whom.point)  # type: ignore[union-attr]
     assert isinstance(second, AreaConstraint)
     assert second.size[0] == pytest.approx(2 * lean.metres)
-    assert asked_by((meet, lean, keep), "motion", "", "Guard") == ()
+    assert manner_constraints((meet, lean, keep), "motion", "", "Guard") == ()
 
 
 def test_a_project_of_before_there_were_behaviours_opens_with_none() -> None:

@@ -7,14 +7,14 @@ from hypothesis import strategies as st
 from studio.core.body.canonical import BodyLayout
 from studio.core.kernels.algebra.rotation_tuples import rotation_from_matrix
 from studio.core.kernels.body import parts as kernel
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from tests.builders import make_morphology
 from tests.core.motions import random_rotations, walk
 from tests.core.twins import body as twin
 
 seeds = st.integers(0, 2**32 - 1)
 BODY = make_morphology(spine_count=4)
-POSITIONS, ROTATIONS = (array[17] for array in realize(walk(20)[0], BODY))
+POSITIONS, ROTATIONS = (array[17] for array in realize_motion(walk(20)[0], BODY))
 
 
 @given(seeds, st.integers(0, BodyLayout(4).segment_count - 1))

@@ -16,7 +16,11 @@ def test_every_point_has_one_name_and_every_segment_two_ends(layout: BodyLayout)
     names = layout.point_names()
     assert len(names) == len(set(names)) == layout.point_count
     assert len(layout.proximal_points()) == len(layout.distal_points()) == layout.segment_count
-    ends = [*layout.distal_points(), 0, *(at(side) for side in (0, 1) for at in (layout.collar, layout.hip))]
+    ends = [
+        *layout.distal_points(),
+        0,
+        *(at(side) for side in (0, 1) for at in (layout.collar_point, layout.hip_point)),
+    ]
     assert sorted(ends) == list(range(layout.point_count))
 
 
@@ -27,11 +31,11 @@ def test_points_are_called_what_they_are(layout: BodyLayout) -> None:
     assert names[layout.head_joint] == "head joint"
     assert names[layout.head_end] == "head end"
     for side, name in enumerate(("left", "right")):
-        assert names[layout.collar(side)] == f"{name} collar"
-        assert names[layout.wrist(side)] == f"{name} wrist"
-        assert names[layout.hip(side)] == f"{name} hip"
-        assert names[layout.ankle(side)] == f"{name} ankle"
-        assert names[layout.toe(side)] == f"{name} toe"
+        assert names[layout.collar_point(side)] == f"{name} collar"
+        assert names[layout.wrist_point(side)] == f"{name} wrist"
+        assert names[layout.hip_point(side)] == f"{name} hip"
+        assert names[layout.ankle_point(side)] == f"{name} ankle"
+        assert names[layout.toe_point(side)] == f"{name} toe"
 
 
 @given(layouts)

@@ -8,7 +8,7 @@ import pytest
 from studio.core.body.humanoid import BodyPart
 from studio.core.captures.capture import Capture, Guess
 from studio.core.errors import StudioError
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from tests.builders import BODY_MAP, make_capture
 
 
@@ -31,7 +31,7 @@ def test_body_map_rate_and_start_can_be_overruled() -> None:
 def test_whole_numbers_become_those_that_kernels_are_compiled_for() -> None:
     capture = make_capture().with_frame_rate(24).with_floor(0)
     assert [type(each) for each in (capture.frame_rate, capture.floor)] == [float, float]
-    motion, _ = normalize(capture)
+    motion, _ = normalize_capture(capture)
     assert type(replace(motion, frame_rate=30).frame_rate) is float
 
 

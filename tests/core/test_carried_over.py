@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Chain
-from studio.core.constraints.carried_over import ClipTransform, carried_over, mirrored_constraint
+from studio.core.constraints.carried_over import ClipTransform, constraint_on_clip, mirrored_constraint
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.procedural import CirclePlace
@@ -22,7 +22,7 @@ def test_what_is_asked_comes_and_goes_while_its_clip_plays_however_short_that_is
 ) -> None:
     """A clip that others cover from its first frame on ends before it begins: nothing is asked then."""
     asked = PositionConstraint("m", "hold", BodyPoint(BodyPart.LEFT_HAND), Chain(), 0, ActivationCurve(*times))
-    curve = carried_over(asked, ClipTransform(0.0, speed, 0.0, (0.0, 0.0), False, first, last)).activation
+    curve = constraint_on_clip(asked, ClipTransform(0.0, speed, 0.0, (0.0, 0.0), False, first, last)).activation
     assert (curve.at([min(first, last) - 1e-6, max(first, last) + 1e-6]) == 0.0).all()
     assert first <= last or (curve.at([first, last]) == 0.0).all()
 
@@ -41,5 +41,5 @@ def test_keys_and_rules_per_character_are_mirrored_with_their_origin() -> None:
     assert mirrored_constraint(seen) == asked
     ruled = replace(asked, target=CirclePlace(centre=(0.0, 0.1, 0.2), origin=own))
     assert mirrored_constraint(ruled).target.origin == mirrored  # type: ignore[attr-defined]
-    moved = carried_over(ruled, ClipTransform(0.0, 1.0, 0.0, (3.0, 4.0), False, 0.0, 2.0))
+    moved = constraint_on_clip(ruled, ClipTransform(0.0, 1.0, 0.0, (3.0, 4.0), False, 0.0, 2.0))
     assert moved.target.centre == (0.0, 0.1, 0.2)  # type: ignore[attr-defined]

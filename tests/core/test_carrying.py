@@ -20,8 +20,8 @@ from studio.core.kernels.limbs.legs import place_leg
 from studio.core.kernels.records import ArmTargets, LegTargets, Pose, SupportLinks
 from studio.core.kernels.support import body_settling as kernel
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.normalize import normalize
-from studio.core.normalized.realize import realize
+from studio.core.normalized.normalize import normalize_capture
+from studio.core.normalized.realize import realize_motion
 from studio.core.quality.metrics import contact_quality
 from studio.core.rotations import multiply
 from studio.core.solver.adapt import adapt
@@ -57,7 +57,9 @@ def _posed(frames: int, pitch: float, arms: float, legs: float, sway: float) -> 
         rotations[:, joint(f"{name}UpLeg")] = about((0, -1, 0), legs + sway * np.cos(phase))
     translations = np.tile(skeleton.offsets, (frames, 1, 1))
     translations[:, 0, 0] += 0.02 * np.sin(phase)
-    return normalize(make_capture("pose", frames, skeleton=skeleton, poses=PoseSequence(rotations, translations)))[0]
+    return normalize_capture(
+        make_capture("pose", frames, skeleton=skeleton, poses=PoseSequence(rotations, translations))
+    )[0]
 
 
 def _contacts(frames: int, *names: str) -> tuple[ContactInterval, ...]:
@@ -86,11 +88,13 @@ def test_hands_stand_on_the_ground_of_every_body(
 def test_a_handstand_is_as_high_as_arms_and_trunk(name: str) -> None:
     body, adapted = BODIES[name], _adapted(HANDSTAND, name)
     layout = body.layout
-    high = adapted.positions[:, [layout.hip(0), layout.hip(1)], 2].mean(axis=1)
+    high = adapted.positions[:, [layout.hip_point(0), layout.hip_point(1)], 2].mean(axis=1)
     trunk = body.spine[:, 2].sum() + body.collar_base[0, 2] - body.hip_offset[0, 2]
     expected = body.arm[0].sum() + trunk + 0.065 * body.leg_length
     assert np.median(high) == pytest.approx(expected, rel=0.12)
-    reaches = np.linalg.norm(adapted.positions[:, layout.wrist(0)] - adapted.positions[:, layout.wrist(0) - 2], axis=1)
+    reaches = np.linalg.norm(
+        adapted.positions[:, layout.wrist_point(0)] - adapted.positions[:, layout.wrist_point(0) - 2], axis=1
+    )
     assert reaches.min() > 0.93 * body.arm[0].sum()  # on straight arms, as performed
 
 
@@ -115,21 +119,21 @@ def _plank(body: Morphology) -> AdaptedMotion:
 def test_longer_arms_raise_a_level_trunk_and_leave_the_hips() -> None:
     longer = replace(BODY, arm=1.2 * BODY.arm)
     usual, raised = (_plank(body).positions[30] for body in (BODY, longer))
-    hip, neck = BODY.layout.hip(0), BODY.layout.neck_base
+    hip, neck = BODY.layout.hip_point(0), BODY.layout.neck_base
     gain = raised[neck, 2] - usual[neck, 2]
     assert gain > 0.6 * 0.2 * BODY.arm[0].sum()
     assert raised[hip, 2] - usual[hip, 2] < 0.4 * gain
 
 
 def test_a_trunk_that_arches_keeps_arms_and_gaze() -> None:
-    positions, rotations = (each.copy() for each in realize(_posed(5, 1.3, 1.3, 0.0, 0.0), BODY))
+    positions, rotations = (each.copy() for each in realize_motion(_posed(5, 1.3, 1.3, 0.0, 0.0), BODY))
     before, turned, layout = positions.copy(), rotations.copy(), BODY.layout
     arch_trunk(np.full(5, 0.05), BODY, positions, rotations)
     assert positions[:, layout.neck_base, 2] - before[:, layout.neck_base, 2] == pytest.approx(0.05, abs=0.01)
-    assert np.array_equal(positions[:, layout.hip(0) :], before[:, layout.hip(0) :])
+    assert np.array_equal(positions[:, layout.hip_point(0) :], before[:, layout.hip_point(0) :])
     assert np.array_equal(rotations[:, layout.head_joint], turned[:, layout.head_joint])
     for side in range(2):
-        shoulder, wrist = layout.collar(side) + 1, layout.wrist(side)
+        shoulder, wrist = layout.collar_point(side) + 1, layout.wrist_point(side)
         assert positions[:, wrist] - positions[:, shoulder] == pytest.approx(before[:, wrist] - before[:, shoulder])
         bones = np.linalg.norm(np.diff(positions[:, shoulder : wrist + 1], axis=1), axis=2)
         assert bones == pytest.approx(np.broadcast_to(BODY.arm[side], bones.shape))
@@ -139,7 +143,7 @@ def test_palms_lie_flat() -> None:
     adapted = _adapted(HANDSTAND, "tall_man")
     layout = adapted.morphology.layout
     for side in range(2):
-        fingers = adapted.positions[:, layout.wrist(side) + 1] - adapted.positions[:, layout.wrist(side)]
+        fingers = adapted.positions[:, layout.wrist_point(side) + 1] - adapted.positions[:, layout.wrist_point(side)]
         assert np.abs(fingers[:, 2]).max() < 0.01
         assert np.abs(np.diff(fingers, axis=0)).max() < 1e-9
 
@@ -147,8 +151,8 @@ def test_palms_lie_flat() -> None:
 @pytest.mark.parametrize("above", [0.0, 0.05, 0.1])
 def test_a_wrist_over_fingers_that_slope_down_is_as_high_as_the_actors(above: float) -> None:
     motion, palm = _posed(60, 1.3, 1.3, 0.0, 0.0), 0.065 * BODY.leg_length
-    wrist, tip = BODY.layout.wrist(0), BODY.layout.wrist(0) + 1
-    lower = realize(motion, BODY)[0][0, wrist, 2] - palm - above
+    wrist, tip = BODY.layout.wrist_point(0), BODY.layout.wrist_point(0) + 1
+    lower = realize_motion(motion, BODY)[0][0, wrist, 2] - palm - above
     channels = motion.channels.copy()
     channels[:, at.HIPS + 2] -= lower / BODY.leg_length
     contacts = _contacts(60, "left_hand", "right_hand", "left_toe", "right_toe")
@@ -301,7 +305,7 @@ def test_an_arm_is_placed_as_its_twin(seed: int) -> None:
     positions = np.tile(random.normal(size=3), (layout.point_count, 1))
     rotations = random_rotations(random, layout.segment_count)
     before = positions.copy()
-    shoulder, upper = layout.collar(side) + 1, layout.spine_count + 3 + 4 * side
+    shoulder, upper = layout.collar_point(side) + 1, layout.spine_count + 3 + 4 * side
     way = random.normal(size=3)
     wrist = positions[shoulder] + random.uniform(0.2, 1.3) * BODY.arm[side].sum() * way / np.linalg.norm(way)
     hand = random_rotations(random)
@@ -356,8 +360,8 @@ def test_a_held_knee_is_where_it_is_to_be_and_its_ankle_too(seed: int) -> None:
     target = np.array([*ankle, *knee, 1.0])
     legs = LegTargets(row, *(np.stack([each] * 2) for each in (0.97, target, foot, toe)))
     place_leg(side, BODY.packed, legs, Pose(positions, rotations))
-    assert np.allclose(positions[layout.ankle(side)], ankle, atol=1e-9)
-    assert np.allclose(positions[layout.hip(side) + 1], knee, atol=1e-9)
+    assert np.allclose(positions[layout.ankle_point(side)], ankle, atol=1e-9)
+    assert np.allclose(positions[layout.hip_point(side) + 1], knee, atol=1e-9)
 
 
 @given(seeds)
@@ -376,6 +380,9 @@ def test_contacts_of_any_kind_anywhere_leave_a_whole_body(seed: int) -> None:
     assert np.isfinite(adapted.positions).all()
     assert np.isfinite(adapted.rotations).all()
     for side in range(2):
-        for first, lengths in ((body.layout.hip(side), body.leg[side]), (body.layout.collar(side) + 1, body.arm[side])):
+        for first, lengths in (
+            (body.layout.hip_point(side), body.leg[side]),
+            (body.layout.collar_point(side) + 1, body.arm[side]),
+        ):
             bones = np.diff(adapted.positions[:, first : first + 3], axis=1)
             assert np.allclose(np.linalg.norm(bones, axis=2), lengths, atol=1e-8)

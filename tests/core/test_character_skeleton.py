@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.body.canonical import BodyPart
 from studio.core.body.kinematics import joint_world, rest_poses
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.rigs.character_skeleton import (
     character_body_map,
     character_poses,
@@ -73,7 +73,7 @@ def test_our_own_search_finds_the_body_that_was_meant(body):
 
 
 def test_an_adapted_motion_stands_in_its_joints_exactly(body):
-    motion, _actor = normalize(make_capture(frames=20))
+    motion, _actor = normalize_capture(make_capture(frames=20))
     adapted = adapt(AdaptRequest(motion, body))
     positions, rotations = joint_world(character_skeleton(body), character_poses(adapted))
     points = list(joint_points(body.layout))

@@ -117,7 +117,7 @@ def test_the_points_of_a_stance_keep_every_bone_and_stand_on_the_ground(characte
     rest, _ = rest_pose(body)
     usual = np.linalg.norm(rest[list(layout.distal_points())] - rest[list(layout.proximal_points())], axis=1)
     assert bones == pytest.approx(usual, abs=1e-9)
-    assert min(points[layout.ankle(side), 2] - body.ankle_height[side] for side in (0, 1)) == pytest.approx(0.0)
+    assert min(points[layout.ankle_point(side), 2] - body.ankle_height[side] for side in (0, 1)) == pytest.approx(0.0)
 
 
 def in_t_pose(character: Character) -> Character:
@@ -192,12 +192,12 @@ def test_by_dual_quaternions_a_twisted_forearm_keeps_its_girth_where_linear_blen
 
     def girth(blending: Blending) -> float:
         vertices, _ = skin_vertices(skin, body, body, positions, rotations, blending=blending)
-        axis, wrist = rotations[hand][:, 2], positions[body.layout.wrist(0)]
+        axis, wrist = rotations[hand][:, 2], positions[body.layout.wrist_point(0)]
         across = vertices[shared] - wrist - np.outer((vertices[shared] - wrist) @ axis, axis)
         return float(np.linalg.norm(across, axis=1).mean())
 
     def at_rest() -> float:
-        axis, wrist = bound_pose(skin, body)[1][hand][:, 2], positions[body.layout.wrist(0)]
+        axis, wrist = bound_pose(skin, body)[1][hand][:, 2], positions[body.layout.wrist_point(0)]
         across = skin.vertices[shared] - wrist - np.outer((skin.vertices[shared] - wrist) @ axis, axis)
         return float(np.linalg.norm(across, axis=1).mean())
 
@@ -242,7 +242,7 @@ def test_a_foot_bends_at_its_ball_though_its_toe_joint_lies_under_the_ankle(char
     assert mended.foot[:, 0] == pytest.approx(body.foot[:, 0], rel=0.1)
     assert mended.foot[:, 0] + mended.toe[:, 0] == pytest.approx(tip)
     for side in range(2):
-        foot, ankle = body.layout.segment(BodyPart.LEFT_FOOT) + 4 * side, points[body.layout.ankle(side)]
+        foot, ankle = body.layout.segment(BodyPart.LEFT_FOOT) + 4 * side, points[body.layout.ankle_point(side)]
         ahead, both = vertices[:, 0] - ankle[0], moved[:, foot : foot + 2]
         assert both.sum(axis=1) == pytest.approx(shares[:, foot : foot + 2].sum(axis=1))
         assert not both[ahead < 0.7 * mended.foot[side, 0], 1].any()

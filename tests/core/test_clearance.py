@@ -21,8 +21,8 @@ from studio.core.kernels.records import CAPSULE, ActorClearance, CapsuleArrays, 
 from studio.core.mesh.skin import fit_skin, skin_vertices
 from studio.core.mesh.volume import BodyVolume, fitted_volume, usual_volume
 from studio.core.rigs.character_skeleton import t_pose_rotations
-from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.asking.clearance import clearances, rest_clearances
+from studio.core.solver.adapt import adapt, body_point_positions
+from studio.core.solver.asking.clearance import arm_distances, rest_clearances
 from studio.core.solver.asking.self_contact import self_contact_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.project.character_file import bundled_characters
@@ -61,7 +61,7 @@ def test_the_capsules_lie_close_under_the_skin(name: str) -> None:
     packed = CapsuleArrays(volume.segments, volume.places, volume.radii, volume.girths)
     kernel.place_capsules(packed, Pose(*pose), np.array(body.layout.proximal_points()), capsules)
     main = mesh.segments[:, 0]
-    hips, neck = pose.positions[body.layout.hip(0), 2], pose.positions[body.layout.neck_base, 2]
+    hips, neck = pose.positions[body.layout.hip_point(0), 2], pose.positions[body.layout.neck_base, 2]
     height = (mesh.vertices[:, 2] - hips) / (neck - hips)
     meant = (main < body.layout.spine_count) & (height > 0.05) & (height < 0.75)
     depth = [
@@ -98,7 +98,7 @@ def wild(seed: int) -> tuple[BodyVolume, Morphology, np.ndarray, np.ndarray]:
     volume = BodyVolume(segments, places, random.uniform(0.0, 0.3, (9, 2)), random.uniform(0.0, 0.1, 5))
     positions, rotations = rest_pose(body)
     for side in range(2):
-        k, upper = body.layout.collar(side) + 1, body.layout.segment(BodyPart.LEFT_UPPER_ARM) + 4 * side
+        k, upper = body.layout.collar_point(side) + 1, body.layout.segment(BodyPart.LEFT_UPPER_ARM) + 4 * side
         turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
         turn *= np.linalg.det(turn)
         rotations[upper : upper + 3] = turn @ rotations[upper : upper + 3]
@@ -127,7 +127,7 @@ def test_any_capsules_leave_the_arm_an_arm(seed: int) -> None:
     pose = Pose(*posed)
     before = Pose(*(part.copy() for part in pose))
     moved, _, _ = step(volume, body, tuple(pose), 0.0)
-    k = body.layout.collar(1) + 1
+    k = body.layout.collar_point(1) + 1
     lengths = [
         np.linalg.norm(np.diff(positions[k : k + 4], axis=0), axis=1)
         for positions in (before.positions, pose.positions)
@@ -163,7 +163,7 @@ def test_fingers_that_alone_are_too_deep_bend_out() -> None:
     _, room, _ = step(volume, body, pose, -1.0)
     wanted = room - [1.0, 1.0, 1.0, 1.0, -0.06]
     _, _, after = step(volume, body, pose, wanted)
-    wrist, hand = body.layout.wrist(1), body.layout.segment(BodyPart.LEFT_HAND) + 4
+    wrist, hand = body.layout.wrist_point(1), body.layout.segment(BodyPart.LEFT_HAND) + 4
     turned = np.arccos(0.5 * (np.trace(pose.rotations[hand] @ before.rotations[hand].T) - 1.0))
     assert after[-1] == pytest.approx(wanted[-1], abs=0.01)
     assert turned > 0.1
@@ -172,11 +172,11 @@ def test_fingers_that_alone_are_too_deep_bend_out() -> None:
 
 def test_arms_of_a_wide_body_come_out_of_it_and_nothing_else_moves() -> None:
     before, after = solved(), solved(clear())
-    assert clearances(before).min() < 0.0
-    assert clearances(after).min() > -1e-3
+    assert arm_distances(before).min() < 0.0
+    assert arm_distances(after).min() > -1e-3
     assert after.residuals.max() < 1e-3
     layout = STOCKY.morphology.layout
-    arms = [layout.collar(side) + bone for side in range(2) for bone in (2, 3, 4)]
+    arms = [layout.collar_point(side) + bone for side in range(2) for bone in (2, 3, 4)]
     rest = [point for point in range(layout.point_count) if point not in arms]
     assert np.array_equal(after.positions[:, rest], before.positions[:, rest])
 
@@ -203,16 +203,16 @@ def test_it_fades_in_monotonely() -> None:
     depths = []
     for share in np.linspace(0.0, 1.0, 6):
         activation = ActivationCurve(-share, 1.0 - share, 100.0, 100.0, "linear") if share < 1.0 else ALWAYS
-        depths.append(clearances(solved(clear(activation), frames=(0, 0))).min())
+        depths.append(arm_distances(solved(clear(activation), frames=(0, 0))).min())
     assert (np.diff(depths) >= -1e-9).all()
-    assert depths[0] == clearances(solved(frames=(0, 0))).min()
+    assert depths[0] == arm_distances(solved(frames=(0, 0))).min()
 
 
 def test_a_margin_is_kept_and_one_arm_leaves_the_other_alone() -> None:
     before, after = solved(), solved(clear(margin=0.02, arms="left"))
     layout = STOCKY.morphology.layout
-    assert clearances(after)[:, 0].min() > 0.019
-    right = slice(layout.collar(1), layout.collar(1) + 5)
+    assert arm_distances(after)[:, 0].min() > 0.019
+    right = slice(layout.collar_point(1), layout.collar_point(1) + 5)
     assert np.array_equal(after.positions[:, right], before.positions[:, right])
 
 
@@ -222,17 +222,17 @@ def test_the_higher_priority_has_its_way(reach_priority: int) -> None:
     reach = PositionConstraint("walk", "Reach", WRIST, Chain(), reach_priority, ALWAYS, target=target)
     adapted = solved(reach, clear(priority=1 - reach_priority), frames=(0, 0))
     if reach_priority == 0:
-        assert place_of(WRIST, adapted)[0] == pytest.approx(target, abs=2e-4)
+        assert body_point_positions(WRIST, adapted)[0] == pytest.approx(target, abs=2e-4)
         assert adapted.residuals[1, 0] > 0.05
     else:
-        assert clearances(adapted)[0, 1].min() > -1e-3
+        assert arm_distances(adapted)[0, 1].min() > -1e-3
         assert adapted.residuals[0, 0] > 0.05
 
 
 def test_only_the_elbow_gives_way_where_the_wrist_may_not() -> None:
     before = solved()
     after = solved(ClearConstraint("walk", "Clear", WRIST, Chain(limb=0.0), 0, ALWAYS))
-    wrists = [STOCKY.morphology.layout.wrist(side) for side in range(2)]
+    wrists = [STOCKY.morphology.layout.wrist_point(side) for side in range(2)]
     assert after.positions[:, wrists] == pytest.approx(before.positions[:, wrists], abs=1e-9)
 
 

@@ -10,7 +10,14 @@ from hypothesis import strategies as some
 from studio.core.normalized.compose import compose_pieces
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.stage.clip import Clip
-from studio.core.stage.clip_row import begun_at, edited, ended_at, frame_at, players_of, split
+from studio.core.stage.clip_row import (
+    clip_halves,
+    frame_at,
+    players_of,
+    with_clip_edited,
+    with_first_frame,
+    with_last_frame,
+)
 from tests.builders import make_project
 from tests.core.test_compose import cut, example
 
@@ -37,7 +44,7 @@ def test_a_split_clip_plays_as_it_did(name: str, mirrored: bool) -> None:
     motion = example(name)
     clip = Clip("motion", 20, 220, 0.5, "one", mirrored=mirrored, speed=1.25)
     whole = compose_pieces(pieces_of((clip,), motion))
-    parts = compose_pieces(pieces_of(split(clip, RATE, 2.0, iter(NAMES)), motion))
+    parts = compose_pieces(pieces_of(clip_halves(clip, RATE, 2.0, iter(NAMES)), motion))
     assert parts.timing == whole.timing
     assert np.abs(parts.motion.channels - whole.motion.channels).max() < 1e-6  # leg lengths: a micron
 
@@ -55,9 +62,9 @@ def test_parts_of_a_clip_follow_each_other_and_are_as_long_together(
     played = round((time - start) * speed * RATE)
     if not 0 < played < repeats * length:
         with pytest.raises(ValueError, match="playhead"):
-            split(clip, RATE, time, iter(NAMES))
+            clip_halves(clip, RATE, time, iter(NAMES))
         return
-    parts = split(clip, RATE, time, iter(NAMES))
+    parts = clip_halves(clip, RATE, time, iter(NAMES))
     assert parts[0].id == "one"
     assert len({part.id for part in parts}) == len(parts) > 1
     for one, other in pairwise(parts):
@@ -69,7 +76,7 @@ def test_parts_of_a_clip_follow_each_other_and_are_as_long_together(
 @given(some.integers(-40, 140), some.floats(0.1, 10.0))
 def test_trimming_the_beginning_leaves_every_frame_when_it_was(frame: int, speed: float) -> None:
     clip = Clip("motion", 10, 60, 2.0, "one", speed)
-    trimmed = begun_at(clip, RATE, frame)
+    trimmed = with_first_frame(clip, RATE, frame)
     assert 0 <= trimmed.first <= trimmed.last == 60
     for time in (1.0, 2.0, 3.0):
         assert frame_at(trimmed, RATE, time) == pytest.approx(frame_at(clip, RATE, time))
@@ -77,7 +84,7 @@ def test_trimming_the_beginning_leaves_every_frame_when_it_was(frame: int, speed
 
 @given(some.integers(-40, 140))
 def test_an_end_stays_within_the_motion_and_behind_the_beginning(frame: int) -> None:
-    assert 10 <= ended_at(Clip("motion", 10, 60), frame, 100).last <= 99
+    assert 10 <= with_last_frame(Clip("motion", 10, 60), frame, 100).last <= 99
 
 
 def test_an_edit_is_of_all_who_play_the_clip_and_leaves_other_clips_alone() -> None:
@@ -86,6 +93,6 @@ def test_an_edit_is_of_all_who_play_the_clip_and_leaves_other_clips_alone() -> N
     assert len(players) == 2
     other = Clip("motion", 0, 5, 9.0, "other")
     for performer in players.values():
-        both = edited(performer, "clip", lambda clip: (clip, other))
-        late = edited(both, "clip", lambda clip: (Clip("motion", 0, 5, 20.0, clip.id),))
+        both = with_clip_edited(performer, "clip", lambda clip: (clip, other))
+        late = with_clip_edited(both, "clip", lambda clip: (Clip("motion", 0, 5, 20.0, clip.id),))
         assert [clip.id for clip in late.clips] == ["other", "clip"]  # in the order in which they begin

@@ -10,14 +10,14 @@ from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.compose import Composite, MotionPiece, compose_pieces
-from studio.core.normalized.differences import difference, moved
-from studio.core.normalized.joining import SAME_PLACE, Planar, average_body
+from studio.core.normalized.differences import channel_difference, with_difference
+from studio.core.normalized.joining import SAME_PLACE, PlanarTransform, average_body
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.normalize import capture_contacts, normalize
-from studio.core.normalized.realize import realize
-from studio.core.normalized.transition import MOST_TRANSITION, QUIET_PEAK, placed
+from studio.core.normalized.normalize import capture_contacts, normalize_capture
+from studio.core.normalized.realize import realize_motion
+from studio.core.normalized.transition import MOST_TRANSITION, QUIET_PEAK, placed_channels
 from studio.core.quality.metrics import angular_acceleration, contact_quality
-from studio.core.solver.adapt import hold
+from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.standing.stand import Standing, stand
 from studio.io.importing import load_capture
 from tests.architecture.sources import ROOT
@@ -33,7 +33,7 @@ PERMITTED = 1.5
 def example(name: str) -> MotionPiece:
     """All of one of the project's own captures."""
     capture = load_capture(ROOT / "examples" / "captures" / f"{name}.bvh")
-    motion, _ = normalize(capture)
+    motion, _ = normalize_capture(capture)
     found = capture_contacts(capture)
     contacts = tuple(ContactInterval("", point, *span) for point, spans in found.items() for span in spans)
     return MotionPiece(motion, contacts, 0, motion.frame_count - 1)
@@ -96,8 +96,10 @@ def test_captures_of_30_60_and_120_frames_a_second_play_the_same_motion() -> Non
     half = half_rate(whole.motion)
     thirty = compose_pieces((cut(whole, motion=half, contacts=(), last=200), cut(whole, motion=fast, start=30.0)))
     assert thirty.timing.frame_rate == 120.0
-    played = realize(NormalizedMotion("", 60.0, thirty.motion.channels[:600:2], thirty.motion.spine_places), BODY)[0]
-    np.testing.assert_allclose(played, realize(whole.motion, BODY)[0][:300], atol=4e-3)
+    played = realize_motion(
+        NormalizedMotion("", 60.0, thirty.motion.channels[:600:2], thirty.motion.spine_places), BODY
+    )[0]
+    np.testing.assert_allclose(played, realize_motion(whole.motion, BODY)[0][:300], atol=4e-3)
     assert compose_pieces((cut(whole, motion=slow), cut(whole, motion=slow, start=40.0))).timing.frame_rate == 30.0
 
 
@@ -113,10 +115,10 @@ def test_a_clip_goes_on_where_the_one_before_has_ended(second: str) -> None:
     before, after = example("walk_turn"), example(second)
     row = compose_pieces((before, cut(after, start=before.end)))
     placement, layout = row.played[1].placement, average_body().layout
-    begin = placed(after.motion.channels[:1], placement.turn, np.array(placement.offset))
+    begin = placed_channels(after.motion.channels[:1], placement.turn, np.array(placement.offset))
     feet = [
-        realize(NormalizedMotion("", 1.0, channels, after.motion.spine_places), average_body())[0][
-            0, [layout.ankle(0), layout.ankle(1)], :2
+        realize_motion(NormalizedMotion("", 1.0, channels, after.motion.spine_places), average_body())[0][
+            0, [layout.ankle_point(0), layout.ankle_point(1)], :2
         ]
         for channels in (before.motion.channels[-1:], begin)
     ]
@@ -128,7 +130,7 @@ def test_a_clip_goes_on_where_the_one_before_has_ended(second: str) -> None:
 
 def test_a_clip_is_turned_about_where_it_begins_and_moved_in_leg_lengths() -> None:
     whole = example("walk_turn")
-    turned = compose_pieces((cut(whole, own=Planar(np.pi / 2, (0.5, -1.0))),)).motion.channels
+    turned = compose_pieces((cut(whole, own=PlanarTransform(np.pi / 2, (0.5, -1.0))),)).motion.channels
     plain = whole.motion.channels
     np.testing.assert_allclose(turned[0, :2], plain[0, :2] + [0.5, -1.0], atol=1e-12)
     way = plain[-1, :2] - plain[0, :2]
@@ -143,7 +145,7 @@ def test_no_foot_slides_and_no_joint_jolts_where_one_clip_follows_another(
     before = example(first)
     row = compose_pieces((before, cut(example(second), start=before.end - overlap)))
     stands = standing(row)
-    quality = contact_quality(hold(stands, ()), stands.contacts, Ground())
+    quality = contact_quality(solve_constraints(stands, ()), stands.contacts, Ground())
     assert quality.slide < 1e-3
     assert quality.penetration < 1e-3
     usual = np.maximum(np.maximum(peaks(first), peaks(second)), QUIET_PEAK)
@@ -165,15 +167,15 @@ def test_a_cut_in_the_middle_of_a_stride_slides_no_foot() -> None:
     for frame in (20, 41, 55, 70):
         row = compose_pieces((stride, MotionPiece(motion, contacts, frame, 140, start=stride.end)))
         stands = standing(row)
-        quality = contact_quality(hold(stands, ()), stands.contacts, Ground())
+        quality = contact_quality(solve_constraints(stands, ()), stands.contacts, Ground())
         assert quality.slide < 1e-3
 
 
 def test_what_leads_from_one_frame_to_another_leads_there() -> None:
     kick, punch = (example(name).motion for name in ("front_kick", "straight_punch"))
-    there = moved(kick.channels[:300], difference(kick.channels[:300], punch.channels[:300]))
+    there = with_difference(kick.channels[:300], channel_difference(kick.channels[:300], punch.channels[:300]))
     arrived, wanted = (
-        realize(NormalizedMotion("", 60.0, channels, punch.spine_places), average_body())[0]
+        realize_motion(NormalizedMotion("", 60.0, channels, punch.spine_places), average_body())[0]
         for channels in (there, punch.channels[:300])
     )
     np.testing.assert_allclose(arrived, wanted, atol=1e-9)

@@ -19,7 +19,7 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import centre_of_mass, contact_quality
 from studio.core.rotations import from_matrix, to_matrix
-from studio.core.solver.adapt import adapt, place_of
+from studio.core.solver.adapt import adapt, body_point_positions
 from studio.core.solver.asking.area_rows import nearest_allowed_position
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.project.character_file import bundled_characters
@@ -46,19 +46,19 @@ def solved(body: Morphology, *constraints: Constraint) -> AdaptedMotion:
 @pytest.mark.parametrize("apart", [0.05, 0.3])
 def test_two_hands_stay_as_far_apart_as_a_box_is_wide(body: Morphology, apart: float) -> None:
     adapted = solved(body, ask(DistanceConstraint, LEFT, other=RIGHT, distance=apart))
-    between = np.linalg.norm(place_of(LEFT, adapted) - place_of(RIGHT, adapted), axis=1)
+    between = np.linalg.norm(body_point_positions(LEFT, adapted) - body_point_positions(RIGHT, adapted), axis=1)
     assert between == pytest.approx(apart, abs=MET)
     assert contact_quality(adapted, CONTACTS, Ground()).slide < 1e-3
 
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_a_hand_keeps_its_distance_from_a_place_outside(body: Morphology) -> None:
-    before = place_of(RIGHT, solved(body))
+    before = body_point_positions(RIGHT, solved(body))
     place = tuple(before[30] + [0.1, 0.0, 0.05])
     adapted = adapt(
         AdaptRequest(WALK, body, CONTACTS, (ask(DistanceConstraint, RIGHT, other=place, distance=0.08),)), 30, 30
     )
-    assert np.linalg.norm(place_of(RIGHT, adapted) - place, axis=1) == pytest.approx(0.08, abs=MET)
+    assert np.linalg.norm(body_point_positions(RIGHT, adapted) - place, axis=1) == pytest.approx(0.08, abs=MET)
 
 
 @pytest.mark.parametrize("part", [BodyPart.LEFT_HAND, BodyPart.RIGHT_FOREARM, BodyPart.HEAD, BodyPart.THORAX])
@@ -77,7 +77,7 @@ def test_a_segment_is_turned_as_it_is_asked(body: Morphology, part: BodyPart) ->
 def test_a_hand_reaches_its_target_and_keeps_its_orientation_there(body: Morphology) -> None:
     point = BodyPoint(BodyPart.RIGHT_HAND, at_end=True)
     before = adapt(AdaptRequest(WALK, body, CONTACTS), 30, 30)
-    target = tuple(place_of(point, before)[0] + [0.05, 0.02, 0.1])
+    target = tuple(body_point_positions(point, before)[0] + [0.05, 0.02, 0.1])
     turned = (
         to_matrix(np.array([0.0, -0.3, 0.2, 0.933])) @ before.rotations[0, body.layout.segment(BodyPart.RIGHT_HAND)]
     )
@@ -96,7 +96,7 @@ def test_eyes_face_what_they_look_at(body: Morphology) -> None:
         AdaptRequest(WALK, body, CONTACTS, (ask(LookAtConstraint, EYES, HEAD, target=tuple(target)),)), 0, 9
     )
     gaze = adapted.rotations[:, body.layout.head_joint, :, 0]
-    line = target - place_of(EYES, adapted)
+    line = target - body_point_positions(EYES, adapted)
     assert np.sum(gaze * line, axis=1) == pytest.approx(np.linalg.norm(line, axis=1), rel=1e-4)
 
 
@@ -104,7 +104,7 @@ def test_eyes_face_what_they_look_at(body: Morphology) -> None:
 @pytest.mark.parametrize("first", ["balance", "reach"])
 def test_balance_and_reach_hold_together_or_by_their_priority(body: Morphology, first: str) -> None:
     before = solved(body)
-    shoulder = before.positions[30, body.layout.collar(1) + 1]
+    shoulder = before.positions[30, body.layout.collar_point(1) + 1]
     far = tuple(shoulder + 1.05 * body.arm[1].sum() * np.array([0.9, -0.3, -0.3]))
     rank = {"balance": 0, "reach": 1} if first == "balance" else {"balance": 1, "reach": 0}
     reach = ask(PositionConstraint, RIGHT, ALL, rank["reach"], target=far)
@@ -130,7 +130,7 @@ def test_balance_and_reach_hold_together_or_by_their_priority(body: Morphology, 
     ids=str,
 )
 def test_a_wrist_is_only_where_it_may_be(body: Morphology, shape: AreaShape, size: Any, inside: bool) -> None:
-    before = place_of(RIGHT, solved(body))[30]
+    before = body_point_positions(RIGHT, solved(body))[30]
     area = ask(
         AreaConstraint,
         RIGHT,
@@ -141,7 +141,7 @@ def test_a_wrist_is_only_where_it_may_be(body: Morphology, shape: AreaShape, siz
         inside=inside,
     )
     adapted = adapt(AdaptRequest(WALK, body, CONTACTS, (area,)), 30, 30)
-    wrist = place_of(RIGHT, adapted)[0]
+    wrist = body_point_positions(RIGHT, adapted)[0]
     assert np.linalg.norm(nearest_allowed_position(area, wrist) - wrist) < MET
 
 
@@ -218,12 +218,12 @@ def test_a_margin_is_kept_outside_alone(side: str) -> None:
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_an_area_above_a_target_keeps_the_wrist_out_and_as_near_as_may_be(body: Morphology) -> None:
-    wrist = place_of(RIGHT, solved(body))[30]
+    wrist = body_point_positions(RIGHT, solved(body))[30]
     above = wrist + np.array([0.0, 0.0, 0.1])
     table = ask(AreaConstraint, RIGHT, ARM, shape="half_space", centre=tuple(above), size=(0.0, 0.0, 1.0))
     below = ask(PositionConstraint, RIGHT, ARM, 1, target=tuple(wrist))
     adapted = adapt(AdaptRequest(WALK, body, CONTACTS, (table, below)), 30, 30)
-    assert place_of(RIGHT, adapted)[0] == pytest.approx(above, abs=MET)
+    assert body_point_positions(RIGHT, adapted)[0] == pytest.approx(above, abs=MET)
 
 
 @pytest.mark.parametrize(

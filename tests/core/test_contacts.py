@@ -11,16 +11,16 @@ from studio.core.captures.contacts import (
     WANDER,
     ContactInterval,
     ContactPoint,
-    close_steps,
     contact_mask,
     detect_body_contacts,
     detect_contacts,
-    faces_down,
-    lying,
-    spans_without,
-    staying,
-    through_still_gaps,
-    tipped_over,
+    joined_over_still_gaps,
+    longest_still_span,
+    lying_shank_mask,
+    plank_leg_mask,
+    prone_mask,
+    spans_outside_mask,
+    with_step_gaps_closed,
 )
 
 RATE = 60.0
@@ -137,19 +137,19 @@ def test_toes_at_rest_under_a_heel_that_stands_do_so_though_they_sink_when_they_
 
 def test_a_foot_that_rolls_from_heel_to_toe_is_never_in_the_air() -> None:
     rolling, middle = [(0, 35)], np.zeros((80, 3))
-    assert close_steps(rolling, [(39, 60)], middle, 3) == (rolling, [(36, 60)])
-    assert close_steps([(39, 60)], rolling, middle, 3) == ([(36, 60)], rolling)
-    assert close_steps(rolling, [(40, 60)], middle, 3) == (rolling, [(40, 60)])
+    assert with_step_gaps_closed(rolling, [(39, 60)], middle, 3) == (rolling, [(36, 60)])
+    assert with_step_gaps_closed([(39, 60)], rolling, middle, 3) == ([(36, 60)], rolling)
+    assert with_step_gaps_closed(rolling, [(40, 60)], middle, 3) == (rolling, [(40, 60)])
     middle[37:, 0] = 2.0 * WANDER
-    assert close_steps(rolling, [(39, 60)], middle, 3) == (rolling, [(39, 60)])
+    assert with_step_gaps_closed(rolling, [(39, 60)], middle, 3) == (rolling, [(39, 60)])
 
 
 def test_toes_stand_through_a_gap_in_which_their_foot_does_not_move() -> None:
     middle = np.zeros((80, 3))
     middle[30:50, 2] = 0.01  # skin that moves over bones
-    assert through_still_gaps([(0, 32), (45, 60)], middle) == [(0, 60)]
+    assert joined_over_still_gaps([(0, 32), (45, 60)], middle) == [(0, 60)]
     middle[36:40, 2] = 0.03  # a tap in place
-    assert through_still_gaps([(0, 32), (45, 60)], middle) == [(0, 32), (45, 60)]
+    assert joined_over_still_gaps([(0, 32), (45, 60)], middle) == [(0, 32), (45, 60)]
 
 
 def test_steps_are_kept_in_the_noise_of_joints_that_shake_by_half_a_degree() -> None:
@@ -263,19 +263,19 @@ def _trunk(facing: float) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize(("degrees", "prone"), [(0, False), (30, False), (90, True), (110, True), (-90, False)])
 def test_a_body_is_prone_when_its_front_points_down(degrees: float, prone: bool) -> None:
-    assert faces_down(*_trunk(np.radians(degrees))).item() is prone
+    assert prone_mask(*_trunk(np.radians(degrees))).item() is prone
 
 
 @pytest.mark.parametrize(("hip", "tipped"), [((0.1, 0.9), False), ((-0.3, 0.3), False), ((0.6, 0.4), True)])
 def test_the_leg_of_a_plank_is_tipped_over_and_that_of_a_crouch_is_not(hip: tuple[float, float], tipped: bool) -> None:
     ankle, toe = np.array([[0.0, 0.0, 0.08]]), np.array([[0.14, 0.0, 0.03]])
-    assert tipped_over(np.array([[hip[0], 0.0, hip[1]]]), ankle, toe).item() is tipped
+    assert plank_leg_mask(np.array([[hip[0], 0.0, hip[1]]]), ankle, toe).item() is tipped
 
 
 @pytest.mark.parametrize(("degrees", "lies"), [(0.0, True), (10.0, True), (20.0, False), (90.0, False)])
 def test_a_shank_lies_that_is_nearly_level(degrees: float, lies: bool) -> None:
     knee = 0.4 * np.array([[np.cos(np.radians(degrees)), 0.0, np.sin(np.radians(degrees))]])
-    assert lying(knee, np.zeros((1, 3)))[0] == lies
+    assert lying_shank_mask(knee, np.zeros((1, 3)))[0] == lies
 
 
 def test_what_creeps_along_the_ground_touches_only_while_it_stays() -> None:
@@ -305,7 +305,7 @@ def test_knees_carry_nothing_while_the_seat_does() -> None:
 def test_what_is_taken_out_of_a_contact_is_out(wanted: list[bool], gone: list[bool]) -> None:
     mask = np.array(gone[: len(wanted)])
     spans = [(frame, frame) for frame, yes in enumerate(wanted) if yes]
-    rest = contact_mask(spans_without(spans, mask, 0), len(wanted))
+    rest = contact_mask(spans_outside_mask(spans, mask, 0), len(wanted))
     assert np.array_equal(rest, np.array(wanted) & ~mask)
 
 
@@ -313,4 +313,4 @@ def test_a_point_that_circles_round_its_middle_stays_nowhere() -> None:
     """Found by spoiling captures: no frame of it lies near the middle of all."""
     angle = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
     circle = np.stack([np.cos(angle), np.sin(angle), np.zeros(60)], axis=1)
-    assert staying(circle, 0, 59) == (0, 0)
+    assert longest_still_span(circle, 0, 59) == (0, 0)

@@ -12,7 +12,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.quality.report import BLOCKED_BY_CORRECTIONS, BLOCKED_BY_NOTHING, fully_active, report_of
 from studio.core.rotations import from_matrix, from_rotation_vector, to_matrix, to_rotation_vector
-from studio.core.solver.adapt import adapt, grounded, place_of
+from studio.core.solver.adapt import adapt, body_point_positions, grounded_motion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.correction import Correction, KeyedPoses, PoseOffsets, range_around
 from tests.builders import make_morphology
@@ -48,7 +48,7 @@ def test_an_elbow_turns_by_what_its_key_says_and_nothing_else_moves(body: Morpho
         from_matrix(local(plain, BodyPart.LEFT_FOREARM).transpose(0, 2, 1) @ local(posed, BodyPart.LEFT_FOREARM))
     )
     np.testing.assert_allclose(turn, RANGE.at(times)[:, None] * [0.5, 0.0, 0.0], atol=1e-7)
-    hand = {body.layout.wrist(0), body.layout.wrist(0) + 1}
+    hand = {body.layout.wrist_point(0), body.layout.wrist_point(0) + 1}
     rest = [point for point in range(body.layout.point_count) if point not in hand]
     np.testing.assert_allclose(posed.positions[:, rest], plain.positions[:, rest], atol=1e-6)
 
@@ -69,7 +69,7 @@ def test_planted_feet_stay_under_moved_hips_and_turned_legs(hips: tuple) -> None
         for contact in CONTACTS:
             if contact.point.value.startswith(name):
                 stands[contact.first : contact.last + 1] = True
-        off = posed.positions[:, BODY.layout.ankle(side)] - plain.positions[:, BODY.layout.ankle(side)]
+        off = posed.positions[:, BODY.layout.ankle_point(side)] - plain.positions[:, BODY.layout.ankle_point(side)]
         assert np.linalg.norm(off[stands], axis=1).max() < 1e-4
     assert np.linalg.norm(posed.positions[66, 0] - plain.positions[66, 0]) > 0.02 or hips[2] > 0.0
 
@@ -77,7 +77,7 @@ def test_planted_feet_stay_under_moved_hips_and_turned_legs(hips: tuple) -> None
 def test_a_leg_in_the_air_goes_with_its_correction_without_a_jump() -> None:
     posed = adapt(request(correction(((BodyPart.LEFT_THIGH, (0.4, 0.0, 0.0)),), time=1.1)))
     plain = adapt(request())
-    ankle = BODY.layout.ankle(0)
+    ankle = BODY.layout.ankle_point(0)
     off = posed.positions[:, ankle] - plain.positions[:, ankle]
     assert np.linalg.norm(off, axis=1).max() > 0.05
     assert np.linalg.norm(np.diff(off, 2, axis=0), axis=1).max() < 0.02
@@ -89,7 +89,7 @@ def test_a_leg_in_the_air_goes_with_its_correction_without_a_jump() -> None:
 def wrist_target() -> PositionConstraint:
     plain = adapt(request())
     wrist = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
-    target = tuple((place_of(wrist, plain)[66] + [0.05, 0.0, 0.05]).tolist())
+    target = tuple((body_point_positions(wrist, plain)[66] + [0.05, 0.0, 0.05]).tolist())
     return PositionConstraint("m", "Wrist", wrist, Chain(), 0, ActivationCurve(0.9, 1.05, 1.15, 1.3), target=target)
 
 
@@ -98,7 +98,7 @@ def test_below_the_constraints_these_hold_exactly_and_above_them_the_report_says
     below = adapt(request(correction(turns), constraints=asked))
     above = adapt(request(correction(turns, above=True), constraints=asked))
     assert below.residuals[0, 66] < 1e-4
-    wrist = np.linalg.norm(place_of(asked[0].point, above)[66] - np.array(asked[0].target))
+    wrist = np.linalg.norm(body_point_positions(asked[0].point, above)[66] - np.array(asked[0].target))
     assert above.residuals[0, 66] == pytest.approx(wrist, abs=1e-9)
     assert wrist > 0.02
     before = adapt(request(constraints=asked))
@@ -113,12 +113,12 @@ def test_a_correction_above_a_constraint_is_named_where_it_keeps_the_constraint_
     turns = ((BodyPart.LEFT_UPPER_ARM, (0.0, 0.4, 0.0)),)
     asked = replace(request(correction(turns, above=True), constraints=(wrist_target(),)), eased=True)
     adapted = adapt(asked)
-    report = report_of(grounded(asked), asked, adapted)
+    report = report_of(grounded_motion(asked), asked, adapted)
     missed = np.flatnonzero(fully_active(asked.constraints, asked.motion.times)[0] & (report.misses[0] > 2e-4))
     assert len(missed) > 3
     assert set(report.winners[0, missed].tolist()) == {BLOCKED_BY_CORRECTIONS}
     without = replace(asked, corrections=())
-    assert report_of(grounded(without), without, adapt(without)).winners.max() == BLOCKED_BY_NOTHING
+    assert report_of(grounded_motion(without), without, adapt(without)).winners.max() == BLOCKED_BY_NOTHING
 
 
 def test_a_window_is_corrected_as_the_whole_clip_is() -> None:
@@ -146,10 +146,10 @@ def test_a_correction_mirrored_twice_is_itself_and_mirrors_the_pose() -> None:
     own = replace(correction(turns, (0.0, 0.02, -0.05)), name="Left arm")
     assert own.mirrored().name == "Right arm"
     assert own.mirrored().mirrored() == own
-    from studio.core.normalized.mirror import mirrored, mirrored_contacts
+    from studio.core.normalized.mirror import mirrored_contacts, mirrored_motion
 
     posed = adapt(request(own))
-    other = adapt(AdaptRequest(mirrored(WALK), BODY, mirrored_contacts(CONTACTS), corrections=(own.mirrored(),)))
+    other = adapt(AdaptRequest(mirrored_motion(WALK), BODY, mirrored_contacts(CONTACTS), corrections=(own.mirrored(),)))
     swap = [BODY.layout.point_names().index(_other(name)) for name in BODY.layout.point_names()]
     np.testing.assert_allclose(other.positions, posed.positions[:, swap] * [1.0, -1.0, 1.0], atol=2e-3)
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from studio.cli.bench_cases import clip_of, make_tasks
 from studio.core.body.canonical import BodyPart
-from studio.core.body.joint_limits import limits_of
+from studio.core.body.joint_limits import limb_limit_records
 from studio.core.body.rest_pose import rest_pose
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.clear import ClearConstraint
@@ -22,14 +22,14 @@ from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration, contact_quality
 from studio.core.quality.report import BLOCKED_BY_SMOOTHING, report_of
 from studio.core.rotations import angle_between, from_matrix
-from studio.core.solver.adapt import adapt, hold, place_of
+from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
 from studio.core.solver.asking.packing import pack_tasks
 from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.asking.tracks import Targets, Track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
 from studio.core.solver.smoothing.target_motion import target_accelerations
-from studio.core.solver.solved_window import BOUND, SolvedWindow
+from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow
 from studio.core.solver.standing.stand import Standing, stand
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
@@ -53,7 +53,7 @@ def _peak(adapted: AdaptedMotion) -> float:
 def _past(standing: Standing, *changes: object) -> Constraint:
     """A wrist that is to stay where it is in the middle of the walk: before and after it is far out of reach."""
     middle = standing.motion.frame_count // 2
-    place = place_of(WRIST, hold(standing, ()))[middle] + [0.0, -0.1, 0.2]
+    place = body_point_positions(WRIST, solve_constraints(standing, ()))[middle] + [0.0, -0.1, 0.2]
     return target("right_forearm", place, Chain(trunk=1.0, root=1.0), **dict(changes))
 
 
@@ -62,7 +62,7 @@ def test_what_does_not_jolt_is_as_if_nothing_could_be_eased() -> None:
     for seed in range(10):
         wishes = Wishes(BEFORE[seed % 5], seed, 1)
         asked = (STANDING[seed % 5], wishes.constraints)
-        plain, eased = (hold(*asked, tracks=wishes.tracks, eased=e) for e in (False, True))
+        plain, eased = (solve_constraints(*asked, tracks=wishes.tracks, eased=e) for e in (False, True))
         same.append(np.array_equal(plain.rotations, eased.rotations))
     assert sum(same) >= 5
 
@@ -70,7 +70,9 @@ def test_what_does_not_jolt_is_as_if_nothing_could_be_eased() -> None:
 @pytest.mark.parametrize(("seed", "count"), KINDS_THAT_JOLT)
 def test_feet_that_stand_stay_where_they_are_and_joints_do_not_jolt(seed: int, count: int) -> None:
     wishes = Wishes(BEFORE[seed % 5], seed, count)
-    plain, eased = (hold(STANDING[seed % 5], wishes.constraints, tracks=wishes.tracks, eased=e) for e in (False, True))
+    plain, eased = (
+        solve_constraints(STANDING[seed % 5], wishes.constraints, tracks=wishes.tracks, eased=e) for e in (False, True)
+    )
     allowed = 3.0 * (max(QUIET_PEAK, _peak(BEFORE[seed % 5])) + wishes.brings)
     assert _peak(plain) > allowed > _peak(eased)
     assert contact_quality(eased, CONTACTS, Ground()).slide < 2e-4
@@ -82,7 +84,9 @@ def test_what_is_eased_below_takes_nothing_from_what_stands_above(seed: int) -> 
     standing, before = STANDING[seed % 5], BEFORE[seed % 5]
     wishes = Wishes(before, seed, 3)
     ordered = tuple(replace(each, priority=k) for k, each in enumerate(wishes.constraints))
-    residuals = [hold(standing, ordered[: 1 + k], tracks=wishes.tracks, eased=True).residuals for k in range(3)]
+    residuals = [
+        solve_constraints(standing, ordered[: 1 + k], tracks=wishes.tracks, eased=True).residuals for k in range(3)
+    ]
     for k in range(2):
         worse = residuals[k + 1][: k + 1] - residuals[k]
         assert worse.max() < 2.5e-4
@@ -91,7 +95,7 @@ def test_what_is_eased_below_takes_nothing_from_what_stands_above(seed: int) -> 
 def test_any_window_is_as_the_whole_clip() -> None:
     standing = stand(LONG, WOMAN, LONG_CONTACTS, Ground())
     wish = _past(standing)
-    plain, whole = (hold(standing, (wish,), eased=e) for e in (False, True))
+    plain, whole = (solve_constraints(standing, (wish,), eased=e) for e in (False, True))
     eased = np.flatnonzero(np.abs(whole.positions - plain.positions).max(axis=(1, 2)) > 1e-4)
     assert len(eased) > 20
     for first, last in (
@@ -100,7 +104,7 @@ def test_any_window_is_as_the_whole_clip() -> None:
         (0, 4),
         (590, 599),
     ):
-        window = hold(standing, (wish,), first, last, eased=True)
+        window = solve_constraints(standing, (wish,), first, last, eased=True)
         assert window.rotations == pytest.approx(whole.rotations[first : last + 1], abs=1e-12)
         assert window.residuals == pytest.approx(whole.residuals[:, first : last + 1], abs=1e-12, nan_ok=True)
 
@@ -108,12 +112,12 @@ def test_any_window_is_as_the_whole_clip() -> None:
 def test_frames_jolt_as_much_when_they_are_solved_as_when_they_are_eased() -> None:
     wishes = Wishes(BEFORE[4], 24, 3)
     activations = constraint_activations(wishes.constraints, STANDING[4])
-    window = SolvedWindow(STANDING[4], wishes.constraints, activations, wishes.tracks, BOUND, slice(0, 90))
+    window = SolvedWindow(STANDING[4], wishes.constraints, activations, wishes.tracks, ALL_LIMITS, slice(0, 90))
     window.solve()
     assert window.may_exceed_peaks
     solve, layout = window.whole, BEFORE[4].morphology.layout
-    turns = LimbCoordinates(layout, STANDING[4].rotations, limits_of(BODIES[4])).turns_of(
-        window.answer(slice(0, 90))[1]
+    turns = LimbCoordinates(layout, STANDING[4].rotations, limb_limit_records(BODIES[4])).joint_rotations(
+        window.solution(slice(0, 90))[1]
     )
     measured = solve.peaks_of(solve.states, turns)
     looked = solve.sharp[:, 2] > 0.0  # others turn so little that nobody looked
@@ -126,7 +130,10 @@ def test_frames_jolt_as_much_when_they_are_solved_as_when_they_are_eased() -> No
 def test_nothing_is_eased_where_nothing_acts() -> None:
     standing = stand(LONG, WOMAN, LONG_CONTACTS, Ground())
     acts = ActivationCurve(3.0, 3.3, 8.0, 8.3)
-    solved, before = hold(standing, (_past(standing, ("activation", acts)),), eased=True), hold(standing, ())
+    solved, before = (
+        solve_constraints(standing, (_past(standing, ("activation", acts)),), eased=True),
+        solve_constraints(standing, ()),
+    )
     times = np.arange(LONG.frame_count) / LONG.frame_rate
     beyond = (times <= 3.0) | (times >= 8.3)
     assert np.array_equal(solved.rotations[beyond], before.rotations[beyond])
@@ -135,10 +142,10 @@ def test_nothing_is_eased_where_nothing_acts() -> None:
 def test_joints_stay_within_their_limits_while_they_are_eased() -> None:
     for seed, count in KINDS_THAT_JOLT:
         wishes, before = Wishes(BEFORE[seed % 5], seed, count), BEFORE[seed % 5]
-        eased = hold(STANDING[seed % 5], wishes.constraints, tracks=wishes.tracks, eased=True)
-        charts = LimbCoordinates(before.morphology.layout, before.rotations, limits_of(before.morphology))
-        turns = charts.turns_of(eased.rotations)
-        kept = charts.turns(charts.within(charts.values(turns)))
+        eased = solve_constraints(STANDING[seed % 5], wishes.constraints, tracks=wishes.tracks, eased=True)
+        charts = LimbCoordinates(before.morphology.layout, before.rotations, limb_limit_records(before.morphology))
+        turns = charts.joint_rotations(eased.rotations)
+        kept = charts.turns(charts.clamped_to_limits(charts.values(turns)))
         arms = np.r_[0:3, 4:7]
         assert angle_between(from_matrix(turns), from_matrix(kept))[:, arms].max() < 0.02
 
@@ -147,9 +154,9 @@ def test_a_body_with_free_joints_and_one_that_keeps_clear_of_itself_are_eased_to
     wishes = Wishes(BEFORE[4], 14, 2)
     allowed = 3.0 * (max(QUIET_PEAK, _peak(BEFORE[4])) + wishes.brings)
     free = replace(STANDING[4], limited=False)
-    assert _peak(hold(free, wishes.constraints, tracks=wishes.tracks, eased=True)) < allowed
+    assert _peak(solve_constraints(free, wishes.constraints, tracks=wishes.tracks, eased=True)) < allowed
     clear = ClearConstraint("motion", "Clear", BodyPoint(BodyPart.THORAX), Chain(), 3, ActivationCurve(0, 0, 9, 9))
-    solved = hold(STANDING[4], (*wishes.constraints, clear), tracks=wishes.tracks, eased=True)
+    solved = solve_constraints(STANDING[4], (*wishes.constraints, clear), tracks=wishes.tracks, eased=True)
     assert np.isfinite(solved.positions).all()
     assert len(solved.residuals) == 3
 
@@ -159,7 +166,7 @@ def test_a_report_says_what_was_missed_for_easing() -> None:
         LONG, WOMAN, LONG_CONTACTS, (_past(stand(LONG, WOMAN, LONG_CONTACTS, Ground())),), eased=True
     )
     standing = stand(LONG, WOMAN, LONG_CONTACTS, Ground())
-    adapted = hold(standing, request.constraints, eased=True)
+    adapted = solve_constraints(standing, request.constraints, eased=True)
     assert (report_of(standing, request, adapted).winners == BLOCKED_BY_SMOOTHING).any()
 
 
@@ -169,8 +176,8 @@ def test_charts_of_limbs_give_back_what_they_were_given(seed: int, limited: bool
     random = np.random.default_rng(seed)
     layout = WOMAN.layout
     rotations = random_rotations(random, 3, layout.segment_count)
-    charts = LimbCoordinates(layout, rotations, limits_of(WOMAN)[: 4 * limited])
-    turns = charts.turns_of(rotations)
+    charts = LimbCoordinates(layout, rotations, limb_limit_records(WOMAN)[: 4 * limited])
+    turns = charts.joint_rotations(rotations)
     assert charts.turns(charts.values(turns)) == pytest.approx(turns, abs=1e-7)
 
 
@@ -184,7 +191,7 @@ def test_a_wish_that_sways_brings_what_a_lever_needs_to_follow_it(hertz: float, 
     follow = FollowTracked("sway")
     targets = Targets(
         times,
-        {follow: Track(positions[:, WOMAN.layout.wrist(1)] + way, np.eye(3)[None])},
+        {follow: Track(positions[:, WOMAN.layout.wrist_point(1)] + way, np.eye(3)[None])},
         lambda: way,
         WOMAN.leg_length,
     )
@@ -203,7 +210,7 @@ def test_a_ramp_brings_as_much_as_the_angle_that_it_fades_in(metres: float) -> N
     rate, count = 120.0, 240
     times, still = np.arange(count) / rate, rest_pose(WOMAN)
     positions, rotations = (np.broadcast_to(each, (count, *each.shape)) for each in still)
-    place = still[0][WOMAN.layout.wrist(1)] + [metres, 0.0, 0.0]
+    place = still[0][WOMAN.layout.wrist_point(1)] + [metres, 0.0, 0.0]
     targets = Targets(times, {}, lambda: positions[:, 0], WOMAN.leg_length)
     rows = pack_tasks([target("right_forearm", tuple(place))], WOMAN.layout, targets)
     ramp = ActivationCurve(0.5, 0.8, 1.2, 1.5).at(times)

@@ -9,7 +9,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.curves.activation import ActivationCurve
-from studio.core.solver.adapt import adapt, place_of
+from studio.core.solver.adapt import adapt, body_point_positions
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.project.character_file import bundled_characters
 from tests.core.motions import ALWAYS, RATE, local_rotations, target, walk
@@ -30,7 +30,7 @@ def _solved(*constraints: Constraint) -> AdaptedMotion:
 
 
 BEFORE = _solved()
-SHOULDER = np.median(BEFORE.positions[30:60, WOMAN.layout.collar(1) + 1], axis=0)
+SHOULDER = np.median(BEFORE.positions[30:60, WOMAN.layout.collar_point(1) + 1], axis=0)
 BEHIND, FAR = SHOULDER + np.array([-0.2, 0.1, 0.3]), SHOULDER + np.array([1.5, -0.3, 0.2])
 
 
@@ -57,7 +57,7 @@ def test_every_joint_goes_the_part_of_its_way_that_its_activation_says(place: np
 
 @pytest.mark.parametrize("priority", [1, 2], ids=["beside", "below"])
 def test_what_is_wholly_active_holds_while_others_come_and_go(priority: int) -> None:
-    wrist = np.median(place_of(BodyPoint(BodyPart.LEFT_FOREARM, at_end=True), BEFORE)[20:70], axis=0)
+    wrist = np.median(body_point_positions(BodyPoint(BodyPart.LEFT_FOREARM, at_end=True), BEFORE)[20:70], axis=0)
     balance = BalanceConstraint("motion", "Balance", BodyPoint(BodyPart.PELVIS), Chain(0, 0, 0, 1, 1), 0, ALWAYS)
     near = target(BodyPart.LEFT_FOREARM, wrist + np.array([0.0, 0.0, 0.1]), WHOLE, 1)
     far = target(BodyPart.RIGHT_FOREARM, FAR, WHOLE, priority, activation=EDGES)
@@ -84,14 +84,14 @@ def test_what_is_out_of_reach_stays_as_far_off_whatever_acts_below(acts: str, li
         for priority, number in enumerate(random.permutation(4).tolist()):
             part = (BodyPart.RIGHT_FOREARM, BodyPart.LEFT_FOREARM, BodyPart.HEAD, BodyPart.RIGHT_UPPER_ARM)[number]
             way = random.normal(size=3)
-            place = place_of(BodyPoint(part, at_end=True), BEFORE)[45] + 0.5 * way / np.linalg.norm(way)
+            place = body_point_positions(BodyPoint(part, at_end=True), BEFORE)[45] + 0.5 * way / np.linalg.norm(way)
             wishes.append(target(part, place, (Chain(), TRUNK, WHOLE)[random.integers(3)], priority))
             wishes[-1] = replace(wishes[-1], activation=(first_acts, ALWAYS, EDGES, LATER)[priority])
         above = solved(*wishes[:2])
         for count in (3, 4):
             for wish in wishes[:2]:
                 first, second = (
-                    np.linalg.norm(place_of(wish.point, each) - np.array(wish.target), axis=1)
+                    np.linalg.norm(body_point_positions(wish.point, each) - np.array(wish.target), axis=1)
                     for each in (above, solved(*wishes[:count]))
                 )
                 whole = wish.activation.at(times) >= 1.0

@@ -14,7 +14,7 @@ from studio.core.kernels.records import LegTargets, Pose
 from studio.core.kernels.solve_clip import place_frames
 from studio.core.kernels.support.foot_anchoring import anchor_ankles
 from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.solver.standing.blends import release_weight, smooth_drops
 from studio.core.solver.standing.footing import find_footing, foot_states, leg_soft_thresholds, root_follow
 from tests.builders import make_morphology
@@ -25,7 +25,7 @@ seeds = st.integers(0, 2**32 - 1)
 drops = arrays(np.float64, st.integers(1, 80), elements=st.floats(-0.2, 0.5))
 BODY = make_morphology(leg_scale=1.1)
 WALK, CONTACTS = walk(120)
-POSITIONS, _ = realize(WALK, BODY)
+POSITIONS, _ = realize_motion(WALK, BODY)
 
 
 @given(drops, st.sampled_from([24.0, 60.0, 120.0]))
@@ -112,7 +112,7 @@ class _Leg:
         self.before = self.positions.copy(), self.rotations.copy()
         ours = (np.stack([each] * 2) for each in (self.comfort, self.ankle, self.foot, self.toe))
         place_leg(self.side, BODY.packed, LegTargets(self.row, *ours), Pose(self.positions, self.rotations))
-        first, upper = BODY.layout.hip(self.side), BODY.layout.spine_count + 10 + 4 * self.side
+        first, upper = BODY.layout.hip_point(self.side), BODY.layout.spine_count + 10 + 4 * self.side
         self.points, self.segments = slice(first, first + 5), slice(upper, upper + 4)
 
 
@@ -133,20 +133,20 @@ def test_a_leg_is_placed_as_its_twin_and_nothing_else_moves(seed: int) -> None:
 @given(seeds)
 def test_an_ankle_within_comfort_is_met(seed: int) -> None:
     leg = _Leg(seed, (0.3, 0.95))
-    assert np.allclose(leg.positions[BODY.layout.ankle(leg.side)], leg.ankle, atol=1e-12)
+    assert np.allclose(leg.positions[BODY.layout.ankle_point(leg.side)], leg.ankle, atol=1e-12)
 
 
 @given(seeds)
 def test_an_ankle_out_of_reach_is_neared_along_its_line(seed: int) -> None:
     leg = _Leg(seed, (1.0, 3.0))
-    stretched = leg.positions[BODY.layout.ankle(leg.side)] - leg.hip
+    stretched = leg.positions[BODY.layout.ankle_point(leg.side)] - leg.hip
     assert np.allclose(np.cross(stretched, leg.direction), 0.0, atol=1e-12)
     assert leg.comfort * leg.length < np.linalg.norm(stretched) <= leg.length + 1e-12
 
 
 def test_a_clip_is_placed_frame_by_frame() -> None:
     """``place_frames`` lowers every root and then puts both legs on their ankles."""
-    positions, rotations = realize(WALK, BODY)
+    positions, rotations = realize_motion(WALK, BODY)
     footing = find_footing(WALK, BODY, CONTACTS, Ground(), positions, rotations)
     placed, turned = positions.copy(), rotations.copy()
     stance = (footing.soft_thresholds, footing.ankles, footing.feet, footing.toes)
@@ -157,7 +157,7 @@ def test_a_clip_is_placed_frame_by_frame() -> None:
         for side in range(2):
             each = twin.Stance(*(array[side, frame] for array in stance))
             points, _ = twin.place_leg(WALK.channels[frame], BODY, side, each, root, rotations[frame, 0])
-            assert np.allclose(placed[frame, BODY.layout.hip(side) :][:5], points, atol=1e-9)
+            assert np.allclose(placed[frame, BODY.layout.hip_point(side) :][:5], points, atol=1e-9)
     above = positions[:, BODY.layout.neck_base] - placed[:, BODY.layout.neck_base]
     assert np.allclose(above[:, 2], footing.drops)
 
@@ -179,7 +179,7 @@ def test_a_body_goes_along_with_the_one_foot_that_stands() -> None:
 def test_hips_over_two_flat_feet_go_where_legs_that_lean_keep_their_lengths(nearer: float, higher: float) -> None:
     """Beside the middle between what both ask, where a foot set down 2 cm too high bends the straight leg over it."""
     positions = np.repeat(POSITIONS[:1], 60, axis=0)
-    ankles, hips = ([row(side) for side in range(2)] for row in (BODY.layout.ankle, BODY.layout.hip))
+    ankles, hips = ([row(side) for side in range(2)] for row in (BODY.layout.ankle_point, BODY.layout.hip_point))
     off, legs = np.zeros((2, 60, 3)), positions[:, ankles] - positions[:, hips]
     legs[:, :, 1] = [0.3, -0.3]
     positions[:, ankles] = positions[:, hips] + legs

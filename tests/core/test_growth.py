@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.body.growth import KeyedProportions, grown
+from studio.core.body.growth import KeyedProportions, animated_morphology
 from studio.core.body.morphology import AnimatedMorphology, Proportions
 from studio.core.errors import StudioError
 from studio.core.mesh.character import Character
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import perform
+from studio.core.solver.performers.performing import adapt_performers
 from studio.document.document import Document
 from studio.io.project.character_file import bundled_characters, read_character, write_character
 from studio.io.project.entity_json import entity_of, entity_record
@@ -26,7 +26,7 @@ GROWING = replace(CHILD, proportions=KEYS)
 
 @given(st.integers(0, 1), st.sampled_from([30.0, 60.0]))
 def test_at_a_key_the_body_is_as_the_key_says(key: int, rate: float) -> None:
-    body = grown(CHILD.build, KEYS, 0.0, rate, round(4 * rate))
+    body = animated_morphology(CHILD.build, KEYS, 0.0, rate, round(4 * rate))
     assert np.allclose(body.rows[round(KEYS.times[key] * rate)], KEYS.values[key].applied_to(CHILD.build).packed)
 
 
@@ -55,11 +55,11 @@ def test_a_body_that_grows_is_solved_as_such_on_the_stage() -> None:
     [(key, character)] = project.characters.items()
     growing = replace(character, proportions=KeyedProportions((0.0, 1.0), (Proportions(), Proportions(stature=1.4))))
     project = project.with_entity("characters", key, growing)
-    from studio.jobs.performances import prepared
+    from studio.jobs.performances import prepared_capture
 
-    [made] = perform(project, project.performers, prepared, adapt).performances.values()
+    [made] = adapt_performers(project, project.performers, prepared_capture, adapt).performances.values()
     lengths = np.linalg.norm(
-        np.diff(made.adapted.positions[:, made.adapted.morphology.layout.hip(0) :][:, :2], axis=1), axis=2
+        np.diff(made.adapted.positions[:, made.adapted.morphology.layout.hip_point(0) :][:, :2], axis=1), axis=2
     )
     assert lengths[-1] / lengths[0] == pytest.approx(1.4)
     assert made.adapted.morphology_at(100).stature == pytest.approx(1.4 * growing.morphology.stature)

@@ -28,7 +28,7 @@ def _candidates(skeleton: Skeleton, more: Mapping[str, list[str]] | None = None)
 
 def test_a_plain_body_is_found_whole() -> None:
     skeleton = make_skeleton()
-    match = BodySearch(skeleton, _standing(skeleton)).match(_candidates(skeleton))
+    match = BodySearch(skeleton, _standing(skeleton)).best_match(_candidates(skeleton))
     assert match.body_map is not None
     assert match.body_map.to_json(skeleton) == BODY_MAP
 
@@ -39,7 +39,7 @@ def test_a_joint_in_the_shoulder_itself_is_no_clavicle() -> None:
     offsets = np.array(skeleton.offsets)
     offsets[skeleton.index("RightArm")] *= 1e-6
     one_place = Skeleton(skeleton.names, skeleton.parents, offsets, skeleton.end_sites)
-    match = BodySearch(one_place, _standing(one_place)).match(_candidates(one_place))
+    match = BodySearch(one_place, _standing(one_place)).best_match(_candidates(one_place))
     assert match.body_map is not None
     assert BodyPart.RIGHT_CLAVICLE not in match.body_map.parts
     assert BodyPart.LEFT_CLAVICLE in match.body_map.parts
@@ -55,7 +55,7 @@ def test_a_body_map_survives_json() -> None:
 def test_a_joint_above_the_one_it_should_hang_from_is_not_taken() -> None:
     skeleton = make_skeleton()
     wrong = _candidates(skeleton, {"left_foot": ["LeftUpLeg"], "left_hand": ["LeftShoulder"]})
-    match = BodySearch(skeleton, _standing(skeleton)).match(wrong)
+    match = BodySearch(skeleton, _standing(skeleton)).best_match(wrong)
     assert match.body_map is not None
     assert match.body_map.to_json(skeleton) == BODY_MAP
 
@@ -64,7 +64,7 @@ def test_a_candidate_whose_bone_changes_length_is_not_taken() -> None:
     skeleton = make_skeleton()
     positions = _standing(skeleton)
     positions[:, skeleton.index("LeftToeBase")] *= np.linspace(1.0, 1.3, len(positions))[:, None]
-    match = BodySearch(skeleton, positions).match(_candidates(skeleton, {"left_foot": ["LeftToeBase"]}))
+    match = BodySearch(skeleton, positions).best_match(_candidates(skeleton, {"left_foot": ["LeftToeBase"]}))
     assert match.body_map is not None
     assert skeleton.names[match.body_map[BodyPart.LEFT_FOOT]] == "LeftFoot"
 
@@ -72,7 +72,7 @@ def test_a_candidate_whose_bone_changes_length_is_not_taken() -> None:
 def test_a_candidate_unlike_the_other_side_is_not_taken() -> None:
     skeleton = make_skeleton()
     uneven = _candidates(skeleton, {"right_hand": ["RightHandEnd"]})
-    match = BodySearch(skeleton, _standing(skeleton)).match(uneven)
+    match = BodySearch(skeleton, _standing(skeleton)).best_match(uneven)
     assert match.body_map is not None
     assert skeleton.names[match.body_map[BodyPart.RIGHT_HAND]] == "RightHand"
 
@@ -80,7 +80,7 @@ def test_a_candidate_unlike_the_other_side_is_not_taken() -> None:
 def test_a_missing_limb_is_named() -> None:
     skeleton = make_skeleton()
     candidates = _candidates(skeleton) | {BodyPart.LEFT_SHANK: []}
-    match = BodySearch(skeleton, _standing(skeleton)).match(candidates)
+    match = BodySearch(skeleton, _standing(skeleton)).best_match(candidates)
     assert match.body_map is None
     assert "left leg" in match.missing
 

@@ -7,13 +7,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from studio.core.body.canonical import BodyPart
-from studio.core.body.joint_limits import HIP, SHOULDER, BallLimit, limits_of
+from studio.core.body.joint_limits import HIP, SHOULDER, BallLimit, limb_limit_records
 from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.position import PositionConstraint
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.quality.report import BLOCKED_BY_LIMITS, winners
+from studio.core.quality.report import BLOCKED_BY_LIMITS, blocking_constraints
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import standing_of
@@ -55,7 +55,7 @@ def _bends(upper: np.ndarray, lower: np.ndarray) -> np.ndarray:
 def _beyond(adapted: AdaptedMotion, before: AdaptedMotion, limbs: set[int]) -> float:
     """Radians by which joints of ``limbs`` go further than their limits, or than the motion ``before``, in radians."""
     body, k, worst = adapted.morphology, adapted.morphology.layout.spine_count, -np.inf
-    limits = limits_of(body)
+    limits = limb_limit_records(body)
     for limb in limbs:
         upper = k + (3 if limb < 2 else 10) + 4 * (limb % 2)
         carrier = upper - 1 if limb < 2 else 0
@@ -105,7 +105,7 @@ def test_targets_all_about_the_shoulders_and_hips_keep_limbs_within(body: Morpho
 def test_what_is_well_within_is_as_without_limits_to_the_bit(body: Morphology) -> None:
     standing = adapt_again(AdaptRequest(WALK, body, CONTACTS))
     assert np.array_equal(standing.rotations, adapt_again(AdaptRequest(WALK, body, CONTACTS, limited=False)).rotations)
-    place = standing.positions[30, body.layout.collar(0) + 1] + body.stature * np.array([0.2, 0.02, -0.05])
+    place = standing.positions[30, body.layout.collar_point(0) + 1] + body.stature * np.array([0.2, 0.02, -0.05])
     request = AdaptRequest(WALK, body, CONTACTS, (target("left_forearm", place, ARM),))
     free = replace(request, limited=False)
     assert np.array_equal(adapt_again(request, 30, 30).rotations, adapt_again(free, 30, 30).rotations)
@@ -113,19 +113,19 @@ def test_what_is_well_within_is_as_without_limits_to_the_bit(body: Morphology) -
 
 def test_what_a_person_cannot_reach_is_missed_unless_the_trunk_helps_and_the_limits_are_named() -> None:
     before = adapt_again(AdaptRequest(WALK, WOMAN, CONTACTS), 30, 30)
-    place = before.positions[0, WOMAN.layout.collar(0) + 1] + [0.1, -0.5, 0.2]
+    place = before.positions[0, WOMAN.layout.collar_point(0) + 1] + [0.1, -0.5, 0.2]
     alone = AdaptRequest(WALK, WOMAN, CONTACTS, (target("left_forearm", place, ARM),))
     adapted = adapt_again(alone, 30, 30)
     assert adapted.residuals[0, 0] > 0.1
     assert adapt_again(replace(alone, limited=False), 30, 30).residuals[0, 0] < 0.05
-    assert winners(standing_of(alone), alone.constraints, {}, adapted)[0, 0] == BLOCKED_BY_LIMITS
+    assert blocking_constraints(standing_of(alone), alone.constraints, {}, adapted)[0, 0] == BLOCKED_BY_LIMITS
     helped = replace(alone, constraints=(target("left_forearm", place, Chain(trunk=1.0, root=1.0)),))
     assert adapt_again(helped, 30, 30).residuals[0, 0] < 1e-3
 
 
 def test_a_limb_swivels_back_before_it_gives_up_its_target() -> None:
     before = adapt_again(AdaptRequest(WALK, WOMAN, CONTACTS), 30, 30)
-    shoulder = before.positions[0, WOMAN.layout.collar(0) + 1]
+    shoulder = before.positions[0, WOMAN.layout.collar_point(0) + 1]
     for aside in ([-0.15, 0.26, -0.18], [-0.04, -0.33, -0.09], [0.08, -0.22, 0.31], [-0.32, 0.29, 0.16]):
         request = AdaptRequest(WALK, WOMAN, CONTACTS, (target("left_forearm", shoulder + aside, ARM),))
         free, limited = adapt_again(replace(request, limited=False), 30, 30), adapt_again(request, 30, 30)
@@ -138,7 +138,7 @@ def _beyond_the_arm(body: Morphology, random: np.random.Generator) -> np.ndarray
     before, k, row = (
         adapt_again(AdaptRequest(WALK, body, CONTACTS), 30, 30),
         body.layout.spine_count,
-        limits_of(body)[0],
+        limb_limit_records(body)[0],
     )
     doll = Mannequin(before, 0, random)
     for vertebra in range(1, k):
@@ -175,7 +175,7 @@ def _circling(axis: int) -> tuple[FollowTracked, Track]:
     before = adapt_again(AdaptRequest(LONG, WOMAN, LONG_CONTACTS))
     angles = 2 * np.pi * np.arange(before.frame_count) / (3 * RATE)
     circle = np.insert(np.stack([np.cos(angles), np.sin(angles)], axis=1), axis, 0.25, axis=1)
-    places = before.positions[:, WOMAN.layout.collar(0) + 1] + 0.4 * circle
+    places = before.positions[:, WOMAN.layout.collar_point(0) + 1] + 0.4 * circle
     return FollowTracked("circle"), Track(places, np.eye(3)[None])
 
 
@@ -239,7 +239,7 @@ def test_what_nobody_can_lies_beyond(ball: BallLimit, start: np.ndarray, turns: 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_an_elbow_folds_as_far_as_an_elbow_does(body: Morphology) -> None:
     before = adapt_again(AdaptRequest(WALK, body), 30, 30)
-    k, place = body.layout.spine_count, before.positions[0, body.layout.collar(0) + 1] + [0.02, 0.0, 0.0]
+    k, place = body.layout.spine_count, before.positions[0, body.layout.collar_point(0) + 1] + [0.02, 0.0, 0.0]
     adapted = adapt_again(AdaptRequest(WALK, body, (), (target("left_forearm", place, ARM),)), 30, 30)
     bend = np.degrees(_bends(adapted.rotations[:, k + 3], adapted.rotations[:, k + 4])[0])
     assert 140.0 < bend < 150.0

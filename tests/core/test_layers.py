@@ -9,12 +9,12 @@ from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import layout as at
 from studio.core.normalized.compose import Composite, compose_pieces
-from studio.core.normalized.layers import PlayedLayer, columns_of, layered
+from studio.core.normalized.layers import PlayedLayer, columns_of, with_layers
 from studio.core.normalized.pieces import MotionPiece
-from studio.core.normalized.resample import Resampled
+from studio.core.normalized.resample import ResampledMotion
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import contact_quality
-from studio.core.solver.adapt import hold
+from studio.core.solver.adapt import solve_constraints
 from studio.core.stage.clip import Clip
 from studio.core.stage.layer import Layer, Region
 from tests.core.test_compose import EXAMPLES, PERMITTED, cut, example, local_accelerations, peaks, standing
@@ -33,7 +33,7 @@ def part(name: str, first: int, last: int, start: float) -> MotionPiece:
 
 
 def row_with(*overlays: PlayedLayer, row: str = "walk_turn") -> Composite:
-    return layered((example(row),), overlays)
+    return with_layers((example(row),), overlays)
 
 
 def test_regions_have_every_column_once_between_them() -> None:
@@ -81,7 +81,9 @@ def test_only_its_region_changes_and_only_while_it_plays(region: Region) -> None
     assert frames[0] > 60
     assert frames[-1] < 60 + 160
     middle = slice(60 + 30, 60 + 120)
-    own = Resampled(example("straight_punch").motion, example("walk_turn").motion.spine_places).at(np.arange(260.0))
+    own = ResampledMotion(example("straight_punch").motion, example("walk_turn").motion.spine_places).at(
+        np.arange(260.0)
+    )
     of_region = columns_of(region, plain.shape[1])
     if region.parts <= Region.UPPER_BODY.parts:
         np.testing.assert_array_equal(composite.motion.channels[middle][:, of_region], own[130:220][:, of_region])
@@ -126,7 +128,7 @@ def test_contacts_of_feet_are_the_rows_where_it_has_the_legs(region: Region, add
 
 def test_contacts_of_feet_are_the_layers_where_that_has_the_legs() -> None:
     kick = example("front_kick")
-    row = layered((example("straight_punch"),), (over(cut(kick, first=90, last=240, start=1.0), Region.LEGS),))
+    row = with_layers((example("straight_punch"),), (over(cut(kick, first=90, last=240, start=1.0), Region.LEGS),))
     for point in (each for each in ContactPoint if each.is_foot):
         for frame in range(125, 175):
             stands = [
@@ -139,7 +141,7 @@ def test_contacts_of_feet_are_the_layers_where_that_has_the_legs() -> None:
 def test_hands_that_touch_let_go_where_one_of_them_plays_something_else() -> None:
     clap = ContactInterval("", Touch.HANDS_TOGETHER, 0, 399)
     held = cut(example("walk_turn"), contacts=(*example("walk_turn").contacts, clap))
-    composite = layered((held,), (over(part("straight_punch", 0, 200, 1.0), Region.LEFT_ARM, fades=(0.2, 0.2)),))
+    composite = with_layers((held,), (over(part("straight_punch", 0, 200, 1.0), Region.LEFT_ARM, fades=(0.2, 0.2)),))
     spans = [(each.first, each.last) for each in composite.contacts if each.point is Touch.HANDS_TOGETHER]
     assert len(spans) == 2
     assert spans[0][1] < 75
@@ -152,7 +154,7 @@ def test_no_foot_slides_and_no_joint_jolts_where_a_layer_comes_and_goes(region: 
     base = "straight_punch" if region in (Region.LEGS, Region.WHOLE) else "walk_turn"
     composite = row_with(over(part(second, 60, 270, 1.0), region), row=base)
     stands = standing(composite)
-    quality = contact_quality(hold(stands, ()), composite.contacts, Ground())
+    quality = contact_quality(solve_constraints(stands, ()), composite.contacts, Ground())
     assert quality.slide < 1e-3
     assert quality.penetration < 1e-3
     usual = np.maximum(np.maximum(peaks(base), peaks(second)), QUIET_PEAK)

@@ -8,7 +8,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import sole_rows
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.grounds.ground import Ground
-from studio.core.solver.adapt import hold, place_of
+from studio.core.solver.adapt import body_point_positions, solve_constraints
 from studio.core.solver.asking.releasing import contact_release
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.held_foot import FootPath
@@ -28,9 +28,9 @@ def standing_on(body: str) -> Standing:
 def sole_heights(solved: AdaptedMotion, side: int) -> NDArray[np.float64]:
     layout = solved.morphology.layout
     foot = FootPath(
-        solved.positions[:, layout.ankle(side)],
-        solved.rotations[:, layout.foot(side)],
-        solved.rotations[:, layout.toes(side)],
+        solved.positions[:, layout.ankle_point(side)],
+        solved.rotations[:, layout.foot_segment(side)],
+        solved.rotations[:, layout.toe_segment(side)],
     )
     return np.asarray(heights_of(foot, sole_rows(solved.morphology, side), Ground()).min(axis=0))
 
@@ -39,28 +39,30 @@ def sole_heights(solved: AdaptedMotion, side: int) -> NDArray[np.float64]:
 @pytest.mark.parametrize("aside", [-0.1, 0.05])
 def test_a_foot_led_low_over_the_ground_stays_above_it_and_its_ankle_is_met(body: str, aside: float) -> None:
     standing = standing_on(body)
-    before, ankle = hold(standing, ()), BodyPoint(BodyPart.LEFT_SHANK, at_end=True)
-    path = place_of(ankle, before)
+    before, ankle = solve_constraints(standing, ()), BodyPoint(BodyPart.LEFT_SHANK, at_end=True)
+    path = body_point_positions(ankle, before)
     place = path[int(path[:, 2].argmax())] + [0.0, aside, 0.0]
     place[2] = 0.15 * standing.morphology.leg_length
     wanted = target("left_shank", place, Chain(), 0)
-    solved = hold(standing, (wanted,))
+    solved = solve_constraints(standing, (wanted,))
     lower = np.minimum(sole_heights(before, 0), 0.0) - sole_heights(solved, 0)
     assert lower.max() < 0.002
     released = contact_release((wanted,), standing)[0] == 1.0
     residuals = solved.residuals[0][released]
-    assert np.linalg.norm(place_of(ankle, solved) - place, axis=1)[released] == pytest.approx(residuals, abs=1e-6)
+    assert np.linalg.norm(body_point_positions(ankle, solved) - place, axis=1)[released] == pytest.approx(
+        residuals, abs=1e-6
+    )
     assert residuals.min() < 1e-4
 
 
 def test_a_hand_led_low_over_the_ground_bends_up_at_its_wrist() -> None:
     standing = standing_on("child")
     wrist = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
-    before = hold(standing, ())
-    place = place_of(wrist, before)[60]
+    before = solve_constraints(standing, ())
+    place = body_point_positions(wrist, before)[60]
     place[2] = 0.03
-    solved = hold(standing, (target("left_forearm", place, WHOLE_CHAIN, 0),))
-    tips = solved.positions[:, standing.morphology.layout.wrist(0) + 1, 2]
+    solved = solve_constraints(standing, (target("left_forearm", place, WHOLE_CHAIN, 0),))
+    tips = solved.positions[:, standing.morphology.layout.wrist_point(0) + 1, 2]
     met = solved.residuals[0] < 1e-3
     assert met.any()
     assert tips[met].min() > -0.001
@@ -69,9 +71,9 @@ def test_a_hand_led_low_over_the_ground_bends_up_at_its_wrist() -> None:
 def test_a_foot_with_a_target_of_its_own_below_the_ground_is_brought_to_the_ground() -> None:
     standing = standing_on("child")
     toes = BodyPoint(BodyPart.LEFT_TOE, at_end=True)
-    before = hold(standing, ())
-    frame = int(place_of(BodyPoint(BodyPart.LEFT_SHANK, at_end=True), before)[:, 2].argmax())
-    place = place_of(toes, before)[frame]
+    before = solve_constraints(standing, ())
+    frame = int(body_point_positions(BodyPoint(BodyPart.LEFT_SHANK, at_end=True), before)[:, 2].argmax())
+    place = body_point_positions(toes, before)[frame]
     place[2] = -0.03
-    solved = hold(standing, (target("left_toe", place, Chain(), 0),))
-    assert place_of(toes, solved)[frame] == pytest.approx([place[0], place[1], 0.0], abs=2e-4)
+    solved = solve_constraints(standing, (target("left_toe", place, Chain(), 0),))
+    assert body_point_positions(toes, solved)[frame] == pytest.approx([place[0], place[1], 0.0], abs=2e-4)

@@ -122,9 +122,9 @@ def test_bones_of_other_lengths_fold_no_nearer_than_they_can_and_never_snap_shut
 @given(st.floats(0.0, 1.0), st.floats(0.01, 0.45))
 def test_an_ankle_that_is_brought_too_near_stops_softly_and_stays_where_a_fold_has_it(share: float, apart: float):
     bones, step = (0.5 + 0.5 * apart, 0.5 - 0.5 * apart), 1e-6
-    reach = kernel.soft_least_reach(share, bones)
+    reach = kernel.soft_minimum_reach(share, bones)
     assert reach > apart
     assert reach >= share - 1e-12
-    assert -1e-9 <= kernel.soft_least_reach(share + step, bones) - reach <= step * (1.0 + 1e-6)
+    assert -1e-9 <= kernel.soft_minimum_reach(share + step, bones) - reach <= step * (1.0 + 1e-6)
     folded = kernel.soft_flexion(share, bones)
-    assert kernel.soft_least_reach(folded, bones) == pytest.approx(folded, abs=1e-12)
+    assert kernel.soft_minimum_reach(folded, bones) == pytest.approx(folded, abs=1e-12)

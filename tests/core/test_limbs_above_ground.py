@@ -14,7 +14,7 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import point_heights
 from studio.core.quality.report import BLOCKED_BY_GROUND, report_of
-from studio.core.solver.adapt import hold, place_of
+from studio.core.solver.adapt import body_point_positions, solve_constraints
 from studio.core.solver.asking.ground_limit import target_above_ground
 from studio.core.solver.asking.releasing import contact_release
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -39,7 +39,7 @@ def standing_on(body: str) -> Standing:
 
 def depths(solved: AdaptedMotion, standing: Standing) -> NDArray[np.float64]:
     """(F, N) metres of each point below the ground, or below where it was without constraints."""
-    before = point_heights(hold(standing, ()), standing.ground)
+    before = point_heights(solve_constraints(standing, ()), standing.ground)
     return np.minimum(before, 0.0) - point_heights(solved, standing.ground)
 
 
@@ -48,9 +48,13 @@ def depths(solved: AdaptedMotion, standing: Standing) -> NDArray[np.float64]:
 def test_a_limb_pulled_far_below_the_ground_stays_above_it(part: BodyPart, eased: bool) -> None:
     standing, frame = standing_on("giant"), 60
     now = frame / WALK.frame_rate
-    place = place_of(BodyPoint(part, at_end=True), hold(standing, ()))[frame] + [0.2, 0.1, -2.0]
+    place = body_point_positions(BodyPoint(part, at_end=True), solve_constraints(standing, ()))[frame] + [
+        0.2,
+        0.1,
+        -2.0,
+    ]
     times = ActivationCurve(now - 0.5, now - 0.2, now + 0.2, now + 0.5)
-    solved = hold(standing, (target(part, place, Chain(root=0.6), activation=times),), eased=eased)
+    solved = solve_constraints(standing, (target(part, place, Chain(root=0.6), activation=times),), eased=eased)
     assert depths(solved, standing).max() < DEEPEST
 
 
@@ -58,13 +62,16 @@ def test_a_limb_pulled_far_below_the_ground_stays_above_it(part: BodyPart, eased
 def test_a_target_below_the_ground_is_missed_by_what_it_is_below(body: str) -> None:
     standing = standing_on(body)
     point = BodyPoint(BodyPart.RIGHT_SHANK, at_end=True)
-    path, asked = place_of(point, hold(standing, ())), target("right_shank", (0.0, 0.0, 0.0), Chain())
+    path, asked = (
+        body_point_positions(point, solve_constraints(standing, ())),
+        target("right_shank", (0.0, 0.0, 0.0), Chain()),
+    )
     frame = int(np.where(contact_release((asked,), standing)[0] == 1.0, path[:, 2], 0.0).argmax())
     place = path[frame] * [1.0, 1.0, 0.0] - [0.0, 0.0, 0.05]
     asked = replace(asked, target=tuple(place))
-    solved = hold(standing, (asked,))
+    solved = solve_constraints(standing, (asked,))
     assert depths(solved, standing)[frame].max() < DEEPEST
-    left = np.linalg.norm(place_of(point, solved)[frame] - raised_place(asked, standing))
+    left = np.linalg.norm(body_point_positions(point, solved)[frame] - raised_place(asked, standing))
     assert solved.residuals[0, frame] == pytest.approx(
         np.hypot(left, raised_place(asked, standing)[2] - place[2]), abs=1e-6
     )
@@ -75,20 +82,20 @@ def test_a_target_below_the_ground_is_missed_by_what_it_is_below(body: str) -> N
 def test_an_elbow_leaves_the_ground_and_the_wrist_still_meets_its_target() -> None:
     standing = standing_on("giant")
     wrist = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
-    elbow = standing.morphology.layout.wrist(1) - 1
-    below = place_of(wrist, hold(standing, ()))[60] * [1.0, 1.0, 0.0] + [0.0, 0.0, 0.04]
-    low = target("pelvis", place_of(BodyPoint(BodyPart.PELVIS), hold(standing, ()))[60] * [1.0, 1.0, 0.0] + [0, 0, 0.3],
-                 Chain(limb=0.0, root=1.0), 0, at_end=False)  # fmt: skip
-    solved = hold(standing, (low, target("right_forearm", below, Chain(), 1)))
+    elbow = standing.morphology.layout.wrist_point(1) - 1
+    below = body_point_positions(wrist, solve_constraints(standing, ()))[60] * [1.0, 1.0, 0.0] + [0.0, 0.0, 0.04]
+    pelvis = body_point_positions(BodyPoint(BodyPart.PELVIS), solve_constraints(standing, ()))[60]
+    low = target("pelvis", pelvis * [1.0, 1.0, 0.0] + [0, 0, 0.3], Chain(limb=0.0, root=1.0), 0, at_end=False)
+    solved = solve_constraints(standing, (low, target("right_forearm", below, Chain(), 1)))
     assert depths(solved, standing)[:, elbow].max() < DEEPEST
-    missed = np.linalg.norm(place_of(wrist, solved) - below, axis=1)
+    missed = np.linalg.norm(body_point_positions(wrist, solved) - below, axis=1)
     assert missed == pytest.approx(solved.residuals[1], abs=DEEPEST)
 
 
 def raised_place(asked: PositionConstraint, standing: Standing) -> NDArray[np.float64]:
     """Target (3,) on the ground, from where the point is highest."""
     raised = target_above_ground(asked, np.array([asked.target]), standing, slice(None))
-    return raised[int(place_of(asked.point, hold(standing, ()))[:, 2].argmax())]
+    return raised[int(body_point_positions(asked.point, solve_constraints(standing, ()))[:, 2].argmax())]
 
 
 def request_of(standing: Standing, *constraints: Constraint) -> AdaptRequest:

@@ -15,7 +15,7 @@ from studio.core.mannequin.physiques import BUNDLED
 from studio.core.mannequin.sculpt import make_mannequin
 from studio.core.mesh.character import Character
 from studio.core.mesh.hand_shapes import FIST_GRIP, HALF_CLOSED_GRIP, OPEN_GRIP, RELAXED_GRIP
-from studio.core.mesh.skin import fit_skin, gripping
+from studio.core.mesh.skin import fit_skin, with_grip
 from studio.io.project.character_file import bundled_characters, read_character, write_character
 
 STATURES = {"adult_woman": 1.66, "tall_man": 1.94, "stocky_man": 1.68, "child": 1.20, "giant": 2.21}
@@ -61,15 +61,15 @@ def test_fingers_begin_within_the_palm_and_end_at_the_finger_tips(character: Cha
     for side, part in enumerate((BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)):
         positions, rotations = rest_pose(body)
         hand = skin.vertices[(skin.segments[:, 0] == body.layout.segment(part)) & (skin.weights[:, 0] == 1.0)]
-        along = (hand - positions[body.layout.wrist(side)]) @ rotations[body.layout.segment(part)][:, 2]
+        along = (hand - positions[body.layout.wrist_point(side)]) @ rotations[body.layout.segment(part)][:, 2]
         assert along.max() == pytest.approx(np.linalg.norm(body.hand[side]), rel=0.12)
 
 
 def test_finger_tips_come_to_the_palm_as_a_hand_closes(character: Character):
     body, reach = character.build, []
-    wrist, hand = rest_pose(body)[0][body.layout.wrist(0)], body.layout.segment(BodyPart.LEFT_HAND)
+    wrist, hand = rest_pose(body)[0][body.layout.wrist_point(0)], body.layout.segment(BodyPart.LEFT_HAND)
     for grip in (OPEN_GRIP, RELAXED_GRIP, HALF_CLOSED_GRIP, FIST_GRIP):
-        skin = gripping(character.skin, grip)
+        skin = with_grip(character.skin, grip)
         held = skin.vertices[(skin.segments[:, 0] == hand) & (skin.weights[:, 0] == 1.0)]
         reach.append(float(((held - wrist) @ rest_pose(body)[1][hand][:, 2]).max() / np.linalg.norm(body.hand[0])))
     assert reach == sorted(reach, reverse=True)
@@ -78,18 +78,18 @@ def test_finger_tips_come_to_the_palm_as_a_hand_closes(character: Character):
 
 
 def test_only_thumbs_and_fingers_change_with_the_grip(character: Character):
-    fist = gripping(character.skin, FIST_GRIP)
+    fist = with_grip(character.skin, FIST_GRIP)
     moved = np.flatnonzero(np.abs(fist.vertices - character.skin.vertices).max(axis=1) > 0.0)
     hands = [character.build.layout.segment(part) for part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)]
     assert np.isin(character.skin.segments[moved, 0], hands).all()
     assert np.linalg.norm(fist.normals, axis=1) == pytest.approx(1.0, abs=1e-3)
-    assert gripping(character.skin, RELAXED_GRIP) is character.skin
+    assert with_grip(character.skin, RELAXED_GRIP) is character.skin
 
 
 def test_a_fist_grows_with_its_body(character: Character):
     grown = Proportions(stature=1.3).applied_to(character.build)
-    closed_then_grown = fit_skin(gripping(character.skin, FIST_GRIP), character.build, grown)
-    grown_then_closed = gripping(fit_skin(character.skin, character.build, grown), FIST_GRIP)
+    closed_then_grown = fit_skin(with_grip(character.skin, FIST_GRIP), character.build, grown)
+    grown_then_closed = with_grip(fit_skin(character.skin, character.build, grown), FIST_GRIP)
     assert grown_then_closed.vertices == pytest.approx(closed_then_grown.vertices, abs=1e-5)
     assert grown_then_closed.normals == pytest.approx(closed_then_grown.normals, abs=1e-3)
 
@@ -98,7 +98,7 @@ def test_a_character_keeps_its_grip_in_its_file(character: Character, tmp_path: 
     write_character(replace(character, grip=0.5), tmp_path / "kept.json")
     again = read_character(tmp_path / "kept.json")
     assert again.grip == 0.5
-    assert np.array_equal(again.shown_skin.vertices, gripping(character.skin, 0.5).vertices)
+    assert np.array_equal(again.shown_skin.vertices, with_grip(character.skin, 0.5).vertices)
 
 
 @pytest.mark.parametrize("grip", [-1.1, 1.5, float("nan")])

@@ -12,7 +12,7 @@ from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.curves.activation import ActivationCurve
 from studio.core.mesh.triangle_mesh import TriangleMesh
-from studio.core.solver.adapt import adapt, place_of
+from studio.core.solver.adapt import adapt, body_point_positions
 from studio.core.solver.asking.area_rows import nearest_allowed_position
 from studio.core.solver.request import AdaptRequest
 from studio.io.project.character_file import bundled_characters
@@ -95,10 +95,10 @@ def test_a_place_on_the_surface_moves_smoothly_over_edges() -> None:
 @pytest.mark.parametrize("on_surface", [False, True])
 def test_a_wrist_is_kept_out_of_or_on_a_mesh(name: str, on_surface: bool) -> None:
     body = bundled_characters()[name].morphology
-    before = place_of(WRIST, adapt(AdaptRequest(WALK, body, CONTACTS), 30, 30))[0]
+    before = body_point_positions(WRIST, adapt(AdaptRequest(WALK, body, CONTACTS), 30, 30))[0]
     rock = area(ball(0.1), centre=tuple(before + np.array([0.03, 0.0, 0.05])), on_surface=on_surface)
     adapted = adapt(AdaptRequest(WALK, body, CONTACTS, (rock,)), 30, 30)
-    wrist = place_of(WRIST, adapted)[0]
+    wrist = body_point_positions(WRIST, adapted)[0]
     assert np.linalg.norm(nearest_allowed_position(rock, wrist) - wrist) < 2e-4
     assert np.linalg.norm(wrist - np.array(rock.centre)) == pytest.approx(0.1, abs=2e-3)
 

@@ -11,7 +11,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.grounds.slope import Slope
 from studio.core.grounds.steps import Steps
 from studio.core.mesh.volume import BodyVolume, usual_volume
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.quality.metrics import (
     acceleration_ratio,
@@ -23,7 +23,7 @@ from studio.core.quality.metrics import (
 from studio.core.quality.motion_quality import motion_quality
 from studio.core.rotations import to_matrix
 from studio.core.solver.adapt import adapt
-from studio.core.solver.asking.clearance import clearances
+from studio.core.solver.asking.clearance import arm_distances
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from tests.builders import make_morphology
 from tests.core.motions import RATE, about, walk
@@ -36,8 +36,8 @@ def _standing(frames: int = 20, first_frame: int = 0) -> AdaptedMotion:
     layout = BODY.layout
     positions = np.zeros((frames, layout.point_count, 3))
     for side in range(2):
-        positions[:, layout.ankle(side)] = [0.0, 0.1, BODY.ankle_height[side]]
-        positions[:, layout.toe(side)] = positions[:, layout.ankle(side)] + BODY.foot[side]
+        positions[:, layout.ankle_point(side)] = [0.0, 0.1, BODY.ankle_height[side]]
+        positions[:, layout.toe_point(side)] = positions[:, layout.ankle_point(side)] + BODY.foot[side]
     rotations = np.tile(np.eye(3), (frames, layout.segment_count, 1, 1))
     return AdaptedMotion(BODY, RATE, first_frame, positions, rotations, np.zeros((0, frames)))
 
@@ -116,7 +116,7 @@ def test_a_steady_turn_has_no_angular_acceleration_and_a_growing_one_has() -> No
 
 def _walking() -> AdaptedMotion:
     motion, _ = walk()
-    return AdaptedMotion(BODY, motion.frame_rate, 0, *realize(motion, BODY), np.zeros((0, motion.frame_count)))
+    return AdaptedMotion(BODY, motion.frame_rate, 0, *realize_motion(motion, BODY), np.zeros((0, motion.frame_count)))
 
 
 def test_a_motion_is_as_smooth_as_itself() -> None:
@@ -156,7 +156,7 @@ def test_a_body_of_other_proportions_that_does_the_same_does_not_jump() -> None:
     )
     shown = []
     for body in (BODY, chibi):
-        positions, rotations = realize(motion, body)
+        positions, rotations = realize_motion(motion, body)
         shown.append(AdaptedMotion(body, RATE, 0, positions, rotations, np.zeros((0, len(positions)))))
     assert motion_quality(shown[1], shown[0], contacts, Ground()).jump < 1.2
 
@@ -167,7 +167,7 @@ def test_what_is_inside_its_body_at_rest_may_be_so_in_motion() -> None:
     )
     positions, rotations = (np.tile(each, (10, *[1] * each.ndim)) for each in rest_pose(BODY))
     still = [AdaptedMotion(BODY, RATE, 0, positions, rotations, np.zeros((0, 10)), volume=v) for v in (thin, thick)]
-    assert clearances(still[1]).min() < -0.1
+    assert arm_distances(still[1]).min() < -0.1
     assert motion_quality(still[1], still[0], (), Ground()).inside == 0.0
 
 

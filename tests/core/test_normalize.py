@@ -20,8 +20,8 @@ from studio.core.kernels import layout as at
 from studio.core.normalized.alignment import find_alignments
 from studio.core.normalized.landmarks import find_landmarks
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.normalize import capture_contacts, heading, normalize
-from studio.core.normalized.realize import realize, restore
+from studio.core.normalized.normalize import capture_contacts, normalize_capture, smoothed_heading
+from studio.core.normalized.realize import realize_motion, restore_joint_poses
 from studio.core.rotations import angle_between, from_matrix, to_matrix
 from tests.builders import BODY_MAP, make_capture, make_morphology
 from tests.core.motions import about, placed, random_rotations, scaled, swaying, times
@@ -33,8 +33,8 @@ POSITION, ANGLE = 1e-4, np.deg2rad(0.01)
 
 
 def _assert_comes_back(capture: Capture) -> None:
-    motion, actor = normalize(capture)
-    again = restore(motion, actor)
+    motion, actor = normalize_capture(capture)
+    again = restore_joint_poses(motion, actor)
     before, after = joint_world(capture.skeleton, capture.poses), joint_world(capture.skeleton, again)
     assert np.linalg.norm(after[0] - before[0], axis=-1).max() < POSITION
     assert angle_between(from_matrix(before[1]), from_matrix(after[1])).max() < ANGLE
@@ -54,7 +54,7 @@ def test_a_long_capture_comes_back_though_its_bones_are_measured_in_some_frames_
 @settings(max_examples=10)
 def test_channels_are_those_of_whole_arrays(seed: int, amplitude: float) -> None:
     capture = swaying(seed, amplitude=amplitude)
-    motion, actor = normalize(capture)
+    motion, actor = normalize_capture(capture)
     assert capture.body_map is not None
     marks = find_landmarks(capture, capture.body_map)
     rotations = marks.align_rotations(actor.alignments)
@@ -110,7 +110,7 @@ def _with_other_axes(capture: Capture, axes: np.ndarray) -> Capture:
 def test_how_joint_axes_lie_does_not_change_the_motion(seed: int) -> None:
     capture = swaying(seed)
     other = _with_other_axes(capture, random_rotations(np.random.default_rng(seed), 26))
-    assert _same_channels(normalize(capture)[0].channels, normalize(other)[0].channels)
+    assert _same_channels(normalize_capture(capture)[0].channels, normalize_capture(other)[0].channels)
 
 
 def _same_channels(first: np.ndarray, second: np.ndarray, tolerance: float = 1e-7) -> bool:
@@ -131,8 +131,8 @@ def test_an_actor_of_any_size_gives_the_same_motion(seed: int, factor: float, li
     larger = scaled(capture, factor)
     # Contacts are told in metres: a foot that a dwarf moves slowly, a giant moves fast.
     assume(not any(capture_contacts(capture).values()) and not any(capture_contacts(larger).values()))
-    motion, actor = normalize(capture)
-    again, giant = normalize(larger)
+    motion, actor = normalize_capture(capture)
+    again, giant = normalize_capture(larger)
     assert _same_channels(motion.channels, again.channels, 1e-6)
     assert np.allclose(giant.morphology.packed, times(factor, actor.morphology), rtol=1e-9)
     assert np.allclose(again.spine_places, motion.spine_places)
@@ -142,8 +142,8 @@ def test_an_actor_of_any_size_gives_the_same_motion(seed: int, factor: float, li
 @settings(max_examples=15)
 def test_where_the_actor_stands_and_looks_changes_the_root_alone(seed: int, yaw: float, x: float, y: float) -> None:
     capture = swaying(seed)
-    motion, actor = normalize(capture)
-    moved, other = normalize(placed(capture, yaw, (x, y)))
+    motion, actor = normalize_capture(capture)
+    moved, other = normalize_capture(placed(capture, yaw, (x, y)))
     expected = motion.channels.copy()
     expected[:, at.YAW] += yaw
     expected[:, at.HIPS : at.HIPS + 3] = motion.channels[:, at.HIPS : at.HIPS + 3] @ about_z(yaw).T
@@ -158,7 +158,7 @@ def test_a_motion_realised_on_another_body_is_still_the_same_motion(seed: int) -
 
     With hinged limbs, for an actor's hinges are read off its movement.
     """
-    motion, first = normalize(swaying(seed, hinged=True))
+    motion, first = normalize_capture(swaying(seed, hinged=True))
     body = replace(
         make_morphology(leg_scale=1.2),
         spine=1.3 * first.morphology.spine,
@@ -171,7 +171,7 @@ def test_a_motion_realised_on_another_body_is_still_the_same_motion(seed: int) -
     assume(
         not any(capture_contacts(recorded).values()) and not any(capture_contacts(swaying(seed, hinged=True)).values())
     )
-    again, actor = normalize(recorded)
+    again, actor = normalize_capture(recorded)
     begins_at_the_origin = [
         channels - np.eye(1, channels.shape[1], at.HIPS) * channels[0, 0]
         - np.eye(1, channels.shape[1], at.HIPS + 1) * channels[0, 1]
@@ -187,7 +187,7 @@ def test_a_motion_realised_on_another_body_is_still_the_same_motion(seed: int) -
 def _captured(motion: NormalizedMotion, body: Morphology) -> Capture:
     """A recording of ``motion`` on ``body``: a skeleton with the canonical segments as its joints."""
     layout = body.layout
-    positions, rotations = realize(motion, body)
+    positions, rotations = realize_motion(motion, body)
     parents, origins = np.array(layout.parent_segments()), list(layout.proximal_points())
     names = [layout.part(segment).value for segment in range(layout.segment_count)]
     ends = {s: layout.distal_points()[s] for s in range(layout.segment_count) if s not in parents}
@@ -235,8 +235,8 @@ def _standing_straight(segments: int, joints: int, parents: np.ndarray, names: l
 
 def test_the_motion_begins_over_the_origin_of_its_space() -> None:
     capture = replace(placed(swaying(), 1.0, (7.0, -3.0)), first_frame=5)
-    motion, actor = normalize(capture)
-    root = realize(motion, actor.morphology, play=True)[0][5, 0]
+    motion, actor = normalize_capture(capture)
+    root = realize_motion(motion, actor.morphology, play=True)[0][5, 0]
     assert np.allclose(root[:2], 0.0, atol=1e-9)
 
 
@@ -245,7 +245,7 @@ def test_the_motion_begins_over_the_origin_of_its_space() -> None:
 def test_the_heading_follows_the_pelvis_through_whole_turns(speed: float, seed: int) -> None:
     times = np.arange(90) / 60.0
     pelvis = to_matrix(about((0, 0, 1), speed * times))
-    smooth = heading(pelvis, 60.0)
+    smooth = smoothed_heading(pelvis, 60.0)
     assert np.allclose(np.diff(smooth)[40:50], speed / 60.0, atol=1e-3 * abs(speed))
     assert np.abs(np.angle(np.exp(1j * (smooth - speed * times)))[40:50]).max() < 0.02 * abs(speed) + 1e-9
 
@@ -253,14 +253,14 @@ def test_the_heading_follows_the_pelvis_through_whole_turns(speed: float, seed: 
 def test_a_capture_without_a_body_map_is_refused_in_words() -> None:
     capture = make_capture("crate", body_map=None)
     with pytest.raises(StudioError, match="'crate' has no body map: choose which joint"):
-        normalize(capture)
+        normalize_capture(capture)
     assert capture_contacts(capture) == {point: [] for point in capture_contacts(capture)}
 
 
 def test_a_long_capture_holds_the_rotations_of_its_segments_once_while_it_is_normalised() -> None:
     capture = swaying(3, frames=8_000)
     tracemalloc.start()
-    motion, _ = normalize(capture)
+    motion, _ = normalize_capture(capture)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     layout, frames = BodyLayout(motion.spine_places.size), capture.frame_count

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.solver.standing.obliquity import MAX_OBLIQUITY, dip_pelvis
 from tests.builders import make_morphology
 from tests.core.motions import walk
@@ -15,7 +15,7 @@ WALK, _ = walk(120)
 
 def dipped(lower: float, states: np.ndarray) -> tuple[np.ndarray, ...]:
     """Hips' moves, and positions and rotations before and after, where right feet stand ``lower`` metres."""
-    positions, rotations = realize(WALK, BODY)
+    positions, rotations = realize_motion(WALK, BODY)
     before, turned = positions.copy(), rotations.copy()
     off = np.zeros((2, 120, 3))
     off[1, :, 2] = -lower
@@ -31,7 +31,7 @@ def test_a_pelvis_dips_to_the_foot_that_stands_lower_and_bends_nothing_else(lowe
     assert (
         np.arccos(np.clip((np.trace(between, axis1=1, axis2=2) - 1.0) / 2.0, -1.0, 1.0)) < MAX_OBLIQUITY + 1e-6
     ).all()
-    hips = [BODY.layout.hip(side) for side in range(2)]
+    hips = [BODY.layout.hip_point(side) for side in range(2)]
     for side, hip in enumerate(hips):
         assert np.allclose(positions[:, hip : hip + 5] - before[:, hip : hip + 5], moved[side, :, None], atol=1e-12)
         in_pelvis = np.einsum("fji,fj->fi", rotations[:, 0], positions[:, hip] - positions[:, 0])

@@ -8,7 +8,7 @@ import pytest
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import BodyPoint, Chain
-from studio.core.constraints.carried_over import ClipTransform, carried_over
+from studio.core.constraints.carried_over import ClipTransform, constraint_on_clip
 from studio.core.constraints.kinds import CONSTRAINT_KINDS, ConstraintKind
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.parallel import ParallelConstraint
@@ -18,7 +18,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import contact_quality
 from studio.core.quality.report import report_of
 from studio.core.rotations import from_matrix, to_matrix
-from studio.core.solver.adapt import place_of
+from studio.core.solver.adapt import body_point_positions
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import standing_of
 from tests.core.test_constraint_kinds import ALL, BODIES, CONTACTS, HEAD, RIGHT, WALK, ask, solved
@@ -88,7 +88,7 @@ def test_a_segment_follows_the_other_one_where_a_higher_constraint_turns_it(body
 @every_body
 def test_a_lower_reach_does_not_turn_them_apart(body: Morphology) -> None:
     asked = parallel(body, BodyPart.THORAX, BodyPart.PELVIS, Chain(0.0, 0.0, 0.0, 1.0), cone=0.05)
-    far = tuple(place_of(RIGHT, solved(body))[30] + [0.5, 0.0, -0.3])
+    far = tuple(body_point_positions(RIGHT, solved(body))[30] + [0.5, 0.0, -0.3])
     alone, both = solved(body, asked), solved(body, asked, ask(PositionConstraint, RIGHT, ALL, 1, target=far))
     assert both.residuals[0] == pytest.approx(alone.residuals[0], abs=2e-4)
     assert angles(asked, both).max() <= 0.05 + MET
@@ -117,7 +117,7 @@ def test_in_a_mirror_the_other_segments_are_parallel() -> None:
         ParallelConstraint, BodyPoint(BodyPart.RIGHT_HAND), WRIST, axis=(0.6, 0.0, 0.8),
         other=BodyPoint(BodyPart.LEFT_FOOT), other_axis=(0.0, 0.6, 0.8),
     )  # fmt: skip
-    mirrored = carried_over(asked, ClipTransform(0.0, 1.0, 0.0, (0.0, 0.0), True, -10.0, 200.0))
+    mirrored = constraint_on_clip(asked, ClipTransform(0.0, 1.0, 0.0, (0.0, 0.0), True, -10.0, 200.0))
     assert (mirrored.point.part, mirrored.other.part) == (BodyPart.LEFT_HAND, BodyPart.RIGHT_FOOT)
     assert mirrored.axis == pytest.approx((-0.6, 0.0, 0.8))
     assert mirrored.other_axis == pytest.approx((0.0, -0.6, 0.8))

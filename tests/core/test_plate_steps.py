@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from studio.core.captures.contacts import ContactPoint, Span
-from studio.core.captures.plate_steps import fit_to_plates
+from studio.core.captures.plate_steps import contacts_fitted_to_plates
 from studio.core.markers.force_plates import PlateLoad
 
 RATE = 100.0
@@ -21,7 +21,7 @@ def soles(left: float = 0.0, right: float = 2.0) -> np.ndarray:
 
 
 def fitted(heel: list[Span], toe: list[Span], load: Span, places: np.ndarray) -> tuple[list[Span], list[Span]]:
-    found = fit_to_plates({HEEL: heel, TOE: toe, **OTHER}, places, [PlateLoad(*load, PLATE)], RATE)
+    found = contacts_fitted_to_plates({HEEL: heel, TOE: toe, **OTHER}, places, [PlateLoad(*load, PLATE)], RATE)
     assert {point: found[point] for point in OTHER} == OTHER
     return found[HEEL], found[TOE]
 
@@ -33,7 +33,9 @@ def fitted(heel: list[Span], toe: list[Span], load: Span, places: np.ndarray) ->
 def test_a_foot_stands_from_the_first_to_the_last_frame_of_its_load(
     corners: np.ndarray, load: Span, heel: list[Span], toe: list[Span]
 ) -> None:
-    found = fit_to_plates({HEEL: [(25, 50)], TOE: [(35, 66)], **OTHER}, soles(), [PlateLoad(*load, corners)], RATE)
+    found = contacts_fitted_to_plates(
+        {HEEL: [(25, 50)], TOE: [(35, 66)], **OTHER}, soles(), [PlateLoad(*load, corners)], RATE
+    )
     assert (found[HEEL], found[TOE]) == (heel, toe)
 
 

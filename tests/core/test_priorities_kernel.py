@@ -17,7 +17,7 @@ from studio.core.kernels.search.joints import (
 from studio.core.kernels.search.null_space_step import eliminate, move_joints, null_space_step
 from studio.core.kernels.solve_clip import make_search
 from studio.core.kernels.tasks.second_order import EQUALITY_ROW, OBJECTIVE_ROW
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.solver.asking.chains import CLAVICLE_LIMIT, VERTEBRA_LIMIT, joints_of_chains
 from tests.builders import make_morphology
 from tests.core.motions import walk
@@ -27,8 +27,8 @@ from tests.core.twins.levers import lever
 seeds = st.integers(0, 2**32 - 1)
 BODY = make_morphology(spine_count=4)
 LAYOUT, K = BODY.layout, BODY.layout.spine_count
-POSITIONS, ROTATIONS = (array[11] for array in realize(walk(20)[0], BODY))
-ENDS = {2: 3, K - 1: K, K: K + 1, K + 1: K + 2, K + 2: LAYOUT.collar(0) + 1, K + 6: LAYOUT.collar(1) + 1}
+POSITIONS, ROTATIONS = (array[11] for array in realize_motion(walk(20)[0], BODY))
+ENDS = {2: 3, K - 1: K, K: K + 1, K + 1: K + 2, K + 2: LAYOUT.collar_point(0) + 1, K + 6: LAYOUT.collar_point(1) + 1}
 """Segments of the trunk, each with a point that goes with it."""
 
 

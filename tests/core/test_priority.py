@@ -12,7 +12,7 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
-from studio.core.solver.adapt import hold, place_of
+from studio.core.solver.adapt import body_point_positions, solve_constraints
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
@@ -51,7 +51,7 @@ def test_a_lower_constraint_does_not_change_what_a_higher_misses(body: Morpholog
     own = Chain(0.0, 0.0, 0.0, 1.0, chain.root) if part is BodyPart.THORAX else chain
     for _ in range(4):
         higher = _higher(body, chain, random)
-        before = place_of(BodyPoint(part, at_end=True), _solved(body))[0]
+        before = body_point_positions(BodyPoint(part, at_end=True), _solved(body))[0]
         wish = target(part, before + random.normal(size=3) * random.choice([0.05, 0.4]), own, 1)
         alone, both = _solved(body, higher), _solved(body, higher, wish)
         assert abs(both.residuals[0, 0] - alone.residuals[0, 0]) <= LEAK
@@ -61,7 +61,9 @@ def test_a_lower_constraint_does_not_change_what_a_higher_misses(body: Morpholog
 def test_a_wrist_before_its_elbow_meets_both_where_the_elbow_before_it_does(body: Morphology) -> None:
     """Frames in which the arm is bent enough for its swivel to be exact, METHOD (17)."""
     before, tried = _solved(body), 0
-    elbow, wrist = (place_of(point, before)[0] for point in (BodyPoint(BodyPart.LEFT_UPPER_ARM, at_end=True), WRIST))
+    elbow, wrist = (
+        body_point_positions(point, before)[0] for point in (BodyPoint(BodyPart.LEFT_UPPER_ARM, at_end=True), WRIST)
+    )
     for seed in range(24):
         random, chain = np.random.default_rng(seed), (ARM, BACK, ALL)[seed % 3]
         way = (wrist - elbow) / np.linalg.norm(wrist - elbow) + random.uniform(0.5, 1.5) * np.array([0.9, 0.0, 0.5])
@@ -72,7 +74,7 @@ def test_a_wrist_before_its_elbow_meets_both_where_the_elbow_before_it_does(body
             _solved(body, *(target(part, place, chain, priority) for priority, (part, place) in enumerate(wishes)))
             for wishes in (parts, parts[::-1])
         )
-        shoulder = swapped.positions[0, body.layout.collar(0) + 1]
+        shoulder = swapped.positions[0, body.layout.collar_point(0) + 1]
         aside = np.linalg.norm(np.cross(first - shoulder, second - shoulder)) / np.linalg.norm(second - shoulder)
         if swapped.residuals.max() < LEAK and aside > BENT:
             tried += 1
@@ -130,7 +132,7 @@ def _random_set(body: Morphology, away: float, random: np.random.Generator) -> l
         part = PARTS[random.integers(len(PARTS))]
         point = BodyPoint(part, at_end=part is not BodyPart.PELVIS)
         chain = Chain(root=1.0) if part is BodyPart.PELVIS else TRUNKS[random.integers(len(TRUNKS))]
-        place = tuple((place_of(point, before)[0] + away * random.normal(size=3)).tolist())
+        place = tuple((body_point_positions(point, before)[0] + away * random.normal(size=3)).tolist())
         wishes.append(PositionConstraint("walk", f"{rank}", point, chain, rank, ALWAYS, target=place))
     return wishes
 
@@ -146,7 +148,7 @@ def test_whatever_is_added_below_changes_nothing_of_sets_of_wishes_in_any_order(
         for count in range(1, len(wishes) + 1):
             order = random.permutation(count)
             after = np.empty(count)
-            after[order] = hold(standing, [wishes[place] for place in order], 30, 30).residuals[:, 0]
+            after[order] = solve_constraints(standing, [wishes[place] for place in order], 30, 30).residuals[:, 0]
             assert (abs(after[:-1] - before) <= LEAK).all(), (seed, count)
             before = after
 
@@ -155,7 +157,7 @@ def test_whatever_is_added_below_changes_nothing_of_sets_of_wishes_in_any_order(
 def test_whatever_is_added_below_changes_nothing_of_wishes_of_any_kind(body: Morphology) -> None:
     motion, contacts = walk(60)
     standing = stand(motion, body, contacts, Ground())
-    before = hold(standing, ())
+    before = solve_constraints(standing, ())
     for seed in range(150):
         random = np.random.default_rng(seed)
         scene = Scene(before, seed, random.choice([*KINDS, "clear", "position"], size=random.integers(2, 9)).tolist())
@@ -165,7 +167,9 @@ def test_whatever_is_added_below_changes_nothing_of_wishes_of_any_kind(body: Mor
         for level in np.unique(levels):
             order = random.permutation(np.sum(levels <= level))
             after = np.empty(len(order))
-            after[order] = hold(standing, [wishes[place] for place in order], 40, 40, scene.tracks).residuals[:, 0]
+            after[order] = solve_constraints(
+                standing, [wishes[place] for place in order], 40, 40, scene.tracks
+            ).residuals[:, 0]
             assert (abs(after[: len(above)] - above) <= LEAK).all(), (seed, level)
             above = after
 
@@ -177,7 +181,7 @@ def test_what_does_not_act_changes_nothing(eased: bool, body: Morphology) -> Non
     motion, contacts = walk(60)
     standing = stand(motion, body, contacts, Ground())
     past = ActivationCurve(5.0, 5.0, 6.0, 6.0) if eased else ActivationCurve(0.0, 0.0, 0.1, 0.2)
-    before = hold(standing, ())
+    before = solve_constraints(standing, ())
     for seed in range(20):
         random = np.random.default_rng(seed)
         scene = Scene(before, seed, random.choice([*KINDS, "position"], size=random.integers(1, 5)).tolist())
@@ -187,6 +191,6 @@ def test_what_does_not_act_changes_nothing(eased: bool, body: Morphology) -> Non
             idle = BalanceConstraint("walk", "idle", BodyPoint(BodyPart.PELVIS), chain, 0, past)
         idle = replace(idle, priority=int(random.integers(4)), activation=past, weight=20.0)
         window = (40, 59) if eased else (40, 40)
-        alone = hold(standing, scene.constraints, *window, scene.tracks, eased=eased)
-        beside = hold(standing, (*scene.constraints, idle), *window, scene.tracks, eased=eased)
+        alone = solve_constraints(standing, scene.constraints, *window, scene.tracks, eased=eased)
+        beside = solve_constraints(standing, (*scene.constraints, idle), *window, scene.tracks, eased=eased)
         assert abs(beside.positions - alone.positions).max() < 1e-7, seed

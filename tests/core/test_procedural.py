@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Chain
-from studio.core.constraints.carried_over import ClipTransform, carried_over
+from studio.core.constraints.carried_over import ClipTransform, constraint_on_clip
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.procedural import CirclePlace, NoisePlace, PendulumPlace, ProceduralPlace
 from studio.core.curves.activation import ActivationCurve
-from studio.core.solver.adapt import place_of
+from studio.core.solver.adapt import body_point_positions
 from studio.core.solver.performers.prop_tracks import stage_track
 from studio.core.stage.prop import Prop
 from tests.core.motions import RATE
@@ -57,7 +57,7 @@ def test_a_clip_that_is_mirrored_turned_moved_and_faster_has_the_same_way(rule: 
     asked = PositionConstraint(
         "motion", "Reach", BodyPoint(BodyPart.LEFT_HAND), Chain(), 0, ActivationCurve(0.0, 0.1, 2.0, 2.1), target=rule
     )
-    carried = carried_over(asked, carry)
+    carried = constraint_on_clip(asked, carry)
     assert isinstance(carried, PositionConstraint)
     assert isinstance(carried.target, type(rule))
     assert carried.target.at(carry.times(TIMES)) == pytest.approx(carry.places(rule.at(TIMES)), abs=1e-9)
@@ -78,7 +78,7 @@ def test_a_wrist_goes_along_on_every_body() -> None:
         )
         stirred = solved(body, asked)
         frames = np.arange(20, 40)
-        away = np.linalg.norm(place_of(wrist, stirred)[frames] - rule.at(frames / RATE), axis=1)
+        away = np.linalg.norm(body_point_positions(wrist, stirred)[frames] - rule.at(frames / RATE), axis=1)
         assert np.median(away) < 1e-3
 
 

@@ -11,15 +11,15 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowBody, FollowProp
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.rotations import to_matrix
-from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.performers.performing import StagedPerformances, perform
-from studio.core.solver.performers.prop_tracks import Holder, handing_time, stage_track
-from studio.core.solver.performers.stage import asked_of
-from studio.core.stage.holding import grips
+from studio.core.solver.adapt import adapt, body_point_positions
+from studio.core.solver.performers.performing import StagedPerformances, adapt_performers
+from studio.core.solver.performers.prop_tracks import Holder, hand_over_seconds, stage_track
+from studio.core.solver.performers.stage import constraints_of_performer
+from studio.core.stage.holding import grip_constraints
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
-from studio.jobs.performances import prepared
+from studio.jobs.performances import prepared_capture
 from studio.library.scenes import carrying
 from tests.builders import make_constraint, make_project
 
@@ -38,7 +38,7 @@ def _players(project: Project) -> list:
 
 
 def performed(project: Project) -> StagedPerformances:
-    made = perform(project, project.performers, prepared, adapt)
+    made = adapt_performers(project, project.performers, prepared_capture, adapt)
     assert not made.failures
     return made
 
@@ -58,7 +58,7 @@ def sides_missed(project: Project, made: StagedPerformances) -> float:
         prop = project.props[f"box {key}"]
         track = stage_track(prop, np.arange(frames) / 60.0, {key: holder})
         for point, side in ((LEFT, 1.0), (RIGHT, -1.0)):
-            wrist = placement.to_stage(place_of(point, each.played))
+            wrist = placement.to_stage(body_point_positions(point, each.played))
             asked = track.places + track.rotations @ (on_side(prop, side))
             worst = max(worst, float(np.linalg.norm(wrist - asked, axis=1)[20:-20].max()))
     return worst
@@ -107,15 +107,15 @@ def test_a_stick_in_a_hand_goes_where_the_hand_is_brought() -> None:
     project = project.with_entity("props", "stick", stick)
     asked = make_constraint(point=LEFT, target=FollowProp("stick", share=(0.0, 0.0, 1.0)))
     project = project.with_entity("constraints", "tip", asked)
-    own, other = (asked_of(project, key)[0].constraint for key in project.performers)
+    own, other = (constraints_of_performer(project, key)[0].constraint for key in project.performers)
     assert isinstance(own.target, FollowBody)
     assert own.target.point.offset == pytest.approx((0.02, 0.0, 0.51))
     assert isinstance(other.target, FollowProp)
     made = performed(project)
     adapted = made.performances["performer 0"].adapted
-    tip = place_of(own.target.point, adapted)
+    tip = body_point_positions(own.target.point, adapted)
     turns = adapted.rotations[:, adapted.morphology.layout.segment(BodyPart.RIGHT_HAND)]
-    np.testing.assert_allclose(tip - place_of(hand, adapted), 0.5 * turns[:, :, 2], atol=1e-9)
+    np.testing.assert_allclose(tip - body_point_positions(hand, adapted), 0.5 * turns[:, :, 2], atol=1e-9)
     track = made.performances["performer 1"].request.tracks[other.target]
     seen = Placement.of(project.performers["performer 1"]).to_stage(track.places)
     np.testing.assert_allclose(seen, Placement.of(project.performers["performer 0"]).to_stage(tip), atol=1e-9)
@@ -126,7 +126,7 @@ def test_a_hand_is_not_asked_to_follow_what_it_holds() -> None:
     hand = BodyPoint(BodyPart.RIGHT_HAND)
     project = project.with_entity("props", "stick", Prop("Stick", held=InHand("performer 0", hand)))
     project = project.with_entity("constraints", "c", make_constraint(point=RIGHT, target=FollowProp("stick")))
-    assert asked_of(project, "performer 0") == ()
+    assert constraints_of_performer(project, "performer 0") == ()
 
 
 def test_two_who_follow_what_the_other_one_holds_follow_where_it_is_in_the_end() -> None:
@@ -138,7 +138,7 @@ def test_two_who_follow_what_the_other_one_holds_follow_where_it_is_in_the_end()
         project = project.with_entity("constraints", name, asked)
     made = performed(project).performances
     for name, holder, follower in (("one", "performer 0", "performer 1"), ("other", "performer 1", "performer 0")):
-        there = Placement.of(project.performers[holder]).to_stage(place_of(hand, made[holder].adapted))
+        there = Placement.of(project.performers[holder]).to_stage(body_point_positions(hand, made[holder].adapted))
         followed = made[follower].request.tracks[FollowProp(name)].places
         seen = Placement.of(project.performers[follower]).to_stage(followed)
         assert np.linalg.norm(seen - there, axis=1).max() < 1e-3
@@ -153,7 +153,7 @@ def test_a_prop_that_is_turned_in_a_hand_turns_what_follows_it() -> None:
     )
     asked = make_constraint(point=LEFT, target=FollowProp("stick", share=(1.0, 0.0, 0.0)))
     project = project.with_entity("constraints", "tip", asked)
-    [found] = asked_of(project, "performer 0")
+    [found] = constraints_of_performer(project, "performer 0")
     assert found.constraint.target.point.offset == pytest.approx((0.5 * to_matrix(np.array(turn))[:, 0]).tolist())
 
 
@@ -210,7 +210,7 @@ def test_a_prop_lies_until_it_is_picked_up_goes_with_the_hands_and_lies_where_it
     alone = stage_track(replace(prop, held=replace(prop.held, begin=None, end=None)), times, {key: holder}).places
     far = np.linalg.norm(own.places[0] - alone[np.searchsorted(times, PICKED)])
     near = np.linalg.norm(own.places[-1] - alone[np.searchsorted(times, PUT)])
-    middle = (times > PICKED + handing_time(far)) & (times < PUT - handing_time(near))
+    middle = (times > PICKED + hand_over_seconds(far)) & (times < PUT - hand_over_seconds(near))
     middle |= np.abs(times - (PICKED + PUT) / 2) < 1e-6  # at the latest
     assert track.places[middle] == pytest.approx(alone[middle], abs=1e-9)
     steps = np.linalg.norm(np.diff(track.places, axis=0), axis=1)
@@ -243,7 +243,7 @@ def test_wrists_are_on_a_box_from_before_it_is_picked_up_until_it_is_put_down_on
         track = stage_track(prop, times, {key: Holder(made.adapted, frames, placement, timing=timing)})
         for side, wrist in ((1.0, LEFT), (-1.0, RIGHT)):
             sides = track.places + track.rotations @ on_side(prop, side)
-            wrists = placement.to_stage(place_of(wrist, made.adapted)[frames])
+            wrists = placement.to_stage(body_point_positions(wrist, made.adapted)[frames])
             missed = np.linalg.norm(wrists - sides, axis=1)
             assert missed.max() < 1e-2  # it walks past a box that lies 1 m off as it takes it
             assert missed[times > PICKED + 1.5].max() < 2e-3
@@ -255,7 +255,7 @@ def test_a_stick_is_held_by_one_hand_above_the_other_with_both_palms_on_it() -> 
     key = next(iter(project.performers))
     stick = replace(project.props[f"box {key}"], name="Stick", size=(0.03, 0.03, 1.2), shape=PropShape.STICK)
     motion = project.performers[key].clips[0].motion_id
-    asked = grips(motion, key, "stick", stick, (0.0, 20.0), 0)
+    asked = grip_constraints(motion, key, "stick", stick, (0.0, 20.0), 0)
     project = replace(project, constraints={}, props={"stick": stick})
     project = project.with_entities("constraints", [(f"grip {place}", each, None) for place, each in enumerate(asked)])
     made = performed(project).performances[key]
@@ -263,7 +263,7 @@ def test_a_stick_is_held_by_one_hand_above_the_other_with_both_palms_on_it() -> 
     track = stage_track(stick, np.arange(made.adapted.frame_count) / 60.0, {key: holder})
     for side, wrist in ((1.0, LEFT), (-1.0, RIGHT)):
         held = track.places + track.rotations @ np.array([-0.08, side * 0.03, side * 0.12])
-        wrists = Placement.of(project.performers[key]).to_stage(place_of(wrist, made.adapted))
+        wrists = Placement.of(project.performers[key]).to_stage(body_point_positions(wrist, made.adapted))
         assert np.linalg.norm(wrists - held, axis=1).max() < 2e-3
     assert np.nanmax(made.adapted.residuals) < np.radians(10.0)
 
@@ -282,7 +282,9 @@ def test_palms_lie_on_a_box_overhead_or_on_the_floor_with_fingers_raised_along_t
     ]
     project = replace(carry.with_entities("props", props), constraints={})
     for key, _ in _players(project):
-        asked = grips("walk", key, f"box {key}", project.props[f"box {key}"], (0.0, 20.0), 0, elevation=elevation)
+        asked = grip_constraints(
+            "walk", key, f"box {key}", project.props[f"box {key}"], (0.0, 20.0), 0, elevation=elevation
+        )
         rows = [(f"grip {key} {place}", each, None) for place, each in enumerate(asked)]
         project = project.with_entities("constraints", rows)
     for each in performed(project).performances.values():
@@ -301,7 +303,7 @@ def test_hands_of_who_faces_a_prop_another_way_are_on_its_sides_as_they_face() -
     wide, deep = Prop("Box", (0.4, 0.6, 0.3)), Prop("Box", (0.6, 0.4, 0.3))
     for turned, (left_x, left_y) in enumerate(((0, 1), (1, 0), (0, -1), (-1, 0))):
         prop = wide if turned % 2 == 0 else deep
-        left, palm, right, _ = grips("m", "p", "box", prop, (0.0, 1.0), 0, turned=turned, lower=True)
+        left, palm, right, _ = grip_constraints("m", "p", "box", prop, (0.0, 1.0), 0, turned=turned, lower=True)
         assert left.target.share == pytest.approx((left_x, left_y, 0.0))
         assert right.target.share == pytest.approx((-left_x, -left_y, 0.0))
         ahead = to_matrix(np.array([0.0, 0.0, np.sin(-turned * np.pi / 4), np.cos(-turned * np.pi / 4)]))[:, 0]
@@ -339,7 +341,10 @@ def handing() -> Project:
     beside = replace(project.performers[other], position=(x, y + 0.5))
     project = replace(project, constraints={}, props={"box": box}).with_entity("performers", other, beside)
     motion = project.performers[one].clips[0].motion_id
-    asked = [*grips(motion, one, "box", box, (0.0, GIVEN), 0), *grips(motion, other, "box", box, (GIVEN, 8.0), 0)]
+    asked = [
+        *grip_constraints(motion, one, "box", box, (0.0, GIVEN), 0),
+        *grip_constraints(motion, other, "box", box, (GIVEN, 8.0), 0),
+    ]
     return project.with_entities("constraints", [(f"grip {place}", each, None) for place, each in enumerate(asked)])
 
 
@@ -366,18 +371,18 @@ def test_who_hands_a_box_to_another_holds_it_until_then_and_the_other_from_then_
     assert track.places[times < GIVEN] == pytest.approx(alone[0].places[times < GIVEN], abs=1e-9)
     apart = np.linalg.norm(alone[1].places - alone[0].places, axis=1)
     far = apart[np.searchsorted(times, GIVEN)]
-    after = times > GIVEN + handing_time(far)
+    after = times > GIVEN + hand_over_seconds(far)
     assert track.places[after] == pytest.approx(alone[1].places[after], abs=1e-9)
     steps = np.linalg.norm(np.diff(track.places, axis=0), axis=1)
     usual = max(np.linalg.norm(np.diff(each.places, axis=0), axis=1).max() for each in alone)
     assert far > 0.2
-    assert steps.max() < usual + 1.875 * apart.max() / handing_time(far) / 60.0  # the steepest of an ease
+    assert steps.max() < usual + 1.875 * apart.max() / hand_over_seconds(far) / 60.0  # the steepest of an ease
     for key, holds in ((one, times < GIVEN), (other, times > GIVEN)):
         placement = Placement.of(project.performers[key])
         rows = np.rint(np.asarray(holders[key].rows)).astype(int)
         for side, wrist in ((1.0, LEFT), (-1.0, RIGHT)):
             sides = track.places + track.rotations @ on_side(prop, side)
-            wrists = placement.to_stage(place_of(wrist, made[key].adapted)[rows])
+            wrists = placement.to_stage(body_point_positions(wrist, made[key].adapted)[rows])
             assert np.linalg.norm(wrists - sides, axis=1)[holds].max() < 2e-3
 
 

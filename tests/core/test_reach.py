@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from studio.core.kernels.body.parts import limb_parts, rotate_part
 from studio.core.kernels.limbs import reach as kernel
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from tests.builders import make_morphology
 from tests.core.motions import walk
 from tests.core.twins import body as body_twin
@@ -17,7 +17,7 @@ seeds = st.integers(0, 2**32 - 1)
 limbs = st.integers(0, 3)
 BODY = make_morphology()
 LAYOUT, K = BODY.layout, BODY.layout.spine_count
-POSES = realize(walk(60)[0], BODY)
+POSES = realize_motion(walk(60)[0], BODY)
 
 
 class _Reach:
@@ -84,7 +84,7 @@ def test_the_longest_reach_is_the_longest_of_all_bends(seed: int, limb: int) -> 
 @given(seeds, limbs)
 def test_a_bend_that_is_right_stays(seed: int, limb: int) -> None:
     reach = _Reach(seed, limb)
-    _, cosine, sine = kernel.distance_terms(reach.shoulder, reach.elbow, reach.hinge, reach.point)
+    _, cosine, sine = kernel.distance_coefficients(reach.shoulder, reach.elbow, reach.hinge, reach.point)
     # Beyond it a limb counts as stretched too far, and is bent the right way.
     assume(np.arctan2(sine, cosine) > -0.85 * np.pi)
     reach.bend(float(np.linalg.norm(reach.point - reach.shoulder)))

@@ -87,8 +87,8 @@ def test_a_hand_is_met_over_the_whole_clip(body: Morphology) -> None:
     """The body walks past its target: it is met in every frame in which the arm is long enough."""
     layout = body.layout
     before = adapt_again(AdaptRequest(WALK, body, CONTACTS))
-    place = before.positions[60, layout.collar(1) + 1] + 0.75 * body.arm[1].sum() * np.array([0.6, -0.3, -0.74])
-    near = np.linalg.norm(before.positions[:, layout.collar(1) + 1] - place, axis=1) < 0.95 * body.arm[1].sum()
+    place = before.positions[60, layout.collar_point(1) + 1] + 0.75 * body.arm[1].sum() * np.array([0.6, -0.3, -0.74])
+    near = np.linalg.norm(before.positions[:, layout.collar_point(1) + 1] - place, axis=1) < 0.95 * body.arm[1].sum()
     after = adapt_again(AdaptRequest(WALK, body, CONTACTS, (target("right_forearm", place, ARM),)))
     assert near.sum() > 20
     assert after.residuals[0, near].max() < MET

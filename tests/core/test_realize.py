@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Proportions
 from studio.core.kernels import layout as at
-from studio.core.kernels.body.pose_from_channels import sample_spine
+from studio.core.kernels.body.pose_from_channels import spine_sampling
 from studio.core.kernels.limbs.limb import BONE_LINE_TOLERANCE
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import girdle_of, realize
+from studio.core.normalized.realize import girdle_of, realize_motion
 from studio.core.rotations import inverse, normalized
 from tests.builders import make_morphology
 from tests.core.motions import walk
@@ -46,7 +46,7 @@ def random_motion(seed: int, spine_count: int = 3, frames: int = 4) -> Normalize
 @settings(max_examples=15)
 def test_the_kernel_agrees_with_its_twin(play: bool, seed: int, spine_count: int, own: int) -> None:
     motion, body = random_motion(seed, spine_count), make_morphology(spine_count=own)
-    for result, expected in zip(realize(motion, body, play=play), twin.realize(motion, body, play), strict=True):
+    for result, expected in zip(realize_motion(motion, body, play=play), twin.realize(motion, body, play), strict=True):
         assert np.allclose(result, expected, atol=1e-8)
 
 
@@ -54,7 +54,7 @@ def test_the_kernel_agrees_with_its_twin(play: bool, seed: int, spine_count: int
 @settings(max_examples=15)
 def test_bones_have_the_lengths_of_the_body(seed: int, spine_count: int) -> None:
     body = make_morphology(leg_scale=1.2, spine_count=spine_count)
-    positions, rotations = realize(random_motion(seed), body)
+    positions, rotations = realize_motion(random_motion(seed), body)
     lengths = body_twin.bone_lengths(body.layout, positions)
     hand, foot, toe = (np.linalg.norm(getattr(body, name), axis=1) for name in ("hand", "foot", "toe"))
     expected = [
@@ -71,8 +71,8 @@ def test_bones_have_the_lengths_of_the_body(seed: int, spine_count: int) -> None
 @settings(max_examples=15)
 def test_a_body_scaled_as_a_whole_moves_scaled_as_a_whole(factor: float) -> None:
     body = make_morphology()
-    positions, rotations = realize(WALK, body)
-    larger, same = realize(WALK, Proportions(stature=factor).applied_to(body))
+    positions, rotations = realize_motion(WALK, body)
+    larger, same = realize_motion(WALK, Proportions(stature=factor).applied_to(body))
     assert np.allclose(larger, factor * positions, atol=1e-12)
     assert np.allclose(same, rotations, atol=1e-12)
 
@@ -84,8 +84,8 @@ def test_however_many_vertebrae_wrists_keep_their_place_under_the_neck(seed: int
     arms = {}
     for count in (3, spine_count):
         body = make_morphology(spine_count=count)
-        positions, rotations = realize(motion, body)
-        neck, wrists = body.layout.neck_base, [body.layout.wrist(side) for side in (0, 1)]
+        positions, rotations = realize_motion(motion, body)
+        neck, wrists = body.layout.neck_base, [body.layout.wrist_point(side) for side in (0, 1)]
         arms[count] = positions[:, wrists] - positions[:, [neck]], rotations[:, body.layout.segment_count - 16 :]
     for few, many in zip(arms[3], arms[spine_count], strict=True):
         assert np.allclose(few, many, atol=1e-12)
@@ -93,7 +93,7 @@ def test_however_many_vertebrae_wrists_keep_their_place_under_the_neck(seed: int
 
 def test_the_pelvis_takes_the_pelvis_and_the_thorax_the_thorax() -> None:
     for spine_count in (2, 3, 5, 9):
-        start, share = sample_spine(np.array([0.0, 0.3, 0.8, 1.0]), make_morphology(spine_count=spine_count).packed)
+        start, share = spine_sampling(np.array([0.0, 0.3, 0.8, 1.0]), make_morphology(spine_count=spine_count).packed)
         assert (start[0], share[0]) == (0, 0.0)
         assert (start[-1], share[-1]) == (3, 0.0)
         assert (np.diff(start + share) > 0.0).all()
@@ -102,7 +102,7 @@ def test_the_pelvis_takes_the_pelvis_and_the_thorax_the_thorax() -> None:
 def test_its_own_vertebrae_are_taken_as_they_are() -> None:
     spine = np.array([[0.0, 0.0, 0.1], [0.02, 0.0, 0.2], [0.0, 0.0, 0.15], [0.0, 0.0, 0.3]])
     places = np.cumsum([0.0, *np.linalg.norm(spine[:-1], axis=1)])
-    start, share = sample_spine(places / places[-1], replace(make_morphology(), spine=spine).packed)
+    start, share = spine_sampling(places / places[-1], replace(make_morphology(), spine=spine).packed)
     assert start.tolist() == [0, 1, 2, 3]
     assert not share.any()
 
@@ -113,11 +113,11 @@ def test_hips_and_head_stray_only_where_the_actor_is_played() -> None:
     strayed = still + 0.0
     strayed[:, at.HIP_SHIFT : at.HEAD_SHIFT + 3] = 0.1
     body = make_morphology()
-    rigid = realize(replace(WALK, channels=still), body, play=True)[0]
-    assert np.array_equal(realize(replace(WALK, channels=strayed), body)[0], rigid)
-    played = realize(replace(WALK, channels=strayed), body, play=True)[0]
+    rigid = realize_motion(replace(WALK, channels=still), body, play=True)[0]
+    assert np.array_equal(realize_motion(replace(WALK, channels=strayed), body)[0], rigid)
+    played = realize_motion(replace(WALK, channels=strayed), body, play=True)[0]
     moved = np.linalg.norm(played - rigid, axis=-1)[0]
-    assert moved[body.layout.hip(0)] == pytest.approx(0.1 * body.leg_length * np.sqrt(3))
+    assert moved[body.layout.hip_point(0)] == pytest.approx(0.1 * body.leg_length * np.sqrt(3))
     assert moved[body.layout.head_joint] == pytest.approx(0.1 * body.neck * np.sqrt(3))
     assert moved[body.layout.neck_base] == 0.0
 
@@ -133,14 +133,14 @@ def test_wide_hips_go_over_the_feet_as_far_as_the_actors(wider: float) -> None:
     channels[:, at.YAW], channels[:, at.PELVIS : at.PELVIS + 4] = 0.0, pelvis
     channels[:, at.FOOT : at.FOOT + 8] = np.tile(inverse(pelvis), 2)
     motion = replace(WALK, channels=channels, girdle=girdle_of(body))
-    poses = [realize(motion, each) for each in (body, wide)]
-    left, right = (body.layout.hip(side) for side in (0, 1))
+    poses = [realize_motion(motion, each) for each in (body, wide)]
+    left, right = (body.layout.hip_point(side) for side in (0, 1))
     ways = [positions[:, left] - positions[:, right] for positions, _ in poses]
     assert np.ptp(ways[0][:, [0, 2]], axis=0).min() > 0.03
     assert np.allclose(ways[0][:, [0, 2]], ways[1][:, [0, 2]], atol=1e-9)
     for part in (1, body.layout.segment(BodyPart.LEFT_THIGH), body.layout.segment(BodyPart.RIGHT_FOOT)):
         assert np.allclose(poses[0][1][:, part], poses[1][1][:, part], atol=1e-12)
-    again = realize(replace(motion, girdle=girdle_of(wide)), wide)
+    again = realize_motion(replace(motion, girdle=girdle_of(wide)), wide)
     assert np.allclose(again[1], poses[0][1], atol=1e-12)
 
 
@@ -151,7 +151,7 @@ def test_hips_whose_feet_lie_on_their_sides_turn_as_they_are_meant() -> None:
     channels[:, at.PELVIS : at.PELVIS + 4] = aside
     channels[:, at.FOOT : at.FOOT + 8] = [0.0, 0.0, 0.0, 1.0] * 2
     motion = replace(WALK, channels=channels, girdle=girdle_of(body))
-    assert np.allclose(realize(motion, wide)[1], realize(motion, body)[1], atol=1e-12)
+    assert np.allclose(realize_motion(motion, wide)[1], realize_motion(motion, body)[1], atol=1e-12)
 
 
 @given(st.floats(0.35, 0.65), st.floats(0.15, 0.98))
@@ -164,13 +164,13 @@ def test_bones_that_share_their_limb_otherwise_lie_nearly_as_the_actors_however_
     channels = WALK.channels.copy()
     channels[:, at.LIMB_SLACK + 2 : at.LIMB_SLACK + 4] = 1.0 - reach
     motion = replace(WALK, channels=channels, girdle=girdle_of(body))
-    (_, own), (_, others) = (realize(motion, each) for each in (body, other))
+    (_, own), (_, others) = (realize_motion(motion, each) for each in (body, other))
     for bone in (BodyPart.LEFT_THIGH, BodyPart.LEFT_SHANK):
         ways = (rotations[:, body.layout.segment(bone), :, 2] for rotations in (own, others))
         assert (np.sum(np.prod(np.stack(list(ways)), axis=0), axis=1) > np.cos(3.2 * BONE_LINE_TOLERANCE)).all()
-    again = realize(replace(motion, girdle=girdle_of(other)), other)[0]
-    hip, ankle = body.layout.hip(0), body.layout.ankle(0)
-    ways = [positions[:, ankle] - positions[:, hip] for positions in (again, realize(motion, body)[0])]
+    again = realize_motion(replace(motion, girdle=girdle_of(other)), other)[0]
+    hip, ankle = body.layout.hip_point(0), body.layout.ankle_point(0)
+    ways = [positions[:, ankle] - positions[:, hip] for positions in (again, realize_motion(motion, body)[0])]
     assert np.allclose(*(way / np.linalg.norm(way, axis=1, keepdims=True) for way in ways), atol=1e-9)
 
 

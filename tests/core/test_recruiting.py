@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyPart
-from studio.core.body.joint_limits import limits_of
+from studio.core.body.joint_limits import limb_limit_records
 from studio.core.body.morphology import Morphology
 from studio.core.body.pose import PoseSequence
 from studio.core.captures.contacts import ContactInterval, ContactPoint, contact_mask
@@ -35,9 +35,9 @@ from studio.core.kernels.tasks.balance import (
 )
 from studio.core.kernels.tasks.task import TASK
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.quality.metrics import acceleration_ratio, angular_acceleration, contact_quality
-from studio.core.solver.adapt import hold
+from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.asking.chains import joints_of_chains, point_masses, segment_masses
 from studio.core.solver.asking.limb_availability import arm_availability, leg_availability, limb_availability
 from studio.core.solver.request import AdaptedMotion
@@ -76,7 +76,7 @@ def _kick() -> tuple[NormalizedMotion, tuple[ContactInterval, ...]]:
         for span in many
         for part in ("heel", "toe")
     )
-    return normalize(capture)[0], contacts
+    return normalize_capture(capture)[0], contacts
 
 
 KICK, CONTACTS = _kick()
@@ -102,11 +102,11 @@ def _support(chain: Chain) -> BalanceConstraint:
 
 
 def _ankles(body: Morphology) -> list[int]:
-    return [body.layout.ankle(side) for side in range(2)]
+    return [body.layout.ankle_point(side) for side in range(2)]
 
 
 def _legs(body: Morphology, side: int) -> slice:
-    return slice(body.layout.hip(side), body.layout.hip(side) + 5)
+    return slice(body.layout.hip_point(side), body.layout.hip_point(side) + 5)
 
 
 def _turned(solved: AdaptedMotion, standing: Standing) -> np.ndarray:
@@ -123,9 +123,12 @@ def test_free_arms_alone_meet_a_small_shift_and_nothing_else_moves(
 ) -> None:
     standing, layout = STANDING[name], BODIES[name].layout
     aside = shift * BODIES[name].stature * np.array([np.cos(heading), np.sin(heading)])
-    solved = hold(standing, (_balance(standing, frame, ARMS, aside),), frame, frame)
+    solved = solve_constraints(standing, (_balance(standing, frame, ARMS, aside),), frame, frame)
     assert solved.residuals[0, 0] < MET
-    arms = {*range(layout.collar(0) + 2, layout.collar(0) + 5), *range(layout.collar(1) + 2, layout.collar(1) + 5)}
+    arms = {
+        *range(layout.collar_point(0) + 2, layout.collar_point(0) + 5),
+        *range(layout.collar_point(1) + 2, layout.collar_point(1) + 5),
+    }
     others = [point for point in range(layout.point_count) if point not in arms]
     assert np.allclose(solved.positions[0, others], standing.positions[frame, others], rtol=0.0, atol=1e-14)
 
@@ -134,7 +137,7 @@ def test_free_arms_alone_meet_a_small_shift_and_nothing_else_moves(
 @pytest.mark.parametrize("name", BODIES)
 def test_planted_feet_never_move_and_a_swinging_leg_does(name: str, chain: Chain) -> None:
     standing, body = STANDING[name], BODIES[name]
-    solved = hold(standing, (_balance(standing, MIDDLE, chain, np.array([0.02, 0.01])),))
+    solved = solve_constraints(standing, (_balance(standing, MIDDLE, chain, np.array([0.02, 0.01])),))
     assert contact_quality(solved, CONTACTS, Ground()).slide < 1e-9
     away = [
         np.linalg.norm(solved.positions[:, ankle] - standing.positions[:, ankle], axis=1) for ankle in _ankles(body)
@@ -148,15 +151,15 @@ def test_planted_feet_never_move_and_a_swinging_leg_does(name: str, chain: Chain
 @pytest.mark.parametrize("name", BODIES)
 def test_a_leg_that_fades_does_not_pop(name: str, chain: Chain) -> None:
     for standing in (STANDING[name], stand(WALK, BODIES[name], STEPS, Ground())):
-        solved = hold(standing, (_support(chain),), eased=True)
-        assert acceleration_ratio(solved, hold(standing, ())) < 3.0
+        solved = solve_constraints(standing, (_support(chain),), eased=True)
+        assert acceleration_ratio(solved, solve_constraints(standing, ())) < 3.0
 
 
 @pytest.mark.parametrize("name", BODIES)
 def test_a_recruited_leg_does_not_enter_the_ground(name: str) -> None:
     standing, body = STANDING[name], BODIES[name]
     for aside in ([0.05, 0.0], [-0.05, 0.0], [0.0, 0.05], [0.0, -0.05]):
-        solved = hold(standing, (_balance(standing, MIDDLE, LEGS, np.array(aside)),))
+        solved = solve_constraints(standing, (_balance(standing, MIDDLE, LEGS, np.array(aside)),))
         for side in range(2):
             lowest = (each[:, _legs(body, side), 2].min() for each in (standing.positions, solved.positions))
             assert next(lowest) < next(lowest) + 2e-3
@@ -167,9 +170,9 @@ def test_an_arm_with_a_wish_above_is_left_to_it_and_the_other_helps(name: str) -
     standing, layout = STANDING[name], BODIES[name].layout
     for frame in (10, MIDDLE, 70):
         reach, balance = _reach(standing, frame, 0), _balance(standing, frame, ARMS, np.array([0.003, -0.002]), 1)
-        both, alone = (hold(standing, wishes, frame, frame) for wishes in ((reach, balance), (reach,)))
+        both, alone = (solve_constraints(standing, wishes, frame, frame) for wishes in ((reach, balance), (reach,)))
         assert both.residuals[0, 0] < KEPT
-        arm = slice(layout.collar(0), layout.collar(0) + 5)
+        arm = slice(layout.collar_point(0), layout.collar_point(0) + 5)
         assert both.positions[0, arm] == pytest.approx(alone.positions[0, arm], abs=KEPT)
         assert _turned(both, standing)[0, layout.segment(BodyPart.RIGHT_UPPER_ARM)] > 0.05
 
@@ -180,15 +183,15 @@ def test_an_arm_with_a_wish_below_costs_the_balance_nothing(name: str) -> None:
     for frame in (10, MIDDLE, 70):
         for shift in (0.003, 0.005, 0.02):  # the last is out of reach
             balance = _balance(standing, frame, ARMS, shift * np.array([1.0, -0.7]), 0)
-            alone = hold(standing, (balance,), frame, frame)
-            both = hold(standing, (_reach(standing, frame, 1), balance), frame, frame)
+            alone = solve_constraints(standing, (balance,), frame, frame)
+            both = solve_constraints(standing, (_reach(standing, frame, 1), balance), frame, frame)
             assert both.residuals[1, 0] == pytest.approx(alone.residuals[0, 0], abs=KEPT)
             assert both.residuals[0, 0] < KEPT or shift > 0.005
 
 
 def _reach(standing: Standing, frame: int, priority: int) -> PositionConstraint:
     """The left wrist a little forward and up."""
-    wrist = standing.positions[frame, standing.morphology.layout.wrist(0)]
+    wrist = standing.positions[frame, standing.morphology.layout.wrist_point(0)]
     return target("left_forearm", wrist + np.array([0.05, 0.0, 0.04]), Chain(clavicle=0.0), priority)
 
 
@@ -198,7 +201,7 @@ def test_an_arm_is_back_in_the_motion_before_a_wish_above_begins_and_helps_again
     wrist = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
     times = ActivationCurve(0.6, 0.8, 0.9, 1.1)
     asked = PositionConstraint("motion", "Wrist", wrist, Chain(clavicle=0.0), 0, times, target=(1.0, 0.4, 1.2))
-    solved = hold(standing, (balance, asked))
+    solved = solve_constraints(standing, (balance, asked))
     turned = _turned(solved, standing)[:, body.layout.segment(BodyPart.LEFT_UPPER_ARM)]
     begin, end = round(times.start * RATE), round(times.end * RATE)
     soon = round(SWING_FADE * RATE) + 2
@@ -215,13 +218,13 @@ def test_a_wish_below_takes_an_arm_from_a_balance_that_does_without_and_nothing_
     balance = _balance(standing, MIDDLE, WHOLE, np.array([0.01, 0.01]))
     common = "motion", kind, BodyPoint(BodyPart.LEFT_FOREARM, at_end=True), Chain(clavicle=0.0), 1
     times = ActivationCurve(0.4, 0.6, 0.9, 1.1)
-    place = standing.positions[MIDDLE, layout.wrist(0)] + np.array([0.1, 0.05, 0.1])
+    place = standing.positions[MIDDLE, layout.wrist_point(0)] + np.array([0.1, 0.05, 0.1])
     asked: Constraint = PositionConstraint(*common, times, target=tuple(place))
     if kind == "orientation":
         asked = OrientationConstraint(*common, times, target=(0.0, 0.6, 0.0, 0.8))
     elif kind == "distance":
         asked = DistanceConstraint(*common, times, other=BodyPoint(BodyPart.HEAD), distance=0.3 * BODIES[name].stature)
-    alone, both = hold(standing, (balance,)), hold(standing, (balance, asked))
+    alone, both = solve_constraints(standing, (balance,)), solve_constraints(standing, (balance, asked))
     assert both.residuals[0] == pytest.approx(alone.residuals[0], abs=KEPT)
     assert both.residuals[1, MIDDLE - 5 : MIDDLE + 5].max() < KEPT
     assert angular_acceleration(local_rotations(both), RATE).max() < 300.0  # 150 for a radian in 0.2 s by (6)
@@ -258,7 +261,7 @@ def test_an_arm_that_lies_level_is_not_turned_and_one_that_hangs_is() -> None:
     body = BODIES["adult_woman"]
     positions = STANDING["adult_woman"].positions[:1].repeat(3, axis=0)
     for side in range(2):
-        arm = slice(body.layout.collar(side) + 1, body.layout.collar(side) + 5)
+        arm = slice(body.layout.collar_point(side) + 1, body.layout.collar_point(side) + 5)
         shoulder = positions[:, arm.start : arm.start + 1]
         lengths = np.arange(4)[None, :, None] * 0.25
         ways = np.array([[0.0, 0.0, -1.0], [np.sqrt(0.5), 0.0, np.sqrt(0.5)], [0.6, 0.8, 0.0]])
@@ -271,7 +274,9 @@ def test_without_free_limbs_nothing_is_otherwise_to_the_bit(name: str) -> None:
     standing = STANDING[name]
     wish = _balance(standing, MIDDLE, TRUNK, np.array([0.02, 0.01]))
     none = replace(wish, chain=replace(TRUNK, segments=((BodyPart.THORAX, 1.0),)))
-    assert np.array_equal(hold(standing, (wish,)).positions, hold(standing, (none,)).positions)
+    assert np.array_equal(
+        solve_constraints(standing, (wish,)).positions, solve_constraints(standing, (none,)).positions
+    )
     assert len(joints_of_chains((TRUNK,), (0,), BODIES[name].layout).joints) + 4 == len(
         joints_of_chains((WHOLE,), (0,), BODIES[name].layout).joints
     )
@@ -283,7 +288,9 @@ def test_the_whole_body_moves_its_root_less_when_limbs_help(name: str) -> None:
     for frame in (35, MIDDLE):
         moved = []
         for chain in (TRUNK, WHOLE):
-            solved = hold(standing, (_balance(standing, frame, chain, np.array([0.03, 0.0])),), frame, frame)
+            solved = solve_constraints(
+                standing, (_balance(standing, frame, chain, np.array([0.03, 0.0])),), frame, frame
+            )
             assert solved.residuals[0, 0] < MET
             moved.append(np.linalg.norm(solved.positions[0, 0] - standing.positions[frame, 0]))
         assert moved[1] < 0.97 * moved[0]
@@ -291,10 +298,15 @@ def test_the_whole_body_moves_its_root_less_when_limbs_help(name: str) -> None:
 
 def test_any_window_of_frames_gives_the_poses_of_the_whole_clip_and_no_limits_give_a_body_too() -> None:
     standing = STANDING["child"]
-    whole, part = hold(standing, (_support(WHOLE),)), hold(standing, (_support(WHOLE),), 25, 50)
+    whole, part = (
+        solve_constraints(standing, (_support(WHOLE),)),
+        solve_constraints(standing, (_support(WHOLE),), 25, 50),
+    )
     assert part.positions == pytest.approx(whole.positions[25:51], abs=1e-12)
     for chain in (WHOLE, ARMS):
-        assert np.isfinite(hold(standing, (_support(chain),), bound=SolverLimits(by_limits=False)).positions).all()
+        assert np.isfinite(
+            solve_constraints(standing, (_support(chain),), bound=SolverLimits(uses_joint_limits=False)).positions
+        ).all()
 
 
 @pytest.mark.parametrize("link", ["free_arms", "free_legs"])
@@ -318,7 +330,9 @@ class _PosedBody:
         self.masses, self.shares = segment_masses(body.layout), point_masses(body.layout)
         free, none = np.full(2, np.inf), np.zeros(2, HAND_CONTACT)
         ground = np.zeros((4, 3))
-        self.body = FrameBody(body.rows[0], self.masses, free, legs, limits_of(body)[:0], self.shares, none, ground)
+        self.body = FrameBody(
+            body.rows[0], self.masses, free, legs, limb_limit_records(body)[:0], self.shares, none, ground
+        )
         self.search = make_search(1, len(self.chain.joints), len(self.start.positions))
 
     def pose(self, joint: int, turn: np.ndarray) -> Pose:
@@ -391,7 +405,7 @@ def test_an_arm_that_points_at_a_far_place_answers_the_trunk_as_it_does(side: in
     layout, (joints, masses) = STANDING["adult_woman"].morphology.layout, (posed.chain.joints, posed.masses)
     upper, root = (
         layout.segment(BodyPart.LEFT_UPPER_ARM if side == 0 else BodyPart.RIGHT_UPPER_ARM),
-        layout.collar(side) + 1,
+        layout.collar_point(side) + 1,
     )
 
     def aimed(joint: int, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

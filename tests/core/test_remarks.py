@@ -10,8 +10,8 @@ from studio.core.body.humanoid import BodyMap, BodyPart
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
-from studio.core.captures.remarks import Remark, remarks_on, remarks_on_body
-from studio.core.normalized.normalize import normalize
+from studio.core.captures.remarks import Remark, body_remarks, remarks_on
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.rotations import normalized
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters
@@ -137,9 +137,9 @@ def test_a_hand_that_ends_far_from_its_wrist_is_told_and_is_of_usual_length_all_
         far = _moved(far, end, slice(None), 1.6)
     [remark] = remarks_on(far)
     assert remark.words.startswith("The right hand ends 1")
-    hands = np.linalg.norm(normalize(far)[1].morphology.hand, axis=1)
-    assert hands[1] == pytest.approx(0.4 * normalize(walk)[1].morphology.arm[1, 1])
-    assert hands[0] == np.linalg.norm(normalize(walk)[1].morphology.hand[0])
+    hands = np.linalg.norm(normalize_capture(far)[1].morphology.hand, axis=1)
+    assert hands[1] == pytest.approx(0.4 * normalize_capture(walk)[1].morphology.arm[1, 1])
+    assert hands[0] == np.linalg.norm(normalize_capture(walk)[1].morphology.hand[0])
 
 
 def test_a_take_that_hovers_is_told(walk: Capture) -> None:
@@ -169,7 +169,7 @@ def test_a_sentence_names_four_spans_at_most() -> None:
 
 @pytest.mark.parametrize("name", bundled_characters())
 def test_nothing_is_odd_about_bundled_bodies(name: str) -> None:
-    assert remarks_on_body(bundled_characters()[name].build) == ()
+    assert body_remarks(bundled_characters()[name].build) == ()
 
 
 @pytest.mark.parametrize(
@@ -183,7 +183,7 @@ def test_nothing_is_odd_about_bundled_bodies(name: str) -> None:
 )
 def test_how_no_body_is_built_is_told(measure: str, value: object, words: str) -> None:
     body = replace(bundled_characters()["adult_woman"].build, **{measure: value})
-    assert any(words in remark.sentence for remark in remarks_on_body(body))
+    assert any(words in remark.sentence for remark in body_remarks(body))
 
 
 @pytest.mark.parametrize("known", [True, False])
@@ -199,4 +199,4 @@ def test_a_character_with_a_bone_of_more_than_a_hundred_metres_is_told() -> None
     body = bundled_characters()["child"].build
     foot = body.foot.copy()
     foot[0, 0] = 150.0
-    assert any("150 m long" in each.sentence for each in remarks_on_body(replace(body, foot=foot)))
+    assert any("150 m long" in each.sentence for each in body_remarks(replace(body, foot=foot)))

@@ -24,13 +24,13 @@ from studio.core.quality.report import (
     BLOCKED_BY_REACH,
     BLOCKED_BY_SMOOTHING,
     MET_BY_UNIT,
-    Report,
+    QualityReport,
+    blocking_constraints,
     fully_active,
     report_of,
-    samples,
-    winners,
+    sampled_frames,
 )
-from studio.core.solver.adapt import adapt, hold, place_of
+from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.solved_window import SolverLimits
 from studio.core.solver.standing.stand import standing_of
@@ -45,14 +45,14 @@ PELVIS = BodyPoint(BodyPart.PELVIS)
 ALWAYS = ActivationCurve(-1.0, -1.0, 100.0, 100.0)
 
 
-def reported(body: Morphology, *constraints: Constraint) -> tuple[AdaptedMotion, Report]:
+def reported(body: Morphology, *constraints: Constraint) -> tuple[AdaptedMotion, QualityReport]:
     request = AdaptRequest(WALK, body, STANDS, constraints)
     adapted = adapt(request, FIRST, LAST)
     return adapted, report_of(standing_of(request), request, adapted)
 
 
 def beside(body: Morphology, point: BodyPoint, *way: float) -> tuple[float, ...]:
-    return tuple(place_of(point, adapt(AdaptRequest(WALK, body, STANDS)))[30] + np.array(way))
+    return tuple(body_point_positions(point, adapt(AdaptRequest(WALK, body, STANDS)))[30] + np.array(way))
 
 
 @every_body
@@ -115,9 +115,9 @@ def test_who_does_not_act_keeps_nobody_from_anything() -> None:
     """A constraint that frees the root now and then is not named where it is inactive."""
     standing = standing_of(AdaptRequest(WALK, BODIES["child"], STANDS))
     for seed in range(4):
-        asked = scene(standing, hold(standing, ()), seed)
-        adapted = hold(standing, asked)
-        named = winners(standing, asked, {}, adapted)
+        asked = scene(standing, solve_constraints(standing, ()), seed)
+        adapted = solve_constraints(standing, asked)
+        named = blocking_constraints(standing, asked, {}, adapted)
         acts = np.isfinite(adapted.residuals)
         assert all(acts[named[row, frame], frame] for row, frame in zip(*np.nonzero(named >= 0), strict=True))
 
@@ -134,7 +134,7 @@ def punch(body: str, *constraints: Constraint, touch: bool = False, clears: bool
 def blockers(request: AdaptRequest) -> set[int]:
     """Blockers of what the poses miss where it is asked for fully, in some frames of a punch; none without a name."""
     standing = standing_of(request)
-    adapted = hold(standing, request.constraints, 20, 60, eased=request.eased)
+    adapted = solve_constraints(standing, request.constraints, 20, 60, eased=request.eased)
     report = report_of(standing, request, adapted)
     limits = [[MET_BY_UNIT[each.unit]] for each in request.constraints]
     missed = (report.misses > limits) & fully_active(request.constraints, request.motion.times[20:61])
@@ -145,7 +145,7 @@ def blockers(request: AdaptRequest) -> set[int]:
 def test_hands_that_touch_keep_no_balance_from_being_met(body: str) -> None:
     """A hand that follows another one moves the mass; the balance counts it."""
     wrist = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
-    away = place_of(wrist, adapt(punch(body), 40, 40))[0] + [0.1, 0.2, 0.25]
+    away = body_point_positions(wrist, adapt(punch(body), 40, 40))[0] + [0.1, 0.2, 0.25]
     lift = PositionConstraint("motion", "Lift", wrist, Chain(trunk=1.0), 0, ALWAYS, target=tuple(away.tolist()))
     balance = BalanceConstraint("motion", "Balance", PELVIS, Chain(trunk=1.0, root=1.0), 1, ALWAYS)
     assert not blockers(punch(body, lift, balance, touch=True))
@@ -155,12 +155,12 @@ def test_hands_that_touch_keep_no_balance_from_being_met(body: str) -> None:
 @pytest.mark.parametrize("body", ["child", "giant"])
 def test_arms_that_stay_out_of_the_body_are_named_where_nobody_misses_without_them(body: str) -> None:
     standing = standing_of(punch(body))
-    asked = scene(standing, hold(standing, ()), 1)
+    asked = scene(standing, solve_constraints(standing, ()), 1)
     named = []
     for clears in (True, False):
         request = punch(body, *asked, clears=clears)
         posed = standing_of(request)
-        named.append(report_of(posed, request, hold(posed, asked)).winners)
+        named.append(report_of(posed, request, solve_constraints(posed, asked)).winners)
     assert (named[0] == BLOCKED_BY_CLEARANCE).any()
     assert not (named[1] == BLOCKED_BY_CLEARANCE).any()
 
@@ -168,8 +168,8 @@ def test_arms_that_stay_out_of_the_body_are_named_where_nobody_misses_without_th
 def test_smoothing_is_named_only_where_the_frame_solved_by_itself_misses_less() -> None:
     for seed in range(3):
         standing = standing_of(punch("child"))
-        request = replace(punch("child", *scene(standing, hold(standing, ()), seed)), eased=True)
-        eased, exact = (hold(standing, request.constraints, eased=eased) for eased in (True, False))
+        request = replace(punch("child", *scene(standing, solve_constraints(standing, ()), seed)), eased=True)
+        eased, exact = (solve_constraints(standing, request.constraints, eased=eased) for eased in (True, False))
         found = report_of(standing, request, eased).winners == BLOCKED_BY_SMOOTHING
         assert (eased.residuals[found] > exact.residuals[found]).all()
         plain = replace(request, eased=False)
@@ -179,12 +179,12 @@ def test_smoothing_is_named_only_where_the_frame_solved_by_itself_misses_less() 
 def test_reach_is_named_only_where_a_body_that_is_free_of_all_else_misses_as_well() -> None:
     """Feet that stand and limits of the spine may each suffice to keep a body off: neither is its reach."""
     standing = standing_of(AdaptRequest(WALK, BODIES["tall_man"], STANDS))
-    free = SolverLimits(by_contacts=False, by_limits=False)
+    free = SolverLimits(uses_contacts=False, uses_joint_limits=False)
     for seed in range(4):
-        asked = scene(standing, hold(standing, ()), seed)
-        found = winners(standing, asked, {}, hold(standing, asked)) == BLOCKED_BY_REACH
+        asked = scene(standing, solve_constraints(standing, ()), seed)
+        found = blocking_constraints(standing, asked, {}, solve_constraints(standing, asked)) == BLOCKED_BY_REACH
         for row, constraint in enumerate(asked):
-            alone = hold(standing, [constraint], bound=free).residuals[0]
+            alone = solve_constraints(standing, [constraint], bound=free).residuals[0]
             missed = alone[found[row]]
             assert np.count_nonzero(missed > MET_BY_UNIT[constraint.unit]) >= 0.9 * len(missed)
 
@@ -194,7 +194,7 @@ def test_a_sample_stands_for_frames_around_it_in_which_the_same_is_active_and_mi
     active = np.repeat(random.uniform(size=(3, 20)) < 0.7, 13, axis=1)
     residuals = np.where(active, np.repeat(random.uniform(size=(3, 52)), 5, axis=1), np.nan)
     limits = np.full((3, 1), 0.5)
-    frames, stands_for = samples(np.concatenate([active, residuals > limits]), 8)
+    frames, stands_for = sampled_frames(np.concatenate([active, residuals > limits]), 8)
     assert (np.abs(frames[stands_for] - np.arange(260)) <= 8).all()
     assert (np.isfinite(residuals[:, frames[stands_for]]) == active).all()
     assert ((residuals > limits) == (residuals[:, frames[stands_for]] > limits)).all()

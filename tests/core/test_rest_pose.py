@@ -23,7 +23,7 @@ def test_every_bone_of_the_rest_pose_has_the_length_its_morphology_says(body: Mo
     layout = body.layout
     assert np.diff(positions[: layout.neck_base + 1], axis=0) == pytest.approx(body.spine)
     for side in (0, 1):
-        arm, leg = layout.collar(side), layout.hip(side)
+        arm, leg = layout.collar_point(side), layout.hip_point(side)
         arm_bones = np.linalg.norm(np.diff(positions[arm : arm + 5], axis=0), axis=1)
         expected = (body.clavicle[side], *body.arm[side], np.linalg.norm(body.hand[side]))
         assert arm_bones == pytest.approx(expected)
@@ -58,8 +58,8 @@ def test_it_stands_with_flat_feet_below_the_root_and_the_crown_at_its_stature(bo
     assert positions[0, :2] == pytest.approx([0, 0])
     assert positions[layout.head_end, 2] == pytest.approx(body.stature)
     for side in (0, 1):
-        assert positions[layout.ankle(side), 2] == pytest.approx(body.ankle_height[side])
-        assert positions[layout.toe(side), 2] == pytest.approx(body.toe_height[side])
+        assert positions[layout.ankle_point(side), 2] == pytest.approx(body.ankle_height[side])
+        assert positions[layout.toe_point(side), 2] == pytest.approx(body.toe_height[side])
 
 
 def test_flexion_about_the_hinge_brings_the_hand_forward_and_the_shank_back(body: Morphology):
@@ -77,7 +77,7 @@ def test_flexion_about_the_hinge_brings_the_hand_forward_and_the_shank_back(body
 def test_the_sides_mirror_each_other(body: Morphology):
     positions, _ = rest_pose(body)
     layout = body.layout
-    for left, right in ((layout.collar(0), layout.collar(1)), (layout.hip(0), layout.hip(1))):
+    for left, right in ((layout.collar_point(0), layout.collar_point(1)), (layout.hip_point(0), layout.hip_point(1))):
         assert positions[left : left + 5] * [1, -1, 1] == pytest.approx(positions[right : right + 5])
 
 
@@ -85,7 +85,7 @@ def test_the_longer_of_two_unequal_legs_bends_its_knee_forward():
     body = BODIES["tall_man"]
     longer = replace(body, leg=body.leg + np.array([[0, 0], [0.03, 0.02]]))
     positions, _ = rest_pose(longer)
-    hip, knee, ankle = positions[longer.layout.hip(1) :][:3]
+    hip, knee, ankle = positions[longer.layout.hip_point(1) :][:3]
     assert ankle[2] == pytest.approx(longer.ankle_height[1])
     assert np.linalg.norm(knee - hip) == pytest.approx(longer.leg[1, 0])
     assert np.linalg.norm(ankle - knee) == pytest.approx(longer.leg[1, 1])

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as some
 
-from studio.core.constraints.carried_over import ClipTransform, carried_over
+from studio.core.constraints.carried_over import ClipTransform, constraint_on_clip
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.curves.retiming import (
@@ -20,9 +20,9 @@ from studio.core.curves.retiming import (
 )
 from studio.core.curves.tangents import TangentMode, tangents_of
 from studio.core.normalized.compose import compose_pieces
-from studio.core.solver.performers.rows import carry_of
+from studio.core.solver.performers.rows import clip_transform
 from studio.core.stage.clip import Clip
-from studio.core.stage.clip_row import begun_at, frame_at, split
+from studio.core.stage.clip_row import clip_halves, frame_at, with_first_frame
 from tests.builders import make_constraint
 from tests.core.test_clip_row import NAMES, RATE, pieces_of
 from tests.core.test_compose import example
@@ -93,12 +93,12 @@ def test_a_split_or_trimmed_clip_plays_as_it_did(share, repeats):
     motion = example("walk_turn")
     clip = Clip("motion", 20, 220, 0.5, "one", SLOW_MIDDLE, repeats)
     whole = compose_pieces(pieces_of((clip,), motion))
-    parts = split(clip, RATE, clip.start + share * clip.length(RATE), iter(NAMES))
+    parts = clip_halves(clip, RATE, clip.start + share * clip.length(RATE), iter(NAMES))
     assert sum(part.length(RATE) for part in parts) == pytest.approx(clip.length(RATE), abs=1e-9)
     joined = compose_pieces(pieces_of(parts, motion))
     assert joined.timing.last == whole.timing.last
     assert np.abs(joined.motion.channels - whole.motion.channels).max() < 1e-6
-    trimmed = begun_at(clip, RATE, 90)
+    trimmed = with_first_frame(clip, RATE, 90)
     assert frame_at(trimmed, RATE, 2.5) == pytest.approx(frame_at(clip, RATE, 2.5), abs=1e-6)
 
 
@@ -118,12 +118,12 @@ def test_constraints_keys_and_their_slopes_come_along():
     motion = example("walk_turn")
     clip = Clip("motion", 0, 240, 0.5, "one", SLOW_MIDDLE)
     whole = compose_pieces(pieces_of((clip,), motion))
-    carry = carry_of(whole.played[0], whole.timing, 0.9)
+    carry = clip_transform(whole.played[0], whole.timing, 0.9)
     target = KeyedPlace((1.2, 1.8, 2.4), ((0.0, 0.0, 1.0), (0.2, 0.0, 1.2), (0.4, 0.0, 1.0)))
     tangents = tuple(tangents_of(TangentMode.SMOOTH, (1.0, 1.0)) for _ in target.times)
     asked = make_constraint(target=replace(target, tangents=tangents))
     assert isinstance(asked, PositionConstraint)
-    moved = carried_over(asked, carry)
+    moved = constraint_on_clip(asked, carry)
     expected = clip.stage_seconds(np.array(target.times), RATE) - whole.timing.begin
     assert moved.target.times == pytest.approx(expected, abs=1e-9)
     assert moved.activation.full == pytest.approx(

@@ -7,7 +7,15 @@ from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyLayout
 from studio.core.kernels import pose_search as at
-from studio.core.retrieval import BLOCK_FRAMES, Query, SearchTable, pose_distances, pose_rows, search, searched_points
+from studio.core.retrieval import (
+    BLOCK_FRAMES,
+    PoseQuery,
+    SearchTable,
+    pose_distances,
+    pose_rows,
+    search,
+    searched_points,
+)
 from tests.core.twins.retrieval import brute_force, kovar_distance
 
 LAYOUT = BodyLayout(3)
@@ -28,13 +36,13 @@ def made_table(seed: int, clips: int = 12, actors: int = 3) -> SearchTable:
     return SearchTable(np.concatenate(rows), counts, np.concatenate(paths), lengths, who, limbs)
 
 
-def made_query(seed: int, table: SearchTable, actors: int = 3) -> Query:
+def made_query(seed: int, table: SearchTable, actors: int = 3) -> PoseQuery:
     random = np.random.default_rng(seed)
     near = np.asarray(table.rows[random.integers(0, len(table.rows), actors)])
     rows = (near + random.normal(size=near.shape) * random.choice([0.0, 0.01, 0.2])).astype(np.float32)
     rows[:, at.SQUARE] = np.square(rows[:, : at.SQUARE], dtype=np.float64).sum(axis=1)
     weights = random.choice([0.0, 0.1, 1.0, 30.0], 2)
-    return Query(rows, random.normal(size=(actors, 4, 3)), *(float(weight) for weight in weights))
+    return PoseQuery(rows, random.normal(size=(actors, 4, 3)), *(float(weight) for weight in weights))
 
 
 TABLES = [made_table(seed) for seed in range(4)]
@@ -88,7 +96,7 @@ def test_the_distance_keeps_the_triangle_inequality(seed):
 def test_a_table_of_nothing_finds_nothing():
     none = np.empty(0, dtype=np.int64)
     table = SearchTable(np.empty((0, at.POSE_WIDTH), np.float32), none, np.empty((0, 3)), none, none, none)
-    assert search(table, Query(np.zeros((1, at.POSE_WIDTH), np.float32), np.zeros((1, 4, 3)))) == []
+    assert search(table, PoseQuery(np.zeros((1, at.POSE_WIDTH), np.float32), np.zeros((1, 4, 3)))) == []
 
 
 def test_clips_that_are_not_allowed_are_never_found():
@@ -102,7 +110,7 @@ def test_no_frame_costs_less_than_the_bound_of_its_block():
         blocks, query = table.blocks, made_query(7, table)
         bounds, every = np.empty(len(blocks.spans)), np.ones(table.clip_count, dtype=np.bool_)
         asked = at.SearchQuery(query.poses, query.targets, query.posture_weight, query.reach_weight)
-        at.bound_blocks(table.searched, every, asked, bounds)
+        at.write_block_cost_bounds(table.searched, every, asked, bounds)
         for (clip, first, count), bound in zip(blocks.spans, bounds, strict=True):
             part = SearchTable(
                 table.rows[first : first + count],

@@ -7,8 +7,8 @@ from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
-from studio.core.normalized.normalize import detected_contacts, normalize
-from studio.core.solver.adapt import hold, place_of
+from studio.core.normalized.normalize import detected_contacts, normalize_capture
+from studio.core.solver.adapt import body_point_positions, solve_constraints
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.stand import Standing, standing_of
 from studio.io.importing import load_capture
@@ -16,7 +16,7 @@ from studio.io.project.character_file import bundled_characters
 from studio.resources_folder import example_captures_folder
 
 KICK = load_capture(example_captures_folder() / "front_kick.bvh")
-MOTION, ACTOR = normalize(KICK)
+MOTION, ACTOR = normalize_capture(KICK)
 CONTACTS = detected_contacts(KICK, "kick")
 BALL, CHAIN = BodyPoint(BodyPart.RIGHT_FOOT, at_end=True), Chain(clavicle=0.0, root=0.6)
 TOP = 154
@@ -33,13 +33,13 @@ def _standing(name: str) -> Standing:
 
 
 CHILD = _standing("child")
-PLACE = place_of(BALL, hold(CHILD, ()))[TOP]
+PLACE = body_point_positions(BALL, solve_constraints(CHILD, ()))[TOP]
 
 
 def _missed(standing: Standing, raised: float, eased: bool = True) -> np.ndarray:
     target = (PLACE[0], PLACE[1], PLACE[2] + raised)
     kick = PositionConstraint("kick", "Ball", BALL, CHAIN, 0, CURVE, target=target)
-    return hold(standing, (kick,), HOLD.start, HOLD.stop - 1, eased=eased).residuals[0]
+    return solve_constraints(standing, (kick,), HOLD.start, HOLD.stop - 1, eased=eased).residuals[0]
 
 
 @pytest.mark.parametrize("name", ["adult_woman", "tall_man", "stocky_man", "giant"])

@@ -7,7 +7,7 @@ import pytest
 from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.objections import objection
 from studio.core.constraints.scope import EVERYONE, Scope
-from studio.core.solver.performers.stage import asked_of
+from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Project
 from tests.builders import make_constraint, make_contact, make_project
@@ -16,7 +16,7 @@ FIRST, SECOND = (Scope(performer_id=f"performer {k}") for k in range(2))
 
 
 def asked(project: Project, performer_id: str) -> list[str]:
-    return [each.constraint_id for each in asked_of(project, performer_id)]
+    return [each.constraint_id for each in constraints_of_performer(project, performer_id)]
 
 
 def test_two_performers_of_one_motion_are_asked_different_things() -> None:
@@ -33,7 +33,11 @@ def test_what_is_asked_of_a_clip_is_asked_in_each_of_its_repeats_and_of_no_other
     clips = (Clip("motion", 0, 29, id="a"), Clip("motion", 0, 29, start=0.5, id="b", repeats=3))
     project = project.with_entity("performers", "performer 0", replace(performer, clips=clips))
     project = project.with_entity("constraints", "c", make_constraint(scope=Scope(clip_id="b")))
-    assert [(each.clip, each.repeat) for each in asked_of(project, "performer 0")] == [(1, 0), (1, 1), (1, 2)]
+    assert [(each.clip, each.repeat) for each in constraints_of_performer(project, "performer 0")] == [
+        (1, 0),
+        (1, 1),
+        (1, 2),
+    ]
     assert asked(project, "performer 1") == []
 
 

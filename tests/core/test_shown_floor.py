@@ -6,14 +6,14 @@ from hypothesis import strategies as st
 
 from studio.core.captures.contacts import contact_mask
 from studio.core.captures.rising_heels import rising_heels
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.solver.standing.shown_floor import shown_floor
 from tests.builders import make_morphology
 from tests.core.motions import walk
 
 BODY = make_morphology(leg_scale=1.1)
 WALK, CONTACTS = walk(240)
-POSITIONS = realize(WALK, BODY)[0]
+POSITIONS = realize_motion(WALK, BODY)[0]
 
 
 @given(st.floats(-0.02, 0.02), st.floats(-0.05, 0.05))

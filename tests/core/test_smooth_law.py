@@ -17,7 +17,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.solver.adapt import hold, place_of
+from studio.core.solver.adapt import body_point_positions, solve_constraints
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import stand
@@ -27,7 +27,7 @@ from tests.core.motions import ALWAYS, local_rotations, walk
 BODIES = tuple(character.morphology for character in bundled_characters().values())
 WALK, CONTACTS = walk(90)
 STANDING = tuple(stand(WALK, body, CONTACTS, Ground()) for body in BODIES)
-BEFORE = tuple(hold(standing, ()) for standing in STANDING)
+BEFORE = tuple(solve_constraints(standing, ()) for standing in STANDING)
 ARM, TRUNK, WHOLE = Chain(), Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)
 KINDS = "wrist", "hand", "elbow", "head", "pelvis", "balance", "look"
 PARTS = {"wrist": "forearm", "hand": "hand", "elbow": "upper_arm"}
@@ -60,13 +60,13 @@ class Wishes:
             chain = Chain(limb=0.0, clavicle=0.0, trunk=1.0, root=1.0)
             return BalanceConstraint("motion", kind, BodyPoint(BodyPart.PELVIS), chain, priority, ALWAYS)
         if kind == "look":
-            ahead = place_of(EYES, before) + before.rotations[:, 0] @ np.array([2.0, 0.0, 0.0])
+            ahead = body_point_positions(EYES, before) + before.rotations[:, 0] @ np.array([2.0, 0.0, 0.0])
             target = self.sway(number, ahead, 0.6, 2.0)
             return LookAtConstraint("motion", kind, EYES, Chain(0, 0, 1, 1), priority, ALWAYS, target=target)
         point, chain = self.point_and_chain(kind)
         shift = self.random.normal(size=3)
         shift *= FURTHEST[kind] * self.random.uniform(0.2, 1.0) / np.linalg.norm(shift)
-        target = self.sway(number, place_of(point, before) + shift, 0.4 * FURTHEST[kind], LEVER)
+        target = self.sway(number, body_point_positions(point, before) + shift, 0.4 * FURTHEST[kind], LEVER)
         return PositionConstraint("motion", f"{kind} {number}", point, chain, priority, ALWAYS, target=target)
 
     def point_and_chain(self, kind: str) -> tuple[BodyPoint, Chain]:
@@ -95,7 +95,7 @@ def _peak(seed: int, count: int) -> float:
     """The peak beside what source and wishes bring together."""
     standing, before = STANDING[seed % len(BODIES)], BEFORE[seed % len(BODIES)]
     wishes, upper = Wishes(before, seed, count), before.morphology.layout.spine_count + 10
-    solved = hold(standing, wishes.constraints, tracks=wishes.tracks, eased=True)
+    solved = solve_constraints(standing, wishes.constraints, tracks=wishes.tracks, eased=True)
     source, peak = (
         angular_acceleration(local_rotations(each)[:, :upper], each.frame_rate).max() for each in (before, solved)
     )

@@ -10,11 +10,11 @@ from studio.core.body.morphology import Morphology, sole_rows
 from studio.core.captures.contacts import ContactInterval
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.compose import Composite, compose_pieces
-from studio.core.normalized.normalize import capture_contacts, normalize
+from studio.core.normalized.normalize import capture_contacts, normalize_capture
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.quality.metrics import contact_quality
 from studio.core.runs import runs_of
-from studio.core.solver.adapt import hold
+from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.standing.stand import Standing, stand
 from studio.core.solver.standing.swing_foot_path import Sole
 from studio.io.importing import load_capture
@@ -44,7 +44,7 @@ def soles(stands: Standing, side: int) -> np.ndarray:
     body = stands.morphology
     foot = body.layout.spine_count + 12 + 4 * side
     turns = stands.rotations[:, foot], stands.rotations[:, foot + 1]
-    return Sole.of(stands.positions[:, body.layout.ankle(side)], *turns, sole_rows(body, side)).points
+    return Sole.of(stands.positions[:, body.layout.ankle_point(side)], *turns, sole_rows(body, side)).points
 
 
 def seen(row: Composite, pieces: tuple[MotionPiece, MotionPiece], body: Morphology) -> Seen:
@@ -90,7 +90,7 @@ def test_a_foot_that_steps_is_lifted() -> None:
 
 def captured(name: str) -> tuple[MotionPiece, Morphology]:
     capture = load_capture(capture_file(f"bvh/varied/{name}.bvh"))
-    motion, actor = normalize(capture)
+    motion, actor = normalize_capture(capture)
     found = capture_contacts(capture)
     contacts = tuple(ContactInterval("", point, *span) for point, spans in found.items() for span in spans)
     return MotionPiece(motion, contacts, capture.first_frame, motion.frame_count - 1), actor.morphology
@@ -116,7 +116,7 @@ def test_a_foot_in_the_air_at_the_end_of_a_captured_walk_or_fight_steps_into_a_s
     pair = before, cut(after, first=begin, last=min(begin + 120, after.last), start=before.end)
     row = compose_pieces(pair)
     found = seen(row, pair, body)
-    adapted = hold(stand(row.motion, body, row.contacts, Ground()), ())
+    adapted = solve_constraints(stand(row.motion, body, row.contacts, Ground()), ())
     assert contact_quality(adapted, adapted.contacts, Ground()).slide < 2e-3
     assert found.skate < SKATE
     assert found.lift > LIFT

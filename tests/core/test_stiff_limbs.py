@@ -17,7 +17,7 @@ from studio.core.constraints.objections import objection
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.solver.adapt import hold
+from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import stand
@@ -44,19 +44,19 @@ def _chain(chain: Chain, upper: float, lower: float, limb: str = "left_arm") -> 
 def _reach(name: str, chain: Chain, offset: Any = OFFSETS[0], **changes: Any) -> PositionConstraint:
     """The left wrist somewhat aside."""
     body = BODIES[name]
-    wrist = STANDING[name].positions[FRAME, body.layout.wrist(0)]
+    wrist = STANDING[name].positions[FRAME, body.layout.wrist_point(0)]
     return target("left_forearm", wrist + np.array(offset) * body.stature / 1.7, chain, **changes)
 
 
 def _step(name: str, chain: Chain) -> PositionConstraint:
     """The left ankle somewhat aside, in a walk over nothing."""
     body = BODIES[name]
-    ankle = IN_AIR[name].positions[FRAME, body.layout.ankle(0)]
+    ankle = IN_AIR[name].positions[FRAME, body.layout.ankle_point(0)]
     return target("left_shank", ankle + np.array([0.03, 0.03, 0.04]) * body.stature / 1.7, chain)
 
 
 def _at(standing: Any, *constraints: Any) -> AdaptedMotion:
-    return hold(standing, constraints, FRAME, FRAME)
+    return solve_constraints(standing, constraints, FRAME, FRAME)
 
 
 def _turns(body: Morphology, solved: AdaptedMotion, before: AdaptedMotion, first: BodyPart) -> tuple[float, float]:
@@ -130,7 +130,7 @@ def test_what_a_stiff_arm_leaves_the_rest_of_the_chain_does(
 def test_alone_what_is_left_is_a_miss_and_told(name: str) -> None:
     body, asked = BODIES[name], _reach(name, _chain(ALONE, 0.5, 1.0))
     solved = _at(STANDING[name], asked)
-    apart = np.linalg.norm(solved.positions[0, body.layout.wrist(0)] - asked.target)
+    apart = np.linalg.norm(solved.positions[0, body.layout.wrist_point(0)] - asked.target)
     assert solved.residuals[0, 0] == pytest.approx(apart)
     assert apart > 0.01
 
@@ -153,11 +153,11 @@ def test_stiff_arms_follow_what_moves_smoothly_without_pops(name: str, weights: 
     standing, layout = STANDING[name], BODIES[name].layout
     times = np.linspace(0.0, 1.0, 90)[:, None]
     aside = np.hstack([0.08 + 0.05 * np.sin(4 * times), 0.04 * np.cos(5 * times), 0.1 + 0.05 * np.sin(3 * times)])
-    track = Track(standing.positions[:, layout.wrist(0)] + aside, np.eye(3)[None])
+    track = Track(standing.positions[:, layout.wrist_point(0)] + aside, np.eye(3)[None])
     wrist, follow = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True), FollowTracked("hand")
     for chain in (ALONE, ALL):
         asked = PositionConstraint("motion", "Wrist", wrist, _chain(chain, *weights), 0, ALWAYS, target=follow)
-        solved = hold(standing, (asked,), tracks={follow: track})
+        solved = solve_constraints(standing, (asked,), tracks={follow: track})
         assert chain is ALONE or np.nanmax(solved.residuals) < MET
         arms_and_trunk = local_rotations(solved)[:, : layout.spine_count + 10]
         assert angular_acceleration(arms_and_trunk, RATE).max() < 300.0  # half of what a walking leg has
@@ -166,7 +166,7 @@ def test_stiff_arms_follow_what_moves_smoothly_without_pops(name: str, weights: 
 @pytest.mark.parametrize("name", BODIES)
 def test_a_lower_wish_does_not_take_from_a_stiff_higher_one(name: str) -> None:
     higher = _reach(name, _chain(ALL, 0.4, 0.6))
-    right = STANDING[name].positions[FRAME, BODIES[name].layout.wrist(1)] + np.array([0.5, -0.3, 0.2])
+    right = STANDING[name].positions[FRAME, BODIES[name].layout.wrist_point(1)] + np.array([0.5, -0.3, 0.2])
     lower = target("right_forearm", right, ALL, 1)
     alone, both = _at(STANDING[name], higher), _at(STANDING[name], higher, lower)
     assert both.residuals[0, 0] <= alone.residuals[0, 0] + MET
@@ -177,7 +177,7 @@ def test_the_swivel_for_a_second_wish_is_as_stiff_as_its_chain(name: str) -> Non
     body = BODIES[name]
     wrist = _reach(name, ALONE)
     before = _at(STANDING[name], wrist)
-    elbow = before.positions[0, body.layout.wrist(0) - 1] + np.array([0.0, 0.1, 0.05])
+    elbow = before.positions[0, body.layout.wrist_point(0) - 1] + np.array([0.0, 0.1, 0.05])
     turned = []
     for weight in (0.0, 0.5, 1.0):
         second = target("left_upper_arm", elbow, _chain(ALONE, max(weight, 0.0), 1.0), 1)
@@ -190,14 +190,16 @@ def test_hands_apart_are_brought_together_by_the_arm_that_is_not_stiff() -> None
     standing, body = STANDING["adult_woman"], BODIES["adult_woman"]
     hands = BodyPoint(BodyPart.LEFT_HAND), BodyPoint(BodyPart.RIGHT_HAND)
     apart = float(
-        np.linalg.norm(np.diff(standing.positions[FRAME, [body.layout.wrist(0), body.layout.wrist(1)]], axis=0))
+        np.linalg.norm(
+            np.diff(standing.positions[FRAME, [body.layout.wrist_point(0), body.layout.wrist_point(1)]], axis=0)
+        )
     )
     chain = _chain(ALONE, 0.0, 0.0)
     asked = DistanceConstraint("motion", "Hands", hands[0], chain, 0, ALWAYS, other=hands[1], distance=0.9 * apart)
     solved = _at(standing, asked)
     assert solved.residuals[0, 0] < MET
-    assert solved.positions[0, body.layout.wrist(0)] == pytest.approx(
-        standing.positions[FRAME, body.layout.wrist(0)], abs=1e-9
+    assert solved.positions[0, body.layout.wrist_point(0)] == pytest.approx(
+        standing.positions[FRAME, body.layout.wrist_point(0)], abs=1e-9
     )
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from studio.core.grounds import Bumps, Slope, Steps
-from studio.core.kernels.algebra.smooth_steps import smooth_penetration
+from studio.core.kernels.algebra.smooth_steps import penetration_correction
 from studio.core.kernels.support import swing_foot_clearance as kernel
 from studio.core.rotations import to_matrix
 from studio.core.solver.standing.swing_foot_path import Sole, clear_swing_foot, worn_height
@@ -72,13 +72,15 @@ def test_what_stands_or_is_clear_stays_as_it_is(seed: int, stands: np.ndarray) -
 @given(st.floats(-0.05, 0.05), st.floats(1e-4, 0.03))
 def test_what_is_lacking_lifts_above_the_floor_and_grows_smoothly(height: float, room: float) -> None:
     step = 1e-6
-    assert height + smooth_penetration(height, room) >= 0.0
-    assert 0.0 <= smooth_penetration(height, room) - max(-height, 0.0) <= 3.0 / 16.0 * room + 1e-15
-    assert abs(smooth_penetration(height + step, room) - smooth_penetration(height, room)) <= step * (1.0 + 1e-6)
+    assert height + penetration_correction(height, room) >= 0.0
+    assert 0.0 <= penetration_correction(height, room) - max(-height, 0.0) <= 3.0 / 16.0 * room + 1e-15
+    assert abs(penetration_correction(height + step, room) - penetration_correction(height, room)) <= step * (
+        1.0 + 1e-6
+    )
 
 
 def test_without_room_it_is_no_more_than_needed() -> None:
-    assert [smooth_penetration(height, 0.0) for height in (-0.02, 0.0, 0.01)] == [0.02, 0.0, 0.0]
+    assert [penetration_correction(height, 0.0) for height in (-0.02, 0.0, 0.01)] == [0.02, 0.0, 0.0]
 
 
 def _bent_up(angle: float) -> np.ndarray:

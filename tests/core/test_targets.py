@@ -26,15 +26,15 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.quality.metrics import centre_of_mass, contact_quality
 from studio.core.rotations import angle_between, from_matrix, to_matrix
-from studio.core.solver.adapt import adapt, hold, place_of
+from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
 from studio.core.solver.asking.tracks import Track
-from studio.core.solver.performers.awaiting import awaited
+from studio.core.solver.performers.awaiting import with_anticipated_targets
 from studio.core.solver.performers.followed_tracks import performer_track, tracked_track
-from studio.core.solver.performers.prop_tracks import seen_from, stage_track
-from studio.core.solver.performers.stage import concerning
+from studio.core.solver.performers.prop_tracks import stage_track, track_in_motion_space
+from studio.core.solver.performers.stage import constraint_for_performer
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.stand import stand
 from studio.core.solver.standing.support_polygon import (
@@ -68,7 +68,7 @@ def same(first: AdaptedMotion, second: AdaptedMotion) -> None:
 
 
 def within_reach(body: Morphology, *further: float) -> np.ndarray:
-    near = place_of(RIGHT, solved(body))[30] + [0.05, 0.02, 0.08]
+    near = body_point_positions(RIGHT, solved(body))[30] + [0.05, 0.02, 0.08]
     return np.add(near, further or 0.0)
 
 
@@ -77,13 +77,13 @@ def test_where_a_body_has_its_own_place_nothing_moves_and_an_offset_goes_by_its_
     standing, time = solved(body), 30 / RATE
     same(
         solved(body, ask(PositionConstraint, RIGHT, target=OwnPlace(LEFT, time))),
-        solved(body, ask(PositionConstraint, RIGHT, target=tuple(place_of(LEFT, standing)[30]))),
+        solved(body, ask(PositionConstraint, RIGHT, target=tuple(body_point_positions(LEFT, standing)[30]))),
     )
     at_rest = solved(body, ask(PositionConstraint, RIGHT, target=OwnPlace(RIGHT, time)))
     assert at_rest.residuals[0, 30] < MET
     assert at_rest.positions[30] == pytest.approx(standing.positions[30], abs=MET)
     offset = (0.02, 0.03, 0.05)
-    target = tuple(place_of(RIGHT, standing)[30] + body.leg_length * np.array(offset))
+    target = tuple(body_point_positions(RIGHT, standing)[30] + body.leg_length * np.array(offset))
     asked = ask(PositionConstraint, RIGHT, target=OwnPlace(RIGHT, time, offset))
     same(solved(body, asked), solved(body, ask(PositionConstraint, RIGHT, target=target)))
     same(solved(body, asked, frames=(20, 40)), solved(body, asked).frames(20, 40))
@@ -92,7 +92,7 @@ def test_where_a_body_has_its_own_place_nothing_moves_and_an_offset_goes_by_its_
 @every_body
 def test_keys_and_rules_per_character_count_from_each_body_s_own_place(body: Morphology) -> None:
     own, times = OwnPlace(RIGHT, 30 / RATE), (0.2, 0.7)
-    there = place_of(RIGHT, solved(body))[30]
+    there = body_point_positions(RIGHT, solved(body))[30]
     values = ((0.0, 0.0, 0.0), (0.02, 0.03, 0.05))
     keys = KeyedOwnPlace(times, values, origin=own)
     shared = KeyedPlace(times, tuple(map(tuple, (there + body.leg_length * np.array(values)).tolist())))
@@ -110,10 +110,10 @@ def test_keys_and_rules_per_character_count_from_each_body_s_own_place(body: Mor
 def test_a_performer_s_own_offset_is_its_alone() -> None:
     place = OwnPlace(RIGHT, 0.5, (0.0, 0.0, 0.1), (("tall", (0.0, 0.2, 0.0)),))
     asked = ask(PositionConstraint, RIGHT, target=place)
-    assert concerning(asked, "tall", (), {}).target == OwnPlace(RIGHT, 0.5, (0.0, 0.2, 0.1))  # type: ignore[attr-defined]
-    assert concerning(asked, "child", (), {}).target == OwnPlace(RIGHT, 0.5, (0.0, 0.0, 0.1))  # type: ignore[attr-defined]
+    assert constraint_for_performer(asked, "tall", (), {}).target == OwnPlace(RIGHT, 0.5, (0.0, 0.2, 0.1))  # type: ignore[attr-defined]
+    assert constraint_for_performer(asked, "child", (), {}).target == OwnPlace(RIGHT, 0.5, (0.0, 0.0, 0.1))  # type: ignore[attr-defined]
     keyed = ask(PositionConstraint, RIGHT, target=place.keyed(0.2))
-    assert concerning(keyed, "tall", (), {}).target.origin == OwnPlace(RIGHT, 0.5, (0.0, 0.2, 0.1))  # type: ignore[attr-defined]
+    assert constraint_for_performer(keyed, "tall", (), {}).target.origin == OwnPlace(RIGHT, 0.5, (0.0, 0.2, 0.1))  # type: ignore[attr-defined]
     with pytest.raises(ValueError, match="two offsets"):
         OwnPlace(RIGHT, 0.5, own=(("tall", (0.0, 0.0, 0.0)), ("tall", (0.0, 0.0, 0.1))))
 
@@ -168,10 +168,10 @@ def test_equal_keys_are_a_fixed_target(body: Morphology) -> None:
 @every_body
 def test_a_keyed_target_is_met_at_its_keys_and_between(body: Morphology) -> None:
     frames = (20, 35, 60)
-    path = place_of(RIGHT, solved(body))
+    path = body_point_positions(RIGHT, solved(body))
     keyed = KeyedPlace(tuple(f / RATE for f in frames), tuple(tuple(path[f] + [0.03, 0.0, 0.05]) for f in frames))
     adapted = solved(body, ask(PositionConstraint, RIGHT, ALL, target=keyed), frames=(20, 60))
-    reached = place_of(RIGHT, adapted)
+    reached = body_point_positions(RIGHT, adapted)
     assert reached[[0, 15, 40]] == pytest.approx(np.array(keyed.values), abs=MET)
     assert np.nanmax(adapted.residuals) < MET
     assert contact_quality(adapted, CONTACTS, Ground()).slide < 1e-3
@@ -184,7 +184,7 @@ def test_following_an_unmoved_prop_is_a_fixed_target(body: Morphology) -> None:
     stage = own.to_stage(place)
     prop = Prop("Box", position=tuple(stage - [0.0, 0.0, 0.1]), heading=0.3)
     follow = FollowProp("box", (0.0, 0.0, 0.1))
-    tracks = {follow: seen_from(follow, prop, stage_track(prop, [0.0]), own)}
+    tracks = {follow: track_in_motion_space(follow, prop, stage_track(prop, [0.0]), own)}
     same(
         solved(body, ask(PositionConstraint, RIGHT, ALL, target=follow), tracks=tracks, frames=(25, 40)),
         solved(body, ask(PositionConstraint, RIGHT, ALL, target=tuple(place)), frames=(25, 40)),
@@ -204,7 +204,9 @@ def test_a_hand_follows_where_the_other_hand_is_brought(body: Morphology) -> Non
         PositionConstraint, LEFT, ALL, 1, target=FollowBody(BodyPoint(BodyPart.RIGHT_HAND, (0.05, 0.0, 0.0)))
     )
     adapted = solved(body, leader, follower, frames=(25, 40))
-    gap = place_of(LEFT, adapted) - place_of(BodyPoint(BodyPart.RIGHT_HAND, (0.05, 0.0, 0.0)), adapted)
+    gap = body_point_positions(LEFT, adapted) - body_point_positions(
+        BodyPoint(BodyPart.RIGHT_HAND, (0.05, 0.0, 0.0)), adapted
+    )
     assert np.linalg.norm(gap, axis=1) == pytest.approx(adapted.residuals[1], abs=1e-9)
     assert adapted.residuals[0].max() < MET
     assert np.linalg.norm(gap, axis=1).max() < MET
@@ -222,7 +224,7 @@ def test_the_eyes_follow_the_own_hand_and_a_palm_the_other_one(body: Morphology)
     palm = ask(OrientationConstraint, BodyPoint(BodyPart.LEFT_HAND), Chain(1.0, 1.0, 1.0), 2, target=follow)
     request = AdaptRequest(WALK, body, CONTACTS, (hand, look, palm))
     adapted = adapt(request, 25, 40)
-    line = place_of(RIGHT, adapted) - place_of(EYES, adapted)
+    line = body_point_positions(RIGHT, adapted) - body_point_positions(EYES, adapted)
     gaze = adapted.rotations[:, body.layout.head_joint, :, 0]
     cosine = np.sum(gaze * line, axis=1) / np.linalg.norm(line, axis=1)
     miss = np.arccos(np.clip(cosine, -1.0, 1.0))
@@ -247,44 +249,46 @@ def test_a_segment_follows_the_turn_and_a_point_the_place_of_another_part_of_the
     assert angle_between(from_matrix(thorax), from_matrix(wanted)) == pytest.approx(0.0, abs=np.radians(0.1))
     before, head = solved(body), BodyPoint(BodyPart.HEAD, at_end=True)
     chest = before.rotations[30, body.layout.segment(BodyPart.THORAX)]
-    above = chest.T @ (place_of(head, before) - place_of(BodyPoint(BodyPart.THORAX), before))[30]
+    above = (
+        chest.T @ (body_point_positions(head, before) - body_point_positions(BodyPoint(BodyPart.THORAX), before))[30]
+    )
     forward = above + np.array([0.02, 0.0, 0.0])
     place = FollowBody(BodyPoint(BodyPart.THORAX, tuple(forward.tolist())))
     held = solved(body, ask(PositionConstraint, head, Chain(0.0, 0.0, 1.0, 1.0), target=place), frames=(29, 31))
-    gap = place_of(head, held) - place_of(place.point, held)
+    gap = body_point_positions(head, held) - body_point_positions(place.point, held)
     assert np.linalg.norm(gap, axis=1) == pytest.approx(held.residuals[0], abs=1e-9)
     assert held.residuals.max() < 2e-3
 
 
 @every_body
 def test_a_half_space_turns_with_what_it_follows(body: Morphology) -> None:
-    wall, before = FollowTracked("wall"), place_of(RIGHT, solved(body))[30]
+    wall, before = FollowTracked("wall"), body_point_positions(RIGHT, solved(body))[30]
     quarter = np.array([[[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]])
     area = ask(AreaConstraint, RIGHT, ALL, centre=wall, shape=AreaShape.HALF_SPACE, size=(1.0, 0.0, 0.0))
     tracks = {wall: Track((before + np.array([0.3, 0.05, 0.1]))[None], quarter)}
-    moved = place_of(RIGHT, solved(body, area, tracks=tracks, frames=(30, 30)))[0] - before
+    moved = body_point_positions(RIGHT, solved(body, area, tracks=tracks, frames=(30, 30)))[0] - before
     assert moved == pytest.approx([0.0, 0.05, 0.0], abs=MET)
 
 
 @every_body
 def test_a_half_space_tilts_with_the_prop_it_follows(body: Morphology) -> None:
-    lid, before = FollowProp("lid"), place_of(RIGHT, solved(body))[30]
+    lid, before = FollowProp("lid"), body_point_positions(RIGHT, solved(body))[30]
     normal = np.array([np.sin(0.4), 0.0, np.cos(0.4)])
     tilted = Rotation.from_rotvec([0.0, 0.4, 0.0]).as_matrix()
     area = ask(AreaConstraint, RIGHT, ALL, centre=lid, shape=AreaShape.HALF_SPACE, size=(0.0, 0.0, 2.0))
     tracks = {lid: Track((before + 0.05 * normal)[None], tilted[None])}
-    moved = place_of(RIGHT, solved(body, area, tracks=tracks, frames=(30, 30)))[0] - before
+    moved = body_point_positions(RIGHT, solved(body, area, tracks=tracks, frames=(30, 30)))[0] - before
     assert moved == pytest.approx(0.05 * normal, abs=MET)
 
 
 def test_a_tracked_joint_is_where_the_capture_has_it_in_the_space_of_the_motion() -> None:
     capture = swaying(3)
-    motion, actor = normalize(capture)
+    motion, actor = normalize_capture(capture)
     track = tracked_track(FollowTracked("LeftHand"), capture)
     own = adapt(AdaptRequest(motion, actor.morphology))
     assert track.places.shape == (capture.frame_count, 3)
-    source = hold(stand(motion, actor.morphology, (), Ground()), ())
-    wrist = source.positions[:, actor.morphology.layout.wrist(0)]
+    source = solve_constraints(stand(motion, actor.morphology, (), Ground()), ())
+    wrist = source.positions[:, actor.morphology.layout.wrist_point(0)]
     assert track.places == pytest.approx(wrist, abs=0.02)  # the body is set on the ground, the capture is not
     assert own.frame_count == len(track.rotations)
     with pytest.raises(StudioError, match="No joint is called 'Ball'"):
@@ -301,7 +305,7 @@ def test_another_performer_is_followed_as_the_stage_has_it(body: Morphology) -> 
     rows = np.arange(WALK.frame_count) * 0.5
     follow = FollowPerformer("giant", LEFT)
     track = performer_track(follow.point, follow.turn, other, rows, leader, own)
-    stage = leader.to_stage(place_of(LEFT, other))
+    stage = leader.to_stage(body_point_positions(LEFT, other))
     assert own.to_stage(track.places)[::2] == pytest.approx(stage[: len(rows[::2])], abs=1e-9)
     assert own.to_stage(track.places)[1] == pytest.approx((stage[0] + stage[1]) / 2, abs=1e-9)
     adapted = solved(body, ask(LookAtConstraint, EYES, HEAD, target=follow), tracks={follow: track}, frames=(10, 20))
@@ -316,7 +320,7 @@ def test_what_is_followed_and_not_there_is_told_by_the_constraint() -> None:
 
 @every_body
 def test_one_frame_alone_is_as_in_the_whole_clip(body: Morphology) -> None:
-    path = place_of(RIGHT, solved(body))
+    path = body_point_positions(RIGHT, solved(body))
     keyed = KeyedPlace((0.2, 0.6, 1.2), tuple(tuple(path[f] + [0.03, 0.0, 0.05]) for f in (12, 36, 72)))
     constraints = (
         ask(PositionConstraint, RIGHT, ALL, target=keyed),
@@ -404,7 +408,7 @@ def test_over_the_support_the_centre_of_mass_is_within_the_soles_that_stand(body
     margin = 0.01
     asked = ask(BalanceConstraint, BodyPoint(BodyPart.PELVIS), Chain(0, 0, 0, 1, 1), place=Support(margin))
     standing = stand(WALK, body, CONTACTS, Ground())
-    before, adapted = hold(standing, ()), hold(standing, (asked,))
+    before, adapted = solve_constraints(standing, ()), solve_constraints(standing, (asked,))
     stands = standing_mask(CONTACTS, WALK.frame_count)
     areas, presence = averaged_polygons(support_polygons(before.positions, before.rotations, stands, body), RATE)
     held = (presence > 1.0 - 1e-9) & (adapted.residuals[0] < 1e-3)
@@ -427,9 +431,9 @@ def test_who_stands_on_hands_and_knees_is_supported_between_them(body: Morpholog
         np.isfinite(areas).all(axis=1) == ((np.arange(WALK.frame_count) >= 10) & (np.arange(WALK.frame_count) <= 20))
     ).all()
     layout = body.layout
-    middle = standing.positions[10:21, [layout.wrist(0), layout.wrist(1), layout.hip(0) + 1, layout.hip(1)], :2].mean(
-        axis=1
-    )
+    middle = standing.positions[
+        10:21, [layout.wrist_point(0), layout.wrist_point(1), layout.hip_point(0) + 1, layout.hip_point(1)], :2
+    ].mean(axis=1)
     assert support_margins(areas[10:21], middle).min() > 0.0
 
 
@@ -462,7 +466,7 @@ def test_what_is_awaited_is_where_it_is_once_it_is_asked_wholly_and_what_is_chas
     for awaits in (True, False):
         follow = FollowPerformer("other", HEAD, awaits=awaits)
         asked = PositionConstraint("motion", "Meet", BodyPoint(BodyPart.RIGHT_HAND), Chain(), 0, curve, target=follow)
-        places = awaited({follow: track}, [asked], RATE)[follow].places
+        places = with_anticipated_targets({follow: track}, [asked], RATE)[follow].places
         whole = [*range(20), *range(30, 41), *range(56, 90)]
         assert np.array_equal(places[whole], ways[whole])
         assert np.array_equal(places[20:30], np.tile(ways[30], (10, 1)) if awaits else ways[20:30])

@@ -16,13 +16,13 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.normalized.mirror import mirrored_contacts
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.normalize import detected_contacts, normalize
-from studio.core.normalized.realize import realize
+from studio.core.normalized.normalize import detected_contacts, normalize_capture
+from studio.core.normalized.realize import realize_motion
 from studio.core.normalized.touching import find_touches, hands_together_or_holding
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.solver.adapt import adapt, place_of
+from studio.core.solver.adapt import adapt, body_point_positions
 from studio.core.solver.asking.chains import point_masses
-from studio.core.solver.asking.clearance import clearances
+from studio.core.solver.asking.clearance import arm_distances
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters
@@ -38,7 +38,7 @@ PUNCH = "straight_punch"
 def guard() -> tuple[NormalizedMotion, Morphology, tuple[ContactInterval, ...]]:
     """The first second of a punch: a guard with the hands before the chin."""
     capture = load_capture(EXAMPLES / f"{PUNCH}.bvh")
-    motion, actor = normalize(capture)
+    motion, actor = normalize_capture(capture)
     return motion, actor.morphology, detected_contacts(capture, "motion")
 
 
@@ -54,13 +54,13 @@ def adapted(body: str, *touches: Touch, **asked: object) -> AdaptedMotion:
 def wrists(found: AdaptedMotion) -> np.ndarray:
     """(F, 3) from the left wrist to the right."""
     layout = found.morphology.layout
-    return found.positions[:, layout.wrist(1)] - found.positions[:, layout.wrist(0)]
+    return found.positions[:, layout.wrist_point(1)] - found.positions[:, layout.wrist_point(0)]
 
 
 def source_gaps() -> np.ndarray:
     motion, actor, _ = guard()
-    positions, _ = realize(motion, actor, play=True)
-    return positions[:, actor.layout.wrist(1)] - positions[:, actor.layout.wrist(0)]
+    positions, _ = realize_motion(motion, actor, play=True)
+    return positions[:, actor.layout.wrist_point(1)] - positions[:, actor.layout.wrist_point(0)]
 
 
 def test_a_guard_before_the_chin_is_found_as_hands_together() -> None:
@@ -77,7 +77,7 @@ def test_hands_that_swing_past_each_other_are_not_together(swing: float, aside: 
     positions = np.zeros((90, layout.point_count, 3))
     for side, sign in enumerate((1.0, -1.0)):
         ahead, left = 0.3 + sign * swinging, np.full(90, aside * actor.leg_length * sign)
-        positions[:, layout.wrist(side)] = np.stack([ahead, left, np.zeros(90)], axis=1)
+        positions[:, layout.wrist_point(side)] = np.stack([ahead, left, np.zeros(90)], axis=1)
     rotations = np.tile(np.eye(3), (90, layout.segment_count, 1, 1))
     assert hands_together_or_holding(actor, positions, rotations, 30.0)[0].any() == together
 
@@ -102,7 +102,7 @@ def test_a_thing_between_the_hands_keeps_its_size(body: str) -> None:
 
 @pytest.mark.parametrize("body", BODIES)
 def test_a_hand_on_the_body_lies_on_its_surface(body: str) -> None:
-    palm = clearances(adapted(body, Touch.LEFT_HAND_ON_TRUNK))[20:61, 0, 3]
+    palm = arm_distances(adapted(body, Touch.LEFT_HAND_ON_TRUNK))[20:61, 0, 3]
     assert np.median(np.abs(palm)) < 0.02
 
 
@@ -119,12 +119,12 @@ def test_who_touches_nothing_is_left_alone() -> None:
 def test_the_other_hand_follows_one_of_which_something_is_asked() -> None:
     found = adapted("giant", Touch.HANDS_TOGETHER)
     wrist = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
-    place = found.positions[40, found.morphology.layout.wrist(0)] + [0.05, 0.0, 0.1]
+    place = found.positions[40, found.morphology.layout.wrist_point(0)] + [0.05, 0.0, 0.1]
     always = ActivationCurve(-1.0, -1.0, 100.0, 100.0)
     target = tuple(place.tolist())
     asked = PositionConstraint("motion", "Reach", wrist, Chain(clavicle=0.0), 0, always, target=target)
     reached = adapted("giant", Touch.HANDS_TOGETHER, constraints=(asked,))
-    assert np.linalg.norm(reached.positions[40, reached.morphology.layout.wrist(0)] - place) < 2e-4
+    assert np.linalg.norm(reached.positions[40, reached.morphology.layout.wrist_point(0)] - place) < 2e-4
     np.testing.assert_allclose(wrists(reached)[40], wrists(found)[40], atol=1e-4)
 
 
@@ -132,7 +132,7 @@ def led_hand(body: str, touch: Touch, side: int) -> tuple[AdaptedMotion, Adapted
     """A guard whose hands touch: balanced alone, and with one wrist at a place below the balance, in short ramps."""
     free = adapted(body, touch)
     wrist = BodyPoint((BodyPart.LEFT_FOREARM, BodyPart.RIGHT_FOREARM)[side], at_end=True)
-    place = free.positions[40, free.morphology.layout.wrist(side)] + [0.1, 0.0, -0.2]
+    place = free.positions[40, free.morphology.layout.wrist_point(side)] + [0.1, 0.0, -0.2]
     moment = 40 / free.frame_rate
     curve = ActivationCurve(moment - 0.6, moment - 0.3, moment + 0.3, moment + 0.6)
     always, shifts = ActivationCurve(-1.0, -1.0, 100.0, 100.0), Chain(0.0, 0.0, 0.0, 0.0, 1.0)
@@ -170,7 +170,7 @@ def test_a_hand_on_the_hips_stays_there_as_the_trunk_bends() -> None:
     target = tuple(head.tolist())
     asked = PositionConstraint("motion", "Bow", BodyPoint(BodyPart.HEAD), bends, 0, always, target=target)
     bent = adapted("giant", Touch.LEFT_HAND_ON_HIPS, constraints=(asked,))
-    wrist = free.morphology.layout.wrist(0)
+    wrist = free.morphology.layout.wrist_point(0)
     there, here = (
         np.einsum("fij,fi->fj", each.rotations[:, 0], each.positions[:, wrist] - each.positions[:, 0])[20:61]
         for each in (free, bent)
@@ -202,14 +202,14 @@ def test_arms_are_let_alone_in_every_frame_in_which_no_constraint_acts(
 ) -> None:
     """Arms that pass the body were pushed out of it once more before and after, by up to 81 mm."""
     capture = load_capture(EXAMPLES / f"{name}.bvh")
-    motion, rig = normalize(capture)
+    motion, rig = normalize_capture(capture)
     character, contacts = bundled_characters()[body], detected_contacts(capture, "motion")
     free = AdaptRequest(
         motion, character.morphology, contacts, volume=character.volume, actor=rig.morphology, eased=True, clears=True
     )
     before, curve = adapt(free), ActivationCurve(moment - 0.4, moment - 0.1, moment + 0.1, moment + 0.5)
     point, row = BodyPoint(part, at_end=True), round(moment * motion.frame_rate)
-    place = place_of(point, before)[row] + [0.05, 0.05, 0.0]
+    place = body_point_positions(point, before)[row] + [0.05, 0.05, 0.0]
     asked = PositionConstraint("motion", "Reach", point, Chain(trunk=0.4, root=0.2), 0, curve, target=tuple(place))
     after = adapt(replace(free, constraints=(asked,)))
     idle = curve.at(motion.times) == 0.0

@@ -10,10 +10,10 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.compose import Composite, MotionPiece, compose_pieces
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import contact_quality, swing_depths
-from studio.core.solver.adapt import hold
+from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.standing.held_foot import FootPath, HeldFoot, heel_pivot
 from studio.core.solver.standing.inertialisation import Stance, inertialised_from
 from studio.core.solver.standing.stepping import FootFlight, flights_of
@@ -62,7 +62,7 @@ def by_chance() -> list[Transition]:
         stands = standing(row)
         names = [each.motion.name for each in (before, after)]
         usual = np.maximum(np.maximum(*(peaks(name) for name in names)), QUIET_PEAK)
-        adapted = hold(stands, ())
+        adapted = solve_constraints(stands, ())
         quality = contact_quality(adapted, adapted.contacts, Ground())
         deep = float(np.nanmax(swing_depths(adapted, adapted.contacts, Ground()), initial=0.0))
         jolt = float((local_accelerations(stands).max(axis=0) / usual).max())
@@ -95,7 +95,7 @@ def test_no_body_is_turned_round_for_a_foot_to_stand_where_it_stood() -> None:
     """Of 90 walks, kicks and punches 10 were, by more than a quarter turn: in another stride hips lie behind a foot."""
     for before, after in picked():
         row = compose_pieces((before, after))
-        _, rotations = realize(row.motion, BODY)
+        _, rotations = realize_motion(row.motion, BODY)
         ahead = rotations[:, 0, :2, 0]
         for change in row.motion.changes:
             assert ahead[change.first] @ ahead[change.first - 1] > 0.0

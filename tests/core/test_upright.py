@@ -8,14 +8,14 @@ import pytest
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import BodyPoint, Chain
-from studio.core.constraints.carried_over import ClipTransform, carried_over
+from studio.core.constraints.carried_over import ClipTransform, constraint_on_clip
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.upright import UprightConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import contact_quality
 from studio.core.quality.report import report_of
-from studio.core.solver.adapt import adapt, place_of
+from studio.core.solver.adapt import adapt, body_point_positions
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.stand import standing_of
 from tests.core.test_constraint_kinds import ALL, BODIES, CONTACTS, HEAD, RIGHT, WALK, ask, solved
@@ -50,7 +50,7 @@ def test_an_axis_stays_within_its_cone_in_every_frame(body: Morphology, point: B
 @every_body
 def test_a_head_that_is_kept_upright_looks_round_for_a_lower_constraint(body: Morphology, cone: float) -> None:
     head = ask(UprightConstraint, BodyPoint(BodyPart.HEAD), HEAD, cone=cone)
-    eyes = place_of(EYES, solved(body))[30]
+    eyes = body_point_positions(EYES, solved(body))[30]
     aside = ask(LookAtConstraint, EYES, HEAD, 1, target=(eyes[0] + 1.5, eyes[1] + 1.5, eyes[2]))
     alone, both = solved(body, head), solved(body, head, aside)
     segment = body.layout.segment(BodyPart.HEAD)
@@ -65,7 +65,7 @@ def test_a_head_that_is_kept_upright_looks_round_for_a_lower_constraint(body: Mo
 def test_a_tray_stays_level_in_a_hand_that_reaches(body: Morphology, priorities: tuple[int, int]) -> None:
     first, second = priorities
     tray = tilted(body, TRAY, 0.05, first)
-    place = tuple(place_of(RIGHT, solved(body))[30] + [0.1, 0.0, 0.1])
+    place = tuple(body_point_positions(RIGHT, solved(body))[30] + [0.1, 0.0, 0.1])
     reach = ask(PositionConstraint, RIGHT, ALL, second, target=place)
     adapted = adapt(AdaptRequest(WALK, body, CONTACTS, (tray, reach)), 25, 35)
     assert tray.lean(adapted.rotations[:, body.layout.segment(TRAY.part)]).max() <= MET
@@ -77,7 +77,7 @@ def test_a_tray_stays_level_in_a_hand_that_reaches(body: Morphology, priorities:
 def test_lower_places_do_not_tilt_a_trunk_that_is_upright(body: Morphology) -> None:
     chest = BodyPoint(BodyPart.THORAX)
     trunk = ask(UprightConstraint, chest, Chain(0.0, 0.0, 0.0, 1.0), cone=0.1)
-    far = tuple(place_of(RIGHT, solved(body))[30] + [0.6, 0.0, -0.4])
+    far = tuple(body_point_positions(RIGHT, solved(body))[30] + [0.6, 0.0, -0.4])
     reach = ask(PositionConstraint, RIGHT, ALL, 1, target=far)
     alone, both = solved(body, trunk), solved(body, trunk, reach)
     assert both.residuals[0] == pytest.approx(alone.residuals[0], abs=2e-4)
@@ -95,7 +95,7 @@ def test_a_report_tells_the_lean_and_names_nobody_where_it_is_met() -> None:
 
 def test_in_a_mirror_the_other_hand_holds_the_same_axis() -> None:
     tray = ask(UprightConstraint, TRAY, WRIST, axis=(0.6, 0.0, 0.8), direction=(0.0, 0.6, 0.8))
-    mirrored = carried_over(tray, ClipTransform(0.0, 1.0, 0.0, (0.0, 0.0), True, -10.0, 200.0))
+    mirrored = constraint_on_clip(tray, ClipTransform(0.0, 1.0, 0.0, (0.0, 0.0), True, -10.0, 200.0))
     assert mirrored.point.part is BodyPart.LEFT_HAND
     assert mirrored.axis == pytest.approx((-0.6, 0.0, 0.8))
     assert mirrored.direction == pytest.approx((0.0, -0.6, 0.8))

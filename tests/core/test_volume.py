@@ -13,7 +13,7 @@ from tests.builders import make_morphology
 
 BODY = make_morphology()
 POSITIONS = rest_pose(BODY)[0]
-HIPS, NECK = POSITIONS[BODY.layout.hip(0), 2], POSITIONS[BODY.layout.neck_base, 2]
+HIPS, NECK = POSITIONS[BODY.layout.hip_point(0), 2], POSITIONS[BODY.layout.neck_base, 2]
 
 
 def tube(segment: int, heights: tuple[float, ...], half: float, x: float = 0.0, deep: float = 1.0) -> tuple:

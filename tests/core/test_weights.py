@@ -15,7 +15,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.constraints.base import SINGLE, Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.quality.metrics import contact_quality
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -35,7 +35,7 @@ def _still() -> Any:
     skeleton = make_skeleton()
     turns = np.tile([0.0, 0.0, 0.0, 1.0], (2, skeleton.joint_count, 1))
     poses = PoseSequence(turns, np.tile(skeleton.offsets, (2, 1, 1)))
-    return normalize(make_capture("still", 2, skeleton=skeleton, poses=poses))[0]
+    return normalize_capture(make_capture("still", 2, skeleton=skeleton, poses=poses))[0]
 
 
 STILL = _still()
@@ -47,7 +47,7 @@ def _walking(body: Morphology, *constraints: PositionConstraint) -> AdaptedMotio
 
 def _reach(body: Morphology, chain: Chain, **changes: Any) -> PositionConstraint:
     """The left wrist on a place that it can reach with the help of the trunk."""
-    wrist = _walking(body).positions[0, body.layout.wrist(0)]
+    wrist = _walking(body).positions[0, body.layout.wrist_point(0)]
     return target("left_forearm", wrist + np.array([0.2, 0.14, 0.2]) * body.stature, chain, **changes)
 
 
@@ -57,7 +57,9 @@ def _angle(first: np.ndarray, second: np.ndarray) -> float:
 
 def _misses(body: Morphology, chain: Chain, left: float, right: float, apart: float = 0.3) -> np.ndarray:
     """(2,) metres by which both wrists, pulled apart by ``apart`` beyond their reach, are missed."""
-    wrists = adapt_again(AdaptRequest(STILL, body), 0, 0).positions[0, [body.layout.wrist(0), body.layout.wrist(1)]]
+    wrists = adapt_again(AdaptRequest(STILL, body), 0, 0).positions[
+        0, [body.layout.wrist_point(0), body.layout.wrist_point(1)]
+    ]
     wishes = [
         target(f"{side}_forearm", wrist + np.array([0.3, sign * apart, -0.1]), chain, weight=weight)
         for side, wrist, sign, weight in zip(("left", "right"), wrists, (1.0, -1.0), (left, right), strict=True)
@@ -98,7 +100,7 @@ def test_the_weight_of_one_alone_changes_nothing_and_none_is_too_large(weight: f
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_equals_that_can_both_be_met_are_met_whatever_their_weights(body: Morphology) -> None:
-    wrists = _walking(body).positions[0, [body.layout.wrist(0), body.layout.wrist(1)]]
+    wrists = _walking(body).positions[0, [body.layout.wrist_point(0), body.layout.wrist_point(1)]]
     wishes = [
         target(f"{side}_forearm", wrist + np.array([0.1, 0.0, 0.1]), ALL, weight=weight)
         for side, wrist, weight in zip(("left", "right"), wrists, (1.0, 30.0), strict=True)

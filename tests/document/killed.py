@@ -19,12 +19,12 @@ from PySide6.QtCore import QCoreApplication
 from studio.core.stage.project import Project
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
-from studio.document.recovery import recover, recoverable_sessions
+from studio.document.recovery import recoverable_sessions, recovered_session
 from studio.io.export import write_capture
 from studio.io.project.entity_json import project_json
 from studio.io.project.project_file import read_project, write_project
 from studio.library.catalogue import Catalogue
-from studio.library.indexing import corrected, index, whole_library
+from studio.library.indexing import correct_label, index_folders, whole_library
 from studio.library.library import Library
 from studio.live.recording import Recorder, read_recording
 from studio.startup.process import prepare_process
@@ -82,9 +82,9 @@ def index_for_ever(folder: Path, tell: int) -> None:
         with Catalogue(folder / "catalogue") as catalogue:
             for name in CAPTURES:
                 os.utime(folder / "takes" / name, (number, number))
-            index(catalogue, [folder / "takes"])
+            index_folders(catalogue, [folder / "takes"])
             clip = Library.of(catalogue).clips[0]
-            corrected(catalogue, clip.number, replace(clip.label, tags=(f"mine {number}",), confirmed=True))
+            correct_label(catalogue, clip.number, replace(clip.label, tags=(f"mine {number}",), confirmed=True))
         os.write(tell, f"{number}\n".encode())
 
 
@@ -122,7 +122,7 @@ def check_edits(folder: Path, kills: int, chance: Random) -> int:
         own = folder / str(kill)
         acknowledged = killed_child(lambda tell, own=own: edit_for_ever(own, tell), chance.random() * 0.05)
         (session,) = recoverable_sessions(own)
-        recovered = recover(session)
+        recovered = recovered_session(session)
         names = [prop.name for prop in recovered.project.props.values()]
         lost += len(recovered.steps) < acknowledged or bool(recovered.problems)
         lost += names != [str(number) for number in range(len(names))]
@@ -173,7 +173,7 @@ def check_catalogues(folder: Path, kills: int, chance: Random) -> int:
     for _ in range(kills):
         number = killed_child(lambda tell: index_for_ever(made, tell), chance.random() * 2.0)
         with Catalogue(made / "catalogue") as catalogue:
-            index(catalogue, [made / "takes"])
+            index_folders(catalogue, [made / "takes"])
             tags = [clip.label.tags for clip in whole_library(catalogue).clips if clip.label.confirmed]
             lost += bool(catalogue.remarks) or len(tags) < 1
             if number:

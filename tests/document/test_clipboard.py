@@ -16,7 +16,7 @@ from studio.core.curves.tangents import Tangent, TangentMode, Tangents
 from studio.core.errors import StudioError
 from studio.core.stage.correction import PoseOffsets, new_correction
 from studio.core.stage.prop import Prop
-from studio.document.clipboard import copied, paste
+from studio.document.clipboard import paste_json, selection_as_json
 from studio.document.document import Document
 from studio.document.keyed_fields import KeyedField, KeyRef
 from tests.builders import make_constraint, make_contact, make_project
@@ -45,7 +45,7 @@ def new_constraint(document, before):
 
 def test_what_is_copied_is_json_that_a_person_can_read(document):
     document.selection.set(("constraints", "reach"), ("contacts", "heel"))
-    text = copied(document)
+    text = selection_as_json(document)
     record = json.loads(text)
     assert record["constraints"][0]["name"] == "Right reach"
     assert record["contacts"] == [
@@ -56,11 +56,11 @@ def test_what_is_copied_is_json_that_a_person_can_read(document):
 
 
 def test_a_constraint_pasted_where_it_was_begins_at_the_playhead(document):
-    text, before = copied(document), set(document.project.constraints)
+    text, before = selection_as_json(document), set(document.project.constraints)
     rate = document.project.captures["capture"].frame_rate
     document.playhead.set_time(0.5)
     start = round(0.5 * rate) / rate
-    paste(document, text)
+    paste_json(document, text)
     new = new_constraint(document, before)
     assert new.activation.start == pytest.approx(start)
     assert new.target.times == pytest.approx([time + start for time in KEYS.times])
@@ -72,10 +72,10 @@ def test_a_constraint_pasted_where_it_was_begins_at_the_playhead(document):
 
 
 def test_a_constraint_pasted_on_another_body_is_of_it_alone_and_keeps_its_times(document):
-    text, before = copied(document), set(document.project.constraints)
+    text, before = selection_as_json(document), set(document.project.constraints)
     document.selection.set(("performers", "performer 1"))
     document.playhead.set_time(0.5)
-    paste(document, text)
+    paste_json(document, text)
     new = new_constraint(document, before)
     assert new.scope == Scope(performer_id="performer 1")
     assert new.activation == make_constraint().activation
@@ -83,8 +83,8 @@ def test_a_constraint_pasted_on_another_body_is_of_it_alone_and_keeps_its_times(
 
 
 def test_a_constraint_is_pasted_mirrored_and_its_name_says_the_other_side(document):
-    text, before = copied(document), set(document.project.constraints)
-    paste(document, text, mirrored=True)
+    text, before = selection_as_json(document), set(document.project.constraints)
+    paste_json(document, text, mirrored=True)
     new = new_constraint(document, before)
     assert new.name == "Left reach"
     assert new.point.part.value == "left_forearm"
@@ -95,14 +95,14 @@ def test_a_constraint_is_pasted_mirrored_and_its_name_says_the_other_side(docume
 
 def test_contacts_are_pasted_in_the_place_of_those_they_cover(document):
     document.selection.set(("contacts", "heel"))
-    text = copied(document)
+    text = selection_as_json(document)
     rate = document.project.captures["capture"].frame_rate
     document.playhead.set_time(8 / rate)
-    paste(document, text)
+    paste_json(document, text)
     spans = [(each.first, each.last) for each in document.project.contacts.values()]
     assert spans == [(8, 17)]
     document.selection.set(*(("contacts", key) for key in document.project.contacts))
-    paste(document, copied(document), mirrored=True)
+    paste_json(document, selection_as_json(document), mirrored=True)
     assert {each.point for each in document.project.contacts.values()} == {
         ContactPoint.LEFT_HEEL,
         ContactPoint.RIGHT_HEEL,
@@ -110,9 +110,9 @@ def test_contacts_are_pasted_in_the_place_of_those_they_cover(document):
 
 
 def test_a_paste_in_another_project_gives_the_same_constraint(document):
-    text = copied(document)
+    text = selection_as_json(document)
     other = Document(make_project(characters=1, constraints=0, contacts=0, frames=40))
-    paste(other, text)
+    paste_json(other, text)
     [new] = other.project.constraints.values()
     assert new.target == BENT.moved(0.0)
     assert new.point == make_constraint().point
@@ -121,9 +121,9 @@ def test_a_paste_in_another_project_gives_the_same_constraint(document):
 
 def test_keys_are_pasted_at_the_playhead_with_their_tangents(document):
     document.keys.set([KeyRef(FIELD, 0), KeyRef(FIELD, 1)])
-    text = copied(document)
+    text = selection_as_json(document)
     document.playhead.set_time(0.5)
-    paste(document, text)
+    paste_json(document, text)
     target = document.project.constraints["reach"].target
     assert target.times == pytest.approx((0.1, 0.2, 0.3, 0.5, 0.6))
     assert target.values[3:] == KEYS.values[:2]
@@ -134,12 +134,12 @@ def test_keys_are_pasted_at_the_playhead_with_their_tangents(document):
 
 def test_keys_are_pasted_on_other_constraints_and_props_mirrored_if_asked(document):
     document.keys.set([KeyRef(FIELD, 0), KeyRef(FIELD, 2)])
-    text = copied(document)
+    text = selection_as_json(document)
     other = document.add("constraints", make_constraint(name="Left", priority=1), "Add")
     ball = document.add("props", Prop("Ball", position=(0.0, 0.0, 0.5)), "Add")
     document.playhead.set_time(0.0)
     document.selection.set(("constraints", other), ("props", ball))
-    paste(document, text, mirrored=True)
+    paste_json(document, text, mirrored=True)
     for value in (document.project.constraints[other].target, document.project.props[ball].position):
         assert value.times == pytest.approx((0.0, 0.2))
         assert value.values[0] == pytest.approx((0.4, 0.3, 1.2))
@@ -155,10 +155,10 @@ def test_keys_of_an_angle_are_not_pasted_as_metres(document):
     )  # fmt: skip
     distance = document.add("constraints", apart, "Add")
     document.keys.set([KeyRef(KeyedField("props", heading, "heading"), 1)])
-    text = copied(document)
+    text = selection_as_json(document)
     document.selection.set(("constraints", distance))
     with pytest.raises(StudioError):
-        paste(document, text)
+        paste_json(document, text)
     assert document.project.constraints[distance] == apart
 
 
@@ -180,16 +180,16 @@ def test_keys_of_an_angle_are_not_pasted_as_metres(document):
 def test_anything_else_on_the_clipboard_is_refused_in_a_sentence_and_changes_nothing(document, text):
     before = document.project
     with pytest.raises(StudioError):
-        paste(document, text)
+        paste_json(document, text)
     assert document.project is before
 
 
 def test_a_constraint_of_a_body_that_is_not_there_is_pasted_for_all(document):
     reach = document.project.constraints["reach"]
     document.replace("constraints", "reach", replace(reach, scope=Scope(performer_id="performer 1")), "Scope")
-    text = copied(document)
+    text = selection_as_json(document)
     other = Document(make_project(characters=1, constraints=0, contacts=0, frames=40))
-    paste(other, text)
+    paste_json(other, text)
     [new] = other.project.constraints.values()
     assert not new.scope.is_narrow
     other.close()
@@ -200,19 +200,19 @@ def test_a_correction_is_pasted_at_the_playhead_on_another_body_and_mirrored(doc
     first, second = document.project.performers
     key = document.add("corrections", new_correction("Left elbow", first, 0.5, PoseOffsets(turn)), "")
     document.selection.set(("corrections", key))
-    text = copied(document)
+    text = selection_as_json(document)
     pose = {"turns": [["left_forearm", [0.4, 0.0, 0.0]]], "hips": [0.0, 0.0, 0.0]}
     keys = json.loads(text)["corrections"][0]["keys"]
     assert keys == {"kind": "keyed", "times": [0.5], "values": [pose]}
     document.playhead.set_time(0.8)
     here = document.playhead.time
-    paste(document, text)
+    paste_json(document, text)
     [(_, pasted)] = [each for each in document.selection.items if each != ("corrections", key)]
     assert document.project.corrections[pasted].keys.times[0] == pytest.approx(here)
     assert document.project.corrections[pasted].name != "Left elbow"
     before = set(document.project.corrections)
     document.selection.set(("performers", second))
-    paste(document, text, mirrored=True)
+    paste_json(document, text, mirrored=True)
     [new] = set(document.project.corrections) - before
     other = document.project.corrections[new]
     assert (other.name, other.performer_id, other.keys.times[0]) == ("Right elbow", second, 0.5)

@@ -15,7 +15,14 @@ from studio.core.errors import StudioError
 from studio.core.stage.prop import Prop
 from studio.document import journal as journals
 from studio.document.document import Document
-from studio.document.recovery import DAMAGED_FOLDER, put_aside, put_damaged_aside, recover, recoverable_sessions, tidy
+from studio.document.recovery import (
+    DAMAGED_FOLDER,
+    decline_session,
+    put_damaged_aside,
+    recoverable_sessions,
+    recovered_session,
+    remove_useless_sessions,
+)
 from tests.document.test_journal import edit, make_document, state
 
 __all__ = ["make_document"]
@@ -69,12 +76,12 @@ def test_no_damage_is_passed_over_in_silence_and_nothing_is_deleted(
         for _ in put_damaged_aside(copy):
             told += 1
         sessions = recoverable_sessions(copy)
-        tidy(copy)
+        remove_useless_sessions(copy)
         for session in sessions:
             try:
-                recovered = recover(session)
+                recovered = recovered_session(session)
             except StudioError as error:
-                put_aside(session, str(error))
+                decline_session(session, str(error))
                 told += 1
             else:
                 assert recovered.problems or state(recovered.project) == last
@@ -94,7 +101,7 @@ def test_a_session_begun_at_no_time_is_offered_all_the_same(
     with closing(sqlite3.connect(file, isolation_level=None)) as connection:
         connection.execute("UPDATE session SET value = ? WHERE key = 'started'", (started,))
     [session] = recoverable_sessions(folder)
-    assert state(recover(session).project) == last
+    assert state(recovered_session(session).project) == last
 
 
 def test_what_lies_in_the_folder_stops_no_start(tmp_path: Path) -> None:
@@ -122,7 +129,7 @@ def test_while_nobody_edits_all_goes_into_the_database(
     for file in folder.glob("*.sqlite-*"):
         file.unlink()
     [session] = recoverable_sessions(folder)
-    assert state(recover(session).project) == last
+    assert state(recovered_session(session).project) == last
 
 
 def test_a_journal_that_was_taken_away_begins_anew_and_is_safe_only_then(
@@ -140,7 +147,7 @@ def test_a_journal_that_was_taken_away_begins_anew_and_is_safe_only_then(
     document.add("props", Prop("Late"), "Add")
     last = state(document.project)
     [session] = recoverable_sessions(killed(document, tmp_path))
-    assert state(recover(session).project) == last
+    assert state(recovered_session(session).project) == last
 
 
 def test_a_journal_stopped_by_a_full_disk_goes_on_when_there_is_room(
@@ -162,7 +169,7 @@ def test_a_journal_stopped_by_a_full_disk_goes_on_when_there_is_room(
     document.add("props", Prop("Second"), "Add")
     last = state(document.project)
     sessions = recoverable_sessions(killed(document, tmp_path))
-    assert state(recover(sessions[0]).project) == last
+    assert state(recovered_session(sessions[0]).project) == last
 
 
 def test_only_the_owner_may_read_a_journal(make_document: Callable[..., Document], tmp_path: Path) -> None:

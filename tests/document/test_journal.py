@@ -20,7 +20,7 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.project import Motion, Project
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
-from studio.document.recovery import recover, recoverable_sessions, tidy
+from studio.document.recovery import recoverable_sessions, recovered_session, remove_useless_sessions
 from studio.io.project.entity_json import project_json
 from studio.io.project.project_file import ChangedOnDisk, read_project, write_project
 from tests.builders import make_capture, make_project
@@ -141,7 +141,7 @@ def test_where_the_playhead_rests_after_the_last_edit_is_kept_too(
     qtbot.waitUntil(lambda: not document._rest.isActive())
     died(document)
     (session,) = recoverable_sessions(tmp_path / "state")
-    assert recover(session).playhead == document.playhead.state
+    assert recovered_session(session).playhead == document.playhead.state
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -174,9 +174,9 @@ def test_only_what_is_saved_or_given_up_a_month_ago_is_tidied_away(make_document
     died(saved)
     died(lost)
     declined.close()
-    tidy(folder)
+    remove_useless_sessions(folder)
     assert len(recoverable_sessions(folder, declined=True)) == 2
-    tidy(folder, datetime.now() + month)
+    remove_useless_sessions(folder, datetime.now() + month)
     (session,) = recoverable_sessions(folder, declined=True)
     assert not session.declined
     assert len(list(folder.glob("*.sqlite"))) == 1
@@ -209,7 +209,7 @@ def test_what_is_saved_needs_no_recovery_and_what_comes_after_does(make_document
     died(document)
     (session,) = recoverable_sessions(tmp_path / "state")
     assert (session.path, session.edits) == (path, 1)
-    assert state(recover(session).project) == last
+    assert state(recovered_session(session).project) == last
 
 
 def test_the_moves_of_one_gesture_are_offered_as_one_edit_as_the_undo_stack_has_them(
@@ -242,7 +242,7 @@ def test_edits_that_the_user_gave_up_stay_on_the_disk(make_document: Any, tmp_pa
     document.close()
     assert recoverable_sessions(tmp_path / "state") == ()
     (session,) = recoverable_sessions(tmp_path / "state", declined=True)
-    assert state(recover(session).project) == last
+    assert state(recovered_session(session).project) == last
 
 
 def test_a_closed_session_with_nothing_unsaved_leaves_nothing(make_document: Any, tmp_path: Path) -> None:
@@ -267,7 +267,7 @@ def test_a_damaged_step_costs_only_what_comes_after_it(make_document: Any, tmp_p
     with sqlite3.connect(session.file) as connection:
         connection.execute("UPDATE steps SET edits = replace(edits, '\"60\"', '\"sixty\"') WHERE number = 61")
     connection.close()
-    recovered = recover(session)
+    recovered = recovered_session(session)
     assert len(recovered.project.props) == 60
     assert "61" in recovered.problems[0]
 
@@ -304,7 +304,7 @@ def test_a_journal_that_cannot_be_written_is_told(make_document: Any, tmp_path: 
 def test_saving_marks_clean_only_what_was_saved(make_document: Any, tmp_path: Path) -> None:
     document = make_document()
     edit(document)
-    saving = document.saving(tmp_path / "walk.studio")
+    saving = document.make_save(tmp_path / "walk.studio")
     stamp = saving.write()
     document.add("props", Prop("Meanwhile"), "Add")
     document.saved(saving, stamp)

@@ -11,13 +11,13 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.scope import Scope
-from studio.core.solver.adapt import place_of
-from studio.core.solver.performers.stage import asked_of, in_order, leaders_of
+from studio.core.solver.adapt import body_point_positions
+from studio.core.solver.performers.stage import constraints_of_performer, leaders_first, leaders_of
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Motion, Project
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
-from studio.engine.live_adaptation import LiveAdaptation, normalised
+from studio.engine.live_adaptation import LiveAdaptation, normalized_with_actor
 from studio.engine.performance import posed_performers
 from studio.viewport.handles import constraint_handles
 from tests.builders import make_constraint, make_project
@@ -70,29 +70,29 @@ def live_of(qapp: Any):
 def on_stage(document: Document, live: LiveAdaptation, performer_id: str, point: BodyPoint = RIGHT) -> np.ndarray:
     result = live.result(performer_id)
     assert result is not None
-    return Placement.of(document.project.performers[performer_id]).to_stage(place_of(point, result))
+    return Placement.of(document.project.performers[performer_id]).to_stage(body_point_positions(point, result))
 
 
 def seen(document: Document, live: LiveAdaptation, performer_id: str) -> np.ndarray:
     """Place at which the wrist of a performer is seen, on the stage."""
     shown = live.shown(performer_id)
     assert shown is not None
-    return Placement.of(document.project.performers[performer_id]).to_stage(place_of(RIGHT, shown))[0]
+    return Placement.of(document.project.performers[performer_id]).to_stage(body_point_positions(RIGHT, shown))[0]
 
 
 def test_who_follows_whom_is_told_from_the_constraints_of_the_motion_that_is_played() -> None:
     project = stage(4, p0="p1", p1="p2", p3="p0")
     assert leaders_of(project, "p0") == {"p1"}
-    assert in_order(project, ["p3", "p0"]) == (("p2",), ("p1",), ("p0",), ("p3",))
+    assert leaders_first(project, ["p3", "p0"]) == (("p2",), ("p1",), ("p0",), ("p3",))
 
 
 def test_nobody_follows_itself_unless_that_is_asked_of_it_alone() -> None:
     project = stage(2, p0="p0")
-    assert asked_of(project, "p0") == ()
+    assert constraints_of_performer(project, "p0") == ()
     other = replace(project.constraints["p0"], point=LEFT)
-    assert asked_of(project.with_entity("constraints", "p0", other), "p0") == ()
+    assert constraints_of_performer(project.with_entity("constraints", "p0", other), "p0") == ()
     alone = replace(other, scope=Scope(performer_id="p0"))
-    [asked] = asked_of(project.with_entity("constraints", "p0", alone), "p0")
+    [asked] = constraints_of_performer(project.with_entity("constraints", "p0", alone), "p0")
     assert isinstance(asked.constraint, PositionConstraint)
     assert asked.constraint.target == FollowBody(RIGHT)
     assert leaders_of(project, "p0") == set()
@@ -100,7 +100,7 @@ def test_nobody_follows_itself_unless_that_is_asked_of_it_alone() -> None:
 
 def test_who_follow_each_other_are_adapted_together() -> None:
     project = stage(4, p0="p1", p1="p2", p2="p0", p3="p1")
-    assert in_order(project, ["p3"]) == (("p0", "p1", "p2"), ("p3",))
+    assert leaders_first(project, ["p3"]) == (("p0", "p1", "p2"), ("p3",))
 
 
 def test_a_wrist_follows_another_performers_wrist_and_again_when_that_one_is_changed(live_of: Any) -> None:
@@ -109,7 +109,7 @@ def test_a_wrist_follows_another_performers_wrist_and_again_when_that_one_is_cha
     lead = make_constraint("m1", "Lead", target=(0.3, -0.2, 1.1), chain=REACH, activation=ALWAYS)
     document.add("constraints", lead, "Add")
     assert live.wait(SECONDS)
-    assert place_of(RIGHT, live.result("p1"))[0] == pytest.approx((0.3, -0.2, 1.1), abs=3e-4)
+    assert body_point_positions(RIGHT, live.result("p1"))[0] == pytest.approx((0.3, -0.2, 1.1), abs=3e-4)
     near_limit = pytest.approx(on_stage(document, live, "p1"), abs=1e-3)  # where a shoulder ends
     assert on_stage(document, live, "p0") == near_limit
 
@@ -155,8 +155,8 @@ def test_a_wrist_follows_a_joint_of_its_capture(live_of: Any) -> None:
     asked = make_constraint("m0", target=FollowTracked("RightHand"), chain=REACH, activation=ALWAYS)
     document.add("constraints", asked, "Add")
     assert live.wait(SECONDS)
-    wrist = place_of(RIGHT, source)
-    assert place_of(RIGHT, live.result("p0")) == pytest.approx(wrist, abs=5e-4)
+    wrist = body_point_positions(RIGHT, source)
+    assert body_point_positions(RIGHT, live.result("p0")) == pytest.approx(wrist, abs=5e-4)
 
 
 def test_who_follows_a_performer_that_is_driven_live_follows_what_it_does_now_and_its_clips_again_afterwards(
@@ -164,7 +164,7 @@ def test_who_follows_a_performer_that_is_driven_live_follows_what_it_does_now_an
 ) -> None:
     document, live = live_of(stage(3, p0="p1", p2="p0"))
     source = stage(1).captures["capture"]
-    motion, _ = normalised(source)
+    motion, _ = normalized_with_actor(source)
     before = {key: live.shown(key) for key in ("p0", "p2")}
     for frame in (3, 12):
         pose = replace(motion, channels=np.stack([motion.channels[frame]] * 2))
@@ -193,7 +193,7 @@ def test_the_figure_of_a_constraint_in_a_clip_that_continues_another_leads_from_
     posed = posed_performers(document.project, live.result, turned.start + 0.2)
     [handle] = constraint_handles(document.project, posed, "performer 0")
     pose = posed["performer 0"]
-    wrist = pose.placement.to_stage(place_of(always.point, pose.motion)[pose.row])
+    wrist = pose.placement.to_stage(body_point_positions(always.point, pose.motion)[pose.row])
     assert handle.figure.link is not None
     assert handle.figure.link[0] == pytest.approx(wrist, abs=1e-6)
     assert handle.figure.link[1] == pytest.approx(handle.target, abs=1e-6)

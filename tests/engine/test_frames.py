@@ -17,11 +17,11 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.scope import Scope
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import perform
+from studio.core.solver.performers.performing import adapt_performers
 from studio.core.stage.project import GROUND_ID
 from studio.document.document import Document
 from studio.engine.frames import LONG_SECONDS, PIECE_FRAMES
-from studio.engine.live_adaptation import LiveAdaptation, normalised
+from studio.engine.live_adaptation import LiveAdaptation, normalized_with_actor
 from studio.engine.standing_solver import StandingSolver
 from tests.builders import make_constraint, make_project
 from tests.patience import SECONDS
@@ -50,7 +50,9 @@ def drag(document: Document, place: tuple[float, float, float]) -> None:
 
 def exact(document: Document, performer_id: str) -> Any:
     """(P, 3) the frame at the playhead out of the whole clip, solved without a window."""
-    solved = perform(document.project, [performer_id], normalised, lambda request: adapt(replace(request, eased=False)))
+    solved = adapt_performers(
+        document.project, [performer_id], normalized_with_actor, lambda request: adapt(replace(request, eased=False))
+    )
     motion = solved.performances[performer_id].adapted
     return motion.positions[FRAME]
 

@@ -144,7 +144,7 @@ def test_a_capture_that_is_expected_is_normalised_before_it_is_shown(make_scene:
     scene = make_scene()
     assert scene.live.wait()
     coming = make_capture(frames=50)
-    scene.live.expect(coming)
+    scene.live.prefetch_capture(coming)
     assert scene.live.wait()
     assert scene.solver.prepared[-1] is coming
     before = len(scene.solver.prepared)

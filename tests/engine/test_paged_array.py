@@ -8,7 +8,7 @@ import pytest
 
 from studio.core.compact_array import CompactArray, single
 from studio.engine import paged_array
-from studio.engine.paged_array import FileRows, paged
+from studio.engine.paged_array import FileRows, paged_rows
 from tests.core.test_compact_array import INDICES, SHAPE
 
 NUMBERS = np.random.default_rng(5).normal(size=SHAPE)
@@ -29,7 +29,7 @@ def open_files() -> int:
 
 
 def test_every_index_of_a_file_reads_the_numbers_of_memory_to_the_bit() -> None:
-    kept, known = paged(NUMBERS), single(NUMBERS)
+    kept, known = paged_rows(NUMBERS), single(NUMBERS)
     assert is_in_a_file(kept)
     for write in (False, True):
         for index in INDICES:
@@ -48,7 +48,7 @@ def test_every_index_of_a_file_reads_the_numbers_of_memory_to_the_bit() -> None:
 
 def test_a_file_is_closed_with_the_last_rows_of_it() -> None:
     before = open_files()
-    kept = paged(NUMBERS)
+    kept = paged_rows(NUMBERS)
     part = kept.part(slice(3, 9))
     assert open_files() == before + 1
     del kept
@@ -64,12 +64,12 @@ def test_poses_stay_in_memory_where_no_file_can_be_written(monkeypatch: pytest.M
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(paged_array.tempfile, "TemporaryFile", full)
-    kept = paged(NUMBERS)
+    kept = paged_rows(NUMBERS)
     assert not is_in_a_file(kept)
     np.testing.assert_array_equal(kept[:], single(NUMBERS)[:])
 
 
 def test_many_takes_leave_files_for_others(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(paged_array, "MOST_PAGE_FILES", 2)
-    kept = [paged(NUMBERS) for _ in range(3)]
+    kept = [paged_rows(NUMBERS) for _ in range(3)]
     assert [is_in_a_file(each) for each in kept] == [True, True, False]

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
 from studio.core.stage.placement import Placement
-from studio.engine.performance import Posed, motion_time, posed_performers, row_at, stage_time
+from studio.engine.performance import PosedPerformer, motion_time, posed_performers, row_at, stage_time
 from tests.builders import make_project
 from tests.viewport.standing import FRAMES, RATE, results_of
 
@@ -60,7 +60,7 @@ def row_of_two(*grips, change=60):
     performer = replace(project.performers["performer 0"], clips=clips)
     playing = lambda frame: SimpleNamespace(piece=SimpleNamespace(origin=(int(frame >= change),)))  # noqa: E731
     adapted = SimpleNamespace(first_frame=0, frame_rate=motion.frame_rate, composite=SimpleNamespace(playing=playing))
-    return [Posed(performer, adapted, frame, Placement()).grip(0.25) for frame in range(2 * change)]
+    return [PosedPerformer(performer, adapted, frame, Placement()).grip(0.25) for frame in range(2 * change)]
 
 
 def test_hands_are_held_as_the_clip_says_or_as_the_character_has_them():

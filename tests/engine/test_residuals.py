@@ -12,7 +12,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.solver.performers.rows import composite_of
 from studio.core.solver.request import AdaptedMotion
-from studio.engine.live_adaptation import normalised
+from studio.engine.live_adaptation import normalized_with_actor
 from studio.engine.residuals import residuals_on, worst_residual
 from studio.panels.constraint_editors.worst_residuals import residuals_of, words_of
 from studio.viewport.problem import worst_problem
@@ -79,7 +79,7 @@ def test_an_answer_to_a_row_of_other_clips_is_not_read_though_it_asks_as_much():
     project = project_of(make_constraint(), frames=FRAMES)
     performer = project.performers["performer 0"]
     [clip] = performer.clips
-    motion = normalised(next(iter(project.captures.values())))[0]
+    motion = normalized_with_actor(next(iter(project.captures.values())))[0]
 
     def playing(*clips):
         return project.with_entity("performers", "performer 0", replace(performer, clips=clips))

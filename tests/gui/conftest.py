@@ -14,7 +14,7 @@ from studio.core.captures.contacts import ContactPoint
 from studio.document.document import Document
 from studio.io.bvh.writer import write_bvh
 from studio.library.catalogue import Catalogue
-from studio.library.indexing import index
+from studio.library.indexing import index_folders
 from studio.resources_folder import bundled_strikes_folder
 from studio.timeline.timeline import Timeline
 from studio.viewport.widget import Viewport
@@ -80,7 +80,7 @@ def bundled_library_folder(tmp_path_factory):
     """The library of the bundled strikes, read once."""
     folder = tmp_path_factory.mktemp("bundled") / "library"
     with Catalogue(folder) as catalogue:
-        index(catalogue, [bundled_strikes_folder()])
+        index_folders(catalogue, [bundled_strikes_folder()])
     return folder
 
 

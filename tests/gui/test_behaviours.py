@@ -5,9 +5,9 @@ from dataclasses import replace
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-from studio.core.captures.reaching import farthest_frame
-from studio.core.stage.behaviour import advance, begun
-from studio.core.stage.conditions import Senses
+from studio.core.captures.reaching import farthest_reach_frame
+from studio.core.stage.behaviour import advanced_progress, initial_progress
+from studio.core.stage.conditions import ConditionInput
 from studio.core.stage.manners import KeepDistance, LeanAway, Meet
 from studio.core.stage.project import Motion
 from studio.document.behaviour_commands import state_key, transition_key
@@ -47,12 +47,14 @@ def test_two_ready_made_fighters_attack_and_ward_off(window):
     keys = [fighter_of(window, key) for key in (FIRST, SECOND)]
     attacker, defender = (document.project.behaviours[key] for key in keys)
     gap = attacker.gaps_from("Guard")[0]
-    strike = advance(attacker, begun(attacker), Senses(0.02, {gap: 0.9}, keys=frozenset({"X"})))
+    strike = advanced_progress(
+        attacker, initial_progress(attacker), ConditionInput(0.02, {gap: 0.9}, keys=frozenset({"X"}))
+    )
     assert strike.state == "Strike"
     told = frozenset({attacker.state(strike.state).event})
-    ward = advance(defender, begun(defender), Senses(0.02, events=told))
+    ward = advanced_progress(defender, initial_progress(defender), ConditionInput(0.02, events=told))
     assert ward.state == "Block"
-    assert advance(defender, ward, Senses(0.02, clip_ended=True)).state == "Guard"
+    assert advanced_progress(defender, ward, ConditionInput(0.02, clip_ended=True)).state == "Guard"
 
 
 def test_a_warding_arm_comes_when_the_partners_blow_hits(window):
@@ -62,7 +64,7 @@ def test_a_warding_arm_comes_when_the_partners_blow_hits(window):
     blow = document.project.behaviours[attacker].state("Strike").clip
     capture = document.project.captures["capture"]
     ward = defender.state("Block")
-    hit = (farthest_frame(capture, blow.first, blow.last) - blow.first) / capture.frame_rate
+    hit = (farthest_reach_frame(capture, blow.first, blow.last) - blow.first) / capture.frame_rate
     [meet] = ward.manners
     assert meet.activation.full < ward.clip.first / capture.frame_rate + hit < meet.activation.full_end
 

@@ -12,7 +12,7 @@ from PySide6.QtTest import QTest
 from studio.app import character_import
 from studio.core.body.canonical import BodyPart
 from studio.core.mesh.rig import rig_body_map
-from studio.io.figure.body import remapped
+from studio.io.figure.body import remapped_character
 from studio.io.figure.body_maps import naming_families
 from studio.io.importing import ImportOptions, load_character
 from studio.panels.body_map_section import BodyMapSection, body_of_capture, body_of_character
@@ -36,7 +36,7 @@ def hero(tmp_path):
 def section(window, hero):
     """The section of a character whose arms are exchanged, on show in the inspector."""
     document = window.bench.document
-    key = document.add("characters", remapped(hero.character, hero.joints | SWAPPED_ARMS), "Add")
+    key = document.add("characters", remapped_character(hero.character, hero.joints | SWAPPED_ARMS), "Add")
     document.selection.set(("characters", key))
     [found] = [each for each in window.findChildren(BodyMapSection) if each.isVisibleTo(window)]
     found._unfold()
@@ -125,7 +125,7 @@ def test_a_performer_has_the_section_of_its_character(window, hero):
     document = window.bench.document
     key = next(iter(document.project.performers))
     character = document.project.performers[key].character_id
-    document.replace("characters", character, remapped(hero.character, hero.joints | SWAPPED_ARMS), "Replace")
+    document.replace("characters", character, remapped_character(hero.character, hero.joints | SWAPPED_ARMS), "Replace")
     document.selection.set(("performers", key))
     [found] = [each for each in window.findChildren(BodyMapSection) if each.isVisibleTo(window)]
     found._unfold()
@@ -141,9 +141,9 @@ def test_the_window_goes_on_meanwhile_and_a_cancelled_one_changes_nothing(sectio
     def slow(character, names):
         threads.append(threading.current_thread())
         may_go_on.wait(SECONDS)
-        return remapped(character, names)
+        return remapped_character(character, names)
 
-    monkeypatch.setattr(character_import, "remapped", slow)
+    monkeypatch.setattr(character_import, "remapped_character", slow)
     runner, before = found.window().bench.runner, document.project.characters[key]
     QTest.mouseClick(found._parts, LEFT, pos=(SEGMENT_SHAPES[BodyPart.LEFT_HAND].center() * SCALE).toPoint())
     QTest.mouseClick(found._joints, LEFT, pos=found._joints.place_of("leftHand").toPoint())

@@ -9,14 +9,14 @@ from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QPushButton
 from scipy.spatial.transform import Rotation
 
-from studio.app.character_import import put_character
+from studio.app.character_import import add_read_character
 from studio.core.body.canonical import BodyPart
 from studio.core.mesh.appearance import Material
 from studio.core.mesh.skin import Blending, bound_pose
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Performer
 from studio.document.commands.replace import same_value
-from studio.engine.performance import Placement, Posed
+from studio.engine.performance import Placement, PosedPerformer
 from studio.io.importing import load_character
 from studio.io.project.project_file import new_document_id, read_project, write_project
 from studio.viewport.bodies import BodyVisual
@@ -70,7 +70,7 @@ def test_a_broad_character_stands_clear_of_its_neighbour(qtbot, window, tmp_path
     broad = replace(character, skin=replace(skin, vertices=skin.vertices * np.float32([1.0, 8.0, 1.0])), name="Broad")
     wide = float(np.abs(broad.skin.vertices[broad.skin.segments[:, 0] == 0, 1]).max())
     outermost = max(each.position[1] for each in window.bench.document.project.performers.values())
-    put_character(window.bench.document, broad, "Import")
+    add_read_character(window.bench.document, broad, "Import")
     assert newest(window)[0].position[1] - outermost > max(1.2, wide + 0.5)
 
 
@@ -172,7 +172,7 @@ def test_the_skin_that_is_drawn_bends_as_was_chosen(tmp_path):
     positions, rotations = (part[None].copy() for part in bound_pose(linear.skin, linear.build))
     rotations[0, hand] = rotations[0, hand] @ Rotation.from_rotvec([0.0, 0.0, 2.5]).as_matrix()
     motion = AdaptedMotion(linear.build, 30.0, 0, positions, rotations, np.empty((0, 1)))
-    posed = Posed(Performer("hero", "hero"), motion, 0, Placement())
+    posed = PosedPerformer(Performer("hero", "hero"), motion, 0, Placement())
     visual = BodyVisual(linear)
     drawn = []
     for blending in Blending:

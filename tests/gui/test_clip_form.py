@@ -9,7 +9,7 @@ from PySide6.QtTest import QTest
 from studio.core.stage.prop import Prop
 from studio.library.catalogue import Catalogue
 from studio.library.clip_labels import HitSegment, Kind, Limb
-from studio.library.indexing import index
+from studio.library.indexing import index_folders
 from studio.panels.clip_line import ClipMark
 from studio.resources_folder import bundled_strikes_folder
 from tests.gui.window_use import wait_until_idle
@@ -100,9 +100,9 @@ def test_what_is_confirmed_is_in_the_catalogue_and_outlasts_indexing(striking, w
     with Catalogue(striking.folder) as catalogue:
         count = len(catalogue.clips())
         for name in catalogue.files():  # as if every file had changed
-            with catalogue.changing():
+            with catalogue.write_transaction():
                 catalogue._database.execute("UPDATE files SET changed = 0 WHERE path = ?", (name,))
-        index(catalogue, [bundled_strikes_folder()])
+        index_folders(catalogue, [bundled_strikes_folder()])
         assert [each.label for each in catalogue.clips() if each.label.confirmed] == [wanted]
         assert len(catalogue.clips()) == count
 

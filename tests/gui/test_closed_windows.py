@@ -11,7 +11,7 @@ from PySide6.QtTest import QTest
 from studio.app.application import import_views, make_application, make_window, show_views
 from studio.app.sample import read_sample
 from studio.app.settings import Settings
-from studio.core.mesh.skin import gripping
+from studio.core.mesh.skin import with_grip
 from studio.core.stage.project import COLLECTIONS, Project
 from studio.document.document import Document
 from studio.io.project.character_file import bundled_characters
@@ -59,7 +59,7 @@ def test_the_skins_of_a_project_are_let_go_when_another_is_opened(window, qtbot)
     import_views()
     show_views(window)
     character = bundled_characters()["child"]
-    made = weakref.ref(gripping(character.skin, 0.37))
+    made = weakref.ref(with_grip(character.skin, 0.37))
     window.bench.document.new(Project())
     gc.collect()
     assert made() is None

@@ -24,7 +24,7 @@ from studio.panels.constraint_editors.body_figure import SCALE, SEGMENT_SHAPES, 
 from studio.panels.fields import NumberField
 from studio.panels.inspector import Inspector
 from studio.viewport.gizmo import GIZMO_AXES
-from studio.viewport.handle_places import handle_place
+from studio.viewport.handle_places import handle_position
 from studio.viewport.widget import Viewport
 from tests.builders import make_contact, make_project
 from tests.gui.viewport_use import drag, joint_pixel, settle
@@ -141,7 +141,7 @@ def test_each_kind_is_added_at_a_pick_as_one_step_has_its_form_and_is_framed_wit
     assert constraint.activation.at(0.2) == 1.0
     viewport.frame_selection()
     settle(viewport)
-    [handle] = [one for one in viewport.handles() if one.main]
+    [handle] = [one for one in viewport.handles() if one.is_primary]
     assert handle.kind == kind
     pixels, depth = viewport.camera.project(handle.extent, viewport.view_size)
     assert ((pixels >= 0) & (pixels <= viewport.view_size)).all()
@@ -247,7 +247,7 @@ def test_balance_recruits_free_arms_and_the_free_leg_until_they_are_locked_on_th
 def test_a_table_reaches_up_to_the_wrist_and_its_shape_changes_with_its_numbers(studio):
     viewport, document, inspector = studio
     table = add(studio, "area")
-    wrist = viewport.posed["performer 0"].points[viewport.posed["performer 0"].motion.morphology.layout.wrist(1)]
+    wrist = viewport.posed["performer 0"].points[viewport.posed["performer 0"].motion.morphology.layout.wrist_point(1)]
     assert table.centre[2] + table.size[2] / 2 == pytest.approx(wrist[2], abs=1e-6)
     assert table.centre[2] == pytest.approx(table.size[2] / 2)
     enter(inspector, "Heading", "30")
@@ -290,7 +290,7 @@ def test_a_place_that_is_written_is_read_again_and_what_has_none_stays_as_it_is(
         if place is None:
             assert moved is constraint
         else:
-            now = handle_place(moment.fixed(moved), floor=0.3)
+            now = handle_position(moment.fixed(moved), floor=0.3)
             assert now == pytest.approx((0.1, 0.2, 0.3), abs=1e-12)
         document.undo_stack.undo()
 
@@ -298,7 +298,7 @@ def test_a_place_that_is_written_is_read_again_and_what_has_none_stays_as_it_is(
 def fixed(studio, constraint):
     """Place at which it is held now."""
     viewport, document, _ = studio
-    return handle_place(
+    return handle_position(
         TargetContext(document.project, viewport.posed, viewport.posed["performer 0"]).fixed(constraint)
     )
 
@@ -345,7 +345,7 @@ def test_the_handle_of_a_target_that_follows_is_where_the_followed_is_and_a_drag
     new = replace(constraint, target=FollowProp(prop_id))
     document.replace("constraints", document.selection.current[1], new, "Follow")
     settle(viewport)
-    [handle] = [one for one in viewport.handles() if one.main]
+    [handle] = [one for one in viewport.handles() if one.is_primary]
     assert handle.target == pytest.approx([0.4, 0.3, 0.9])
     pose = viewport.posed["performer 0"]
     moved = TargetContext(document.project, viewport.posed, pose).moved(
@@ -385,7 +385,7 @@ def test_a_target_moves_by_a_rule_its_way_is_drawn_and_a_drag_moves_it(studio):
         choose(inspector, "Target type", words)
         enter(inspector, number, "0.25")
         settle(viewport)
-        [handle] = [one for one in viewport.handles() if one.main]
+        [handle] = [one for one in viewport.handles() if one.is_primary]
         [way] = handle.figure.lines
         assert np.linalg.norm(way - handle.target, axis=1).min() < 1e-6
     assert current(document).target.reach == (0.25, 0.1, 0.1)

@@ -38,7 +38,7 @@ def window(qtbot, tmp_path):
     project = make_project(characters=1)
     project = project.with_entity("characters", "character 0", bundled_characters()["adult_woman"])
     window = make_window(Settings(tmp_path / "studio.ini"), Document(project))
-    quiet = {name: lambda *_: None for name in ("show_progress", "close", "show_again")}
+    quiet = {name: lambda *_: None for name in ("show_progress", "close", "redraw")}
     window.bench.set_viewport(SimpleNamespace(view=VIEW, **quiet))
     window.bench.document.playhead.set_range(6, 18)
     (tmp_path / "out").mkdir()
@@ -88,7 +88,7 @@ def differing(filmed, viewport):
 
 def test_a_film_looks_as_the_viewport_does(qtbot, window, viewport, tmp_path):
     window.bench.document.playhead.set_range(6, 7)
-    filming.film(window.bench, tmp_path / "out" / "shots", (640, 360), 30.0)
+    filming.render_film(window.bench, tmp_path / "out" / "shots", (640, 360), 30.0)
     idle(qtbot, window)
     assert window.strip.text.startswith("Exported")
     with Image.open(tmp_path / "out" / "shots" / "shots_0001.png") as picture:
@@ -138,7 +138,7 @@ def test_a_film_of_a_camera_that_follows_goes_with_the_character(qtbot, window, 
 
 
 def test_the_range_of_the_timeline_becomes_a_film(qtbot, window, tmp_path):
-    filming.film(window.bench, tmp_path / "out" / "walk.mp4", SMALL, 30.0)
+    filming.render_film(window.bench, tmp_path / "out" / "walk.mp4", SMALL, 30.0)
     idle(qtbot, window)
     assert "walk.mp4" in window.strip.text
     assert count_frames_and_secs(str(tmp_path / "out" / "walk.mp4"))[0] == 7
@@ -158,7 +158,7 @@ def test_a_cancelled_film_ends_what_draws_it_and_leaves_nothing(qtbot, window, t
     monkeypatch.setattr(filming, "RENDERER", (sys.executable, "-c", for_ever))
     runner = window.bench.runner
     runner.progressed.connect(lambda task, share, _: share > 0.3 and pid.exists() and runner.cancel(task))
-    filming.film(window.bench, tmp_path / "out" / name, SMALL, 30.0)
+    filming.render_film(window.bench, tmp_path / "out" / name, SMALL, 30.0)
     idle(qtbot, window)
     assert list((tmp_path / "out").iterdir()) == []
     with pytest.raises(ProcessLookupError):
@@ -168,7 +168,7 @@ def test_a_cancelled_film_ends_what_draws_it_and_leaves_nothing(qtbot, window, t
 @pytest.mark.parametrize("name", ["shots", "walk.mp4"])
 def test_a_crash_of_what_draws_is_a_sentence_and_leaves_nothing(qtbot, window, tmp_path, monkeypatch, name):
     monkeypatch.setattr(filming, "RENDERER", (sys.executable, "-c", f"{HALF}\nos.abort()"))
-    filming.film(window.bench, tmp_path / "out" / name, SMALL, 30.0)
+    filming.render_film(window.bench, tmp_path / "out" / name, SMALL, 30.0)
     idle(qtbot, window)
     assert "crashed at 'Frame 3 of 7'" in window.strip.text
     assert list((tmp_path / "out").iterdir()) == []
@@ -176,7 +176,7 @@ def test_a_crash_of_what_draws_is_a_sentence_and_leaves_nothing(qtbot, window, t
 
 def test_a_film_that_is_cut_short_is_told(qtbot, window, tmp_path, monkeypatch):
     monkeypatch.setattr(filming, "RENDERER", (sys.executable, "-c", HALF))
-    filming.film(window.bench, tmp_path / "out" / "walk.mp4", SMALL, 30.0)
+    filming.render_film(window.bench, tmp_path / "out" / "walk.mp4", SMALL, 30.0)
     idle(qtbot, window)
     assert "could not be written whole" in window.strip.text
     assert list((tmp_path / "out").iterdir()) == []
@@ -186,7 +186,7 @@ def test_a_film_that_is_cut_short_is_told(qtbot, window, tmp_path, monkeypatch):
 def test_a_film_of_a_day_is_refused_at_once(window, tmp_path):
     window.bench.document.playhead.set_range(0, 9_999_999)
     with pytest.raises(StudioError, match="too many"):
-        filming.film(window.bench, tmp_path / "out" / "walk.mp4", SMALL, 240.0)
+        filming.render_film(window.bench, tmp_path / "out" / "walk.mp4", SMALL, 240.0)
 
 
 def test_a_film_that_nobody_plays_in_is_refused(window):

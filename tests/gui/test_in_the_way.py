@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from studio.app.application import import_views, show_views
 from studio.app.strike_edit import _known_capture
-from studio.document.priorities import ties_with_moved
+from studio.document.priorities import shared_priorities_after_move
 from studio.panels.library_delegate import EYE_WIDTH
 from tests.builders import make_capture, make_constraint, make_project
 from tests.gui.viewport_use import LEFT, NONE
@@ -91,9 +91,27 @@ def test_constraints_of_one_priority_that_move_together_keep_it_and_join_those_b
         key: make_constraint(name=key, priority=priority)
         for key, priority in (("a", 0), ("b", 0), ("c", 1), ("d", 1), ("e", 2))
     }
-    assert ties_with_moved(constraints, ["c", "d", "a", "b", "e"], {"c", "d"}) == [False, True, False, True, False]
-    assert ties_with_moved(constraints, ["a", "c", "d", "b", "e"], {"c", "d"}) == [False, True, True, True, False]
-    assert ties_with_moved(constraints, ["a", "b", "e", "c", "d"], {"e"}) == [False, True, False, False, True]
+    assert shared_priorities_after_move(constraints, ["c", "d", "a", "b", "e"], {"c", "d"}) == [
+        False,
+        True,
+        False,
+        True,
+        False,
+    ]
+    assert shared_priorities_after_move(constraints, ["a", "c", "d", "b", "e"], {"c", "d"}) == [
+        False,
+        True,
+        True,
+        True,
+        False,
+    ]
+    assert shared_priorities_after_move(constraints, ["a", "b", "e", "c", "d"], {"e"}) == [
+        False,
+        True,
+        False,
+        False,
+        True,
+    ]
 
 
 def test_a_file_that_hovers_is_answered_by_a_frame_until_it_leaves_or_is_dropped(window, walk):

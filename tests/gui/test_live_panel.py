@@ -10,7 +10,7 @@ from shiboken6 import isValid
 
 from studio.app.application import make_window
 from studio.app.settings import Settings
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
@@ -19,7 +19,7 @@ from studio.live.osc import encode_message
 from studio.live.recording import read_recording
 from studio.live.streamer import packets_of
 from studio.live.tracker import Inbox, UdpInput
-from studio.live.vmc import TRACKER_ADDRESS, posed
+from studio.live.vmc import TRACKER_ADDRESS, posed_body
 from studio.viewport.eyes import ONE_EYE
 from tests.builders import make_project
 from tests.core.motions import walk
@@ -45,7 +45,7 @@ def send(control, *packets):
 
 
 def child_packets(frame=13):
-    positions, rotations = realize(walk(40)[0], CHILD)
+    positions, rotations = realize_motion(walk(40)[0], CHILD)
     return packets_of(positions[frame], rotations[frame], CHILD, 0.0)
 
 
@@ -92,14 +92,14 @@ def test_a_tracked_head_moves_a_prop_and_all_of_it_is_one_undo_step(control, win
 def test_the_panel_tells_senders_and_counts_and_switches_them_off(control, window, qtbot):
     panel = control.panel
     send(control, cap(1.0), b"no packet at all")
-    qtbot.waitUntil(lambda: control.sources["1"].inbox.counts.bad == 1, timeout=PATIENCE)
+    qtbot.waitUntil(lambda: control.sources["1"].inbox.counts.malformed == 1, timeout=PATIENCE)
     control.tell()
     assert "1 packets received, 1 invalid" in panel.told.text()
     [sender] = [panel.inputs.topLevelItem(0).child(0)]
     assert sender.text(0) == "127.0.0.1"
     sender.setCheckState(0, sender.checkState(0).Unchecked)
     send(control, cap(2.0))
-    qtbot.waitUntil(lambda: control.sources["1"].inbox.counts.strangers == 1, timeout=PATIENCE)
+    qtbot.waitUntil(lambda: control.sources["1"].inbox.counts.unknown_senders == 1, timeout=PATIENCE)
 
 
 def test_what_comes_is_recorded_and_replayed_as_a_source_of_its_own(control, window, qtbot, tmp_path):
@@ -144,7 +144,7 @@ def test_what_is_shown_goes_out_where_it_stands_on_the_stage(control, window, qt
     try:
         control.panel.out_port.show_value(listener.port)
         window.actions_by_id.by_id["stream"].trigger()
-        qtbot.waitUntil(lambda: posed(inbox.bones()) is not None, timeout=PATIENCE)
+        qtbot.waitUntil(lambda: posed_body(inbox.bones()) is not None, timeout=PATIENCE)
         key, performer = next(iter(window.bench.document.project.performers.items()))
         shown = window.bench.live.shown(key)
         there = Placement.of(performer).to_stage(shown.positions[0, 0])
@@ -161,10 +161,10 @@ class SeenViewport:
 
     sight = ONE_EYE
 
-    def set_sight(self, sight):
+    def set_stereo_view(self, sight):
         self.sight = sight
 
-    def show_soon(self):
+    def schedule_redraw(self):
         """Nothing is drawn."""
 
 

@@ -9,7 +9,7 @@ from PySide6.QtTest import QTest
 
 from studio.app.application import import_views, show_views
 from studio.core.curves.keyed import KeyedPlace
-from studio.core.solver.adapt import place_of
+from studio.core.solver.adapt import body_point_positions
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.conditions import KeyCondition
 from studio.core.stage.project import Project
@@ -105,7 +105,7 @@ def test_a_target_that_is_moved_while_it_plays_is_followed_and_kept_in_the_take(
         qtbot.wait(20)
 
     def reached():
-        return np.linalg.norm(place_of(WRIST, play.moment.results["one"])[0] - place) < 2e-3
+        return np.linalg.norm(body_point_positions(WRIST, play.moment.results["one"])[0] - place) < 2e-3
 
     qtbot.waitUntil(reached, timeout=PATIENCE)
     press(playing, Qt.Key.Key_R, Qt.KeyboardModifier.ShiftModifier)
@@ -160,7 +160,7 @@ def test_the_playhead_moves_though_the_last_picture_is_of_another_project_that_p
     moment = play.moment
     document.new(Project())
     monkeypatch.setattr(play, "moment", moment)
-    viewport.show_again()
+    viewport.redraw()
     viewport.grab_image()
     assert viewport.posed
     monkeypatch.setattr(play, "moment", None)

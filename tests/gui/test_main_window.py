@@ -360,7 +360,7 @@ def test_what_a_crashed_session_left_is_offered_and_recovered(qtbot, window, tmp
     monkeypatch.setattr(recovery_offer, "recoverable_sessions", lambda folder: (session,))
     recovered = []
     monkeypatch.setattr(window.bench.document, "recover", recovered.append)
-    recovery_offer.offer(window.bench, tmp_path)
+    recovery_offer.offer_recovery(window.bench, tmp_path)
     assert "3 edits" in window.recovery.text
     window.recovery.press("Recover")
     assert recovered == [session]
@@ -372,7 +372,7 @@ def test_work_that_the_user_gave_up_is_listed_and_can_be_had_again(qtbot, window
     given_up = Document(make_project(), journal_folder=journals)
     given_up.remove("constraints", "constraint 0", "Delete Target 0")
     given_up.close()
-    recovery_offer.offer(window.bench, journals)
+    recovery_offer.offer_recovery(window.bench, journals)
     assert window.recovery.text == ""
     window.actions_by_id.by_id["recover"].trigger()
     row = window.choice_panel.list.topLevelItem(0)
@@ -384,7 +384,7 @@ def test_work_that_the_user_gave_up_is_listed_and_can_be_had_again(qtbot, window
 
 
 def test_without_earlier_work_that_is_said(qtbot, window, tmp_path):
-    recovery_offer.offer(window.bench, tmp_path)
+    recovery_offer.offer_recovery(window.bench, tmp_path)
     window.actions_by_id.by_id["recover"].trigger()
     assert "no unsaved work" in window.strip.text
 

@@ -77,7 +77,7 @@ def constrain(window, joint):
 def feet(pose):
     """(2, 2, 3) metres: heel and toe of the left and the right foot."""
     layout = pose.motion.morphology.layout
-    return np.array([[pose.points[layout.ankle(side)], pose.points[layout.toe(side)]] for side in (0, 1)])
+    return np.array([[pose.points[layout.ankle_point(side)], pose.points[layout.toe_point(side)]] for side in (0, 1)])
 
 
 def miss(window, constraint_id, side):
@@ -85,7 +85,7 @@ def miss(window, constraint_id, side):
     viewport = window.bench.viewport
     handles = {each.performer_id: each for each in viewport.handles() if each.constraint_id == constraint_id}
     assert handles
-    ends = {key: pose.motion.morphology.layout.toe(side) for key, pose in viewport.posed.items()}
+    ends = {key: pose.motion.morphology.layout.toe_point(side) for key, pose in viewport.posed.items()}
     gaps = [np.linalg.norm(handles[key].target - viewport.posed[key].points[ends[key]], axis=-1) for key in handles]
     return max(gaps)
 
@@ -97,7 +97,7 @@ def standing_rows(window):
     found = []
     for side in ("left", "right"):
         row = timeline.row_rect("lane", f"{side} foot")
-        hits = {timeline.tracks.sheet.thing_at(QPointF(x, row.center().y() + dy)).kind for dy in (-4, 4)}
+        hits = {timeline.tracks.sheet.part_under_playhead(QPointF(x, row.center().y() + dy)).kind for dy in (-4, 4)}
         found += [side] if "contacts" in hits else []
     return found
 

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from studio.viewport.auto_framing import is_seen
+from studio.viewport.auto_framing import is_in_picture
 from tests.gui.viewport_use import settle
 
 SIZE = (900, 600)
@@ -20,7 +20,7 @@ def test_a_body_that_comes_on_outside_the_picture_is_brought_in_beside_those_tha
     begin = viewport.camera
     key = come(document, 6.0)
     settle(viewport)
-    assert all(is_seen(body, viewport.camera, SIZE) for body in viewport.posed.values())
+    assert all(is_in_picture(body, viewport.camera, SIZE) for body in viewport.posed.values())
     assert key in viewport.posed
     assert (viewport.camera.azimuth, viewport.camera.elevation) == (begin.azimuth, begin.elevation)
     assert viewport.camera.distance > begin.distance
@@ -68,5 +68,5 @@ def test_a_close_view_of_one_body_is_left_no_farther_than_the_newcomer_needs(stu
     settle(viewport)
     key = come(document, 6.0)
     settle(viewport)
-    assert is_seen(viewport.posed[key], viewport.camera, SIZE)
-    assert is_seen(viewport.posed["performer 0"], viewport.camera, SIZE)
+    assert is_in_picture(viewport.posed[key], viewport.camera, SIZE)
+    assert is_in_picture(viewport.posed["performer 0"], viewport.camera, SIZE)

@@ -20,8 +20,8 @@ def test_heights_angles_and_the_centre_of_mass_are_those_of_the_poses(user):
     assert values[Quantity.ERROR] is None
     layout, height = body.morphology.layout, np.asarray(body.positions)[:, :, 2]
     for quantity, ankle in (
-        (Quantity.LEFT_FOOT_HEIGHT, layout.ankle(0)),
-        (Quantity.RIGHT_FOOT_HEIGHT, layout.ankle(1)),
+        (Quantity.LEFT_FOOT_HEIGHT, layout.ankle_point(0)),
+        (Quantity.RIGHT_FOOT_HEIGHT, layout.ankle_point(1)),
     ):
         below = height[:, ankle] - values[quantity]
         assert ((below > 0.0) & (below < 0.3)).all()
@@ -30,8 +30,8 @@ def test_heights_angles_and_the_centre_of_mass_are_those_of_the_poses(user):
     for quantity, first in (
         (Quantity.LEFT_KNEE_FLEXION, layout.hip(0)),
         (Quantity.RIGHT_KNEE_FLEXION, layout.hip(1)),
-        (Quantity.LEFT_ELBOW_FLEXION, layout.collar(0) + 1),
-        (Quantity.RIGHT_ELBOW_FLEXION, layout.collar(1) + 1),
+        (Quantity.LEFT_ELBOW_FLEXION, layout.collar_point(0) + 1),
+        (Quantity.RIGHT_ELBOW_FLEXION, layout.collar_point(1) + 1),
     ):
         upper, lower = (body.positions[:, first + k + 1] - body.positions[:, first + k] for k in range(2))
         lengths = np.linalg.norm(upper, axis=1) * np.linalg.norm(lower, axis=1)

@@ -7,8 +7,8 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 
 from studio.core.body.canonical import BodyPart
-from studio.core.mesh.skin import gripping, skin_vertices
-from studio.core.solver.adapt import place_of
+from studio.core.mesh.skin import with_grip, skin_vertices
+from studio.core.solver.adapt import body_point_positions
 from tests.gui.test_ten_tasks import CTRL, SHIFT, staged, user
 from tests.gui.viewport_use import drag, on_arrow, settle
 
@@ -19,7 +19,7 @@ def skin_of(viewport, document, performer_id):
     """Skin and its vertices (V, 3) on the stage, as they are drawn."""
     pose = viewport.posed[performer_id]
     character, row = document.project.characters[pose.performer.character_id], pose.row
-    skin = gripping(character.skin, pose.grip(character.grip))
+    skin = with_grip(character.skin, pose.grip(character.grip))
     vertices, normals = skin_vertices(
         skin, character.build, pose.motion.morphology_at(row), pose.motion.positions[row], pose.motion.rotations[row]
     )
@@ -75,7 +75,7 @@ def test_the_back_of_a_forearm_is_picked_constrained_and_moved(user, mirrored):
     body = user.solved()[first]
     point = picked.joint.point
     pose = user.viewport.posed[first]
-    assert pose.placement.to_stage(place_of(point, body)[pose.row]) == pytest.approx(raised, abs=0.002)
+    assert pose.placement.to_stage(body_point_positions(point, body)[pose.row]) == pytest.approx(raised, abs=0.002)
 
 
 @pytest.mark.parametrize("project", [staged()])

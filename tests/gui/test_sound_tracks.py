@@ -149,7 +149,7 @@ def test_an_end_of_a_contact_snaps_to_a_beat(timeline, document, hand):
     hand.move(round(target) + 2 - begin.x())
     mark = hand.rows.gesture.mark
     hand.release()
-    assert mark.caught == pytest.approx(beat)
+    assert mark.magnet == pytest.approx(beat)
     assert document.project.contacts["early"].last == 17
 
 

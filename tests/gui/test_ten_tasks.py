@@ -25,7 +25,7 @@ from studio.core.constraints.scope import Scope
 from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.quality.contact_tracks import contact_tracks
-from studio.core.solver.adapt import place_of
+from studio.core.solver.adapt import body_point_positions
 from studio.core.stage.sound_track import SoundTrack
 from studio.document.channels import Side
 from studio.engine.residuals import worst_residual
@@ -134,7 +134,7 @@ class User:
 
     def paths(self, point):
         """(F, 3) of a point of each body, as it is solved."""
-        return {key: place_of(point, body) for key, body in self.solved().items()}
+        return {key: body_point_positions(point, body) for key, body in self.solved().items()}
 
 
 @pytest.fixture

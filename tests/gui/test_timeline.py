@@ -69,7 +69,7 @@ def test_a_time_catches_on_the_playhead_even_between_frames(document, timeline, 
     hand.press(timeline.handle_point("kick", "full"))
     hand.move(pixels(timeline, 10.1))
     assert frames(document.project.constraints["kick"].activation)[1] == pytest.approx(40.3)
-    assert timeline.tracks.gesture.mark.caught == pytest.approx(40.3 / RATE)
+    assert timeline.tracks.gesture.mark.magnet == pytest.approx(40.3 / RATE)
     hand.release()
 
 

@@ -7,7 +7,7 @@ from PySide6.QtCore import QPoint, QPointF
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QApplication
 
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.solver.performers.rows import composite_of
 from studio.core.stage.clip import Clip
 from studio.document import colours
@@ -27,7 +27,7 @@ class RowLive(FakeLive):
     def __init__(self, document):
         super().__init__(document)
         [capture] = document.project.captures.values()
-        self.motion, _ = normalize(capture)
+        self.motion, _ = normalize_capture(capture)
 
     def result(self, performer_id):
         row = composite_of(self.document.project, performer_id, lambda _: self.motion)

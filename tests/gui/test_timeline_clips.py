@@ -116,7 +116,7 @@ def test_a_bar_catches_where_another_ends(document, timeline, hand):
     hand.press(place(timeline, SECOND, 120))
     hand.move(pixels(timeline, -19.5))
     assert clip(document, "kick", SECOND).start * RATE == pytest.approx(60)
-    assert timeline.tracks.gesture.mark.caught is not None
+    assert timeline.tracks.gesture.mark.magnet is not None
     hand.release()
 
 

@@ -14,7 +14,7 @@ from studio.core.stage.prop import Prop
 from studio.document.key_edits import set_keys
 from studio.document.keyed_fields import KeyedField
 from studio.timeline.hover import hover_text
-from studio.timeline.keyboard import is_wanted
+from studio.timeline.keyboard import handles_key
 from studio.timeline.menus import menu_at
 from tests.builders import make_constraint
 from tests.gui.hand import LEFT, RATE, Hand, curve, pixels
@@ -129,7 +129,7 @@ def test_a_key_catches_on_contacts_the_playhead_and_other_keys_and_a_line_shows_
         hand.press(on_bar(timeline, 36))
         hand.move(pixels(timeline, at - 36))
         mark = timeline.tracks.gesture.mark
-        assert mark.caught == pytest.approx(lands / RATE)
+        assert mark.magnet == pytest.approx(lands / RATE)
         timeline.tracks.grab()
         press(timeline, Qt.Key.Key_Escape)
         hand.release()
@@ -292,5 +292,5 @@ def test_random_edits_of_keys_are_undone_to_the_project_they_began_with(document
 
 def test_alt_with_up_and_down_is_left_to_the_priority_of_the_constraint(timeline):
     """The table of actions has them; the timeline takes no key that an action has with Alt."""
-    taken = {(key, ALT) for key in (Qt.Key.Key_Up, Qt.Key.Key_Down) if is_wanted(timeline.tracks, key, ALT)}
+    taken = {(key, ALT) for key in (Qt.Key.Key_Up, Qt.Key.Key_Down) if handles_key(timeline.tracks, key, ALT)}
     assert taken == set()

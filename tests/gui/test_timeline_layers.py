@@ -6,12 +6,12 @@ import pytest
 from PySide6.QtCore import QPoint, QPointF
 
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import perform
+from studio.core.solver.performers.performing import adapt_performers
 from studio.core.stage.layer import Layer, Region
 from studio.document import clip_edits
 from studio.engine.body_request import body_request_of
 from studio.io.project.project_file import new_document_id, read_project, write_project
-from studio.jobs.performances import prepared
+from studio.jobs.performances import prepared_capture
 from studio.panels.inspector import Inspector
 from studio.timeline.hover import hover_text
 from tests.gui.hand import RATE, pixels
@@ -99,7 +99,7 @@ def test_whose_layers_change_is_solved_anew(document, layer):  # noqa: F811
     before = wanted()
     clip_edits.edit_layer(document, layer, "Weight", weight=0.5)
     assert wanted() != before
-    assert not wanted().stands_as(before)
+    assert not wanted().has_same_grounding(before)
 
 
 def test_a_project_keeps_its_layers_and_plays_them(document, layer, tmp_path):  # noqa: F811
@@ -110,7 +110,8 @@ def test_a_project_keeps_its_layers_and_plays_them(document, layer, tmp_path):  
     assert opened.project.performers == document.project.performers
     plain = document.project.with_entity("performers", SECOND, replace(document.project.performers[SECOND], layers=()))
     over, without = (
-        perform(project, [SECOND], prepared, adapt).performances[SECOND] for project in (opened.project, plain)
+        adapt_performers(project, [SECOND], prepared_capture, adapt).performances[SECOND]
+        for project in (opened.project, plain)
     )
     assert over.composite.timing == without.composite.timing
     assert isinstance(opened.project.performers[SECOND].layers[0], Layer)

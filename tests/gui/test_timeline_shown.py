@@ -59,7 +59,7 @@ def test_strips_are_painted_anew_soon_after_a_result(qtbot, timeline, live):
 def test_a_row_warns_of_a_constraint_that_a_cut_clip_leaves_out(document, timeline, live):
     live.errors = {key: {"kick": np.nan} for key in document.project.performers}
     live.reported_changed.emit()
-    assert constraint.verdict(timeline.tracks.shown, "kick") == ("fade cut by the clip", colours.PARTLY)
+    assert constraint.residual_text(timeline.tracks.shown, "kick") == ("fade cut by the clip", colours.PARTLY)
 
 
 def test_a_body_that_is_not_solved_yet_is_hatched_and_nobody_says_held(timeline, live):
@@ -73,13 +73,13 @@ def test_a_body_that_is_not_solved_yet_is_hatched_and_nobody_says_held(timeline,
     assert len(line) > 1  # a hatch, no plain line
     assert timeline.strip_state("kick", "performer 1", 40) == StripState.UNKNOWN
     shown = timeline.tracks.shown
-    assert constraint.verdict(shown, "kick")[0] == "not solved yet for 1 of 2"
+    assert constraint.residual_text(shown, "kick")[0] == "not solved yet for 1 of 2"
     text = hover_text(timeline.tracks.sheet, timeline.tracks.picture.plot, QPointF(place))
     assert text == "Body 1: not solved yet"
     live.unsolved.add("performer 0")
-    assert constraint.verdict(shown, "kick")[0] == "not solved yet"
+    assert constraint.residual_text(shown, "kick")[0] == "not solved yet"
     live.unsolved.clear()
-    assert constraint.verdict(shown, "kick")[0] == "held on all characters"
+    assert constraint.residual_text(shown, "kick")[0] == "held on all characters"
 
 
 def test_a_moved_playhead_draws_no_row_again(document, timeline, monkeypatch):
@@ -292,7 +292,7 @@ def test_a_body_of_which_a_constraint_is_not_asked_is_neither_hatched_nor_counte
     kick = document.project.constraints["kick"]
     document.replace("constraints", "kick", replace(kick, scope=Scope(performer_id="performer 0")), "Scope")
     assert timeline.strip_state("kick", "performer 1", 40) == StripState.INACTIVE
-    assert constraint.verdict(timeline.tracks.shown, "kick")[0] == "held"
+    assert constraint.residual_text(timeline.tracks.shown, "kick")[0] == "held"
 
 
 def test_rows_of_contacts_are_folded_by_their_arrow_and_contacts_are_still_dragged(document, timeline, hand):

@@ -62,7 +62,7 @@ def test_where_clip_and_stage_agree_there_are_no_brackets(document, timeline):
 
 
 def kinds(timeline, *frames):
-    return [timeline.tracks.sheet.thing_at(QPointF(in_lane(timeline, frame))).id for frame in frames]
+    return [timeline.tracks.sheet.part_under_playhead(QPointF(in_lane(timeline, frame))).id for frame in frames]
 
 
 def test_contact_rows_do_not_reach_beyond_their_clip(timeline):

@@ -162,7 +162,7 @@ def test_a_viewport_closed_before_it_has_started_stays_closed(qtbot):
 def test_a_body_whose_motion_is_not_there_yet_stands_in_its_rest_pose(studio):
     viewport, document, live = studio
     live.late = {"performer 1"}
-    viewport.show_again()
+    viewport.redraw()
     settle(viewport)
     assert set(viewport.posed) == {"performer 0"}
     assert set(viewport.resting) == {"performer 1"}
@@ -174,7 +174,7 @@ def test_while_nobody_performs_the_view_says_what_is_under_way_and_else_what_to_
     viewport, document, live = studio
     assert viewport.notice == ""
     live.late = set(document.project.performers)
-    viewport.show_again()
+    viewport.redraw()
     settle(viewport)
     viewport.show_progress("Opening walk.bvh", 0.4)
     assert viewport.notice == "Opening walk.bvh"

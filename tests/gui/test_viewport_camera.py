@@ -73,7 +73,7 @@ def test_the_camera_follows_who_is_driven_live_and_not_its_clips(studio):
     viewport, _, _ = studio
     pose = viewport.posed["performer 1"]
     away = replace(pose.motion, positions=pose.motion.positions + np.array([2.0, -1.0, 0.0]))
-    driven = replace(pose, motion=away, around=pose.over_time)
+    driven = replace(pose, motion=away, frames_around=pose.over_time)
     follower = FollowCamera()
     begin = follower.moved(viewport.camera, "performer 1", pose)
     gone = np.subtract(follower.moved(begin, "performer 1", driven).target, begin.target)

@@ -43,8 +43,8 @@ def test_c_constrains_the_picked_joint_where_it_is_as_one_undo_step(studio):
     assert collection == "constraints"
     assert (constraint.name, constraint.priority) == ("Left wrist", 1)
     layout = place.motion.morphology.layout
-    [handle] = [one for one in viewport.handles() if one.main and one.constraint_id == constraint_id]
-    assert handle.target == pytest.approx(place.motion.positions[place.row, layout.wrist(0)])
+    [handle] = [one for one in viewport.handles() if one.is_primary and one.constraint_id == constraint_id]
+    assert handle.target == pytest.approx(place.motion.positions[place.row, layout.wrist_point(0)])
     assert constraint.activation.at(0.2) == 1.0
     assert constraint.activation.start >= 0.0
     assert constraint.activation.end <= 29 / 60 + 1e-12
@@ -92,7 +92,7 @@ def test_a_double_click_on_a_joint_constrains_it(studio):
 
 def test_a_click_on_a_target_selects_its_constraint_and_a_click_on_nothing_lets_go(studio):
     viewport, document, _ = studio
-    handle = next(one for one in viewport.handles() if one.main)
+    handle = next(one for one in viewport.handles() if one.is_primary)
     QTest.mouseClick(viewport, LEFT, NONE, viewport.widget_point(handle.target).toPoint())
     assert document.selection.current == ("constraints", "constraint 0")
     QTest.mouseClick(viewport, LEFT, NONE, QPoint(880, 300))

@@ -83,7 +83,7 @@ def on_ring(viewport, part, degrees):
 
 def wrists(viewport):
     """Place of each performer's right wrist on the stage."""
-    return {key: pose.points[pose.motion.morphology.layout.wrist(1)] for key, pose in viewport.posed.items()}
+    return {key: pose.points[pose.motion.morphology.layout.wrist_point(1)] for key, pose in viewport.posed.items()}
 
 
 def targets_of(viewport, constraint_id):

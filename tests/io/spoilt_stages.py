@@ -18,7 +18,7 @@ from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.errors import StudioError
 from studio.core.grounds.slope import Slope
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import perform
+from studio.core.solver.performers.performing import adapt_performers
 from studio.core.stage.behaviour import Behaviour, Role
 from studio.core.stage.clip import Clip
 from studio.core.stage.correction import PoseOffsets
@@ -26,12 +26,12 @@ from studio.core.stage.footage import Footage
 from studio.core.stage.layer import Layer
 from studio.core.stage.project import GROUND_ID, Project
 from studio.core.stage.prop import InHand, Prop
-from studio.core.stage.ready_made import keeping_distance, leaning_away, on_guard, striking, warding_off
+from studio.core.stage.ready_made import guard_behaviour, with_distance_kept, with_lean_away, with_parry, with_strike
 from studio.core.stage.saved_camera import CameraPlacement, SavedCamera
 from studio.core.stage.sound_track import SoundTrack
 from studio.document.correction_edits import new_correction
 from studio.io.project.project_file import read_project, write_project
-from studio.jobs.performances import prepared, stage_duration
+from studio.jobs.performances import prepared_capture, stage_duration
 from studio.live.playing_stage import LiveStage
 from tests.builders import make_project
 from tests.io.test_constraint_kinds_stored import COMMON, CONSTRAINTS
@@ -53,8 +53,10 @@ def stage_project() -> Project:
     clip = replace(project.performers["performer 0"].clips[0], speed=KeyedNumber((0.05, 0.2), (1.0, 2.0)))
     row = (clip, Clip("motion", 3, 16, 1.0, "second", joined=True, repeats=2, mirrored=True))
     layer = Layer(Clip("motion", 0, 9, 0.1, "layer"), additive=True)
-    guard = striking(keeping_distance(on_guard(Clip("motion", 0, 9, id="guard"))), Clip("motion", 4, 12, id="hit"), "K")
-    fighter = leaning_away(warding_off(guard, Clip("motion", 2, 15, id="block")))
+    guard = with_strike(
+        with_distance_kept(guard_behaviour(Clip("motion", 0, 9, id="guard"))), Clip("motion", 4, 12, id="hit"), "K"
+    )
+    fighter = with_lean_away(with_parry(guard, Clip("motion", 2, 15, id="block")))
     cast = Role("performer 0", "performer 1"), Role("performer 1", "performer 0")
     one = project.performers["performer 0"]
     reach = FollowPerformer("performer 1", HAND)
@@ -62,7 +64,7 @@ def stage_project() -> Project:
     turned = PoseOffsets(((BodyPart.LEFT_FOREARM, (0.3, 0.0, 0.0)),))
     added: dict[str, dict[str, Any]] = {
         "performers": {"performer 0": replace(one, clips=row, layers=(layer,))},
-        "behaviours": {"fighter": replace(fighter, cast=cast), "idle": Behaviour("Idle", on_guard(None).states)},
+        "behaviours": {"fighter": replace(fighter, cast=cast), "idle": Behaviour("Idle", guard_behaviour(None).states)},
         "constraints": {
             **{f"kind {number}": each for number, each in enumerate(CONSTRAINTS)},
             "touch": PositionConstraint("motion", "Touch", HAND, *COMMON, target=reach),
@@ -124,9 +126,9 @@ def play(seed: int, folder: Path) -> bool:
 def assert_plays(project: Project) -> None:
     """Assert that every performer is performed and plays live at finite positions, or is refused in a sentence."""
     short = [key for key in project.performers if stage_duration(project, key) <= LONGEST]
-    for performance in perform(project, short, prepared, adapt).performances.values():
+    for performance in adapt_performers(project, short, prepared_capture, adapt).performances.values():
         assert np.isfinite(performance.adapted.positions).all(), "positions that are not finite"
-    stage = LiveStage(project, prepared)
+    stage = LiveStage(project, prepared_capture)
     for number in range(STEPS):
         if number == STEPS // 2:
             stage.press("K")

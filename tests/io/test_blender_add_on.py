@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from studio.core.body.standing import standing_points
-from studio.core.normalized.normalize import normalize
-from studio.core.normalized.realize import realize
+from studio.core.normalized.normalize import normalize_capture
+from studio.core.normalized.realize import realize_motion
 from studio.io.importing import load_capture
 from studio.live.streamer import packets_of
 from studio.live.vmc import bone_segments, t_pose_axes
@@ -41,9 +41,9 @@ def test_a_rig_stands_where_the_streamed_body_does(tmp_path: Path, lowered: floa
     python = os.environ.get(VARIABLE)
     if not python:
         pytest.skip(f"{VARIABLE} names no Python with Blender's package bpy")
-    motion, actor = normalize(load_capture(ROOT / "examples" / "captures" / "front_kick.bvh"))
+    motion, actor = normalize_capture(load_capture(ROOT / "examples" / "captures" / "front_kick.bvh"))
     body, frame = actor.morphology, 154
-    positions, rotations = (each[frame] for each in realize(motion, body))
+    positions, rotations = (each[frame] for each in realize_motion(motion, body))
     layout, segments = body.layout, bone_segments(body.layout)
     axes = t_pose_axes(body).copy()
     for side, sign in enumerate((1.0, -1.0)):

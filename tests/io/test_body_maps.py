@@ -6,7 +6,7 @@ import pytest
 from studio.core.body.canonical import BodyPart
 from studio.core.body.kinematics import joint_positions, joint_world
 from studio.core.body.pose import PoseSequence
-from studio.core.body.rehanging import over_feet, rehang, rehung
+from studio.core.body.rehanging import reparented_motion, reparented_order, with_body_over_feet
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix
@@ -186,8 +186,8 @@ def test_feet_that_hang_from_the_root_are_hung_from_the_shanks() -> None:
     }  # fmt: skip
     turns = from_matrix(random_rotations(np.random.default_rng(0), 5, skeleton.joint_count))
     poses = PoseSequence(turns, np.tile(skeleton.offsets, (5, 1, 1)))
-    hanging = rehang(skeleton.parents, loose)
-    after, moved = rehung(skeleton, poses, hanging)
+    hanging = reparented_order(skeleton.parents, loose)
+    after, moved = reparented_motion(skeleton, poses, hanging)
     assert joint_positions(after, moved) == pytest.approx(joint_positions(skeleton, poses)[:, hanging.order])
     found = find_body(after, points[:, hanging.order]).body_map
     assert found is not None
@@ -202,8 +202,10 @@ def test_hands_that_hang_from_the_root_are_hung_from_the_forearms() -> None:
     assert {skeleton.names[hand]: skeleton.names[forearm] for hand, forearm in hands.items()} == {
         "leftHand": "leftLowerArm", "rightHand": "rightLowerArm",
     }  # fmt: skip
-    hanging = rehang(skeleton.parents, hands)
-    after, _ = rehung(skeleton, PoseSequence(np.tile([0.0, 0, 0, 1], (1, skeleton.joint_count, 1)), points), hanging)
+    hanging = reparented_order(skeleton.parents, hands)
+    after, _ = reparented_motion(
+        skeleton, PoseSequence(np.tile([0.0, 0, 0, 1], (1, skeleton.joint_count, 1)), points), hanging
+    )
     found = find_body(after, points[:, hanging.order]).body_map
     assert found is not None
     assert after.names[found[BodyPart.RIGHT_HAND]] == "rightHand"
@@ -234,16 +236,16 @@ def _walking(behind: float, apart: float = 0.0) -> tuple[Skeleton, PoseSequence,
 
 def test_a_body_that_its_feet_leave_behind_is_brought_over_them() -> None:
     skeleton, wrong, right = _walking(1.5)
-    found, behind = over_feet(skeleton, wrong, loose_feet(skeleton))
+    found, behind = with_body_over_feet(skeleton, wrong, loose_feet(skeleton))
     assert behind == pytest.approx(1.5)
     assert joint_positions(skeleton, found) == pytest.approx(joint_positions(skeleton, right), abs=1e-9)
-    assert over_feet(skeleton, right, loose_feet(skeleton)) == (right, 0.0)
+    assert with_body_over_feet(skeleton, right, loose_feet(skeleton)) == (right, 0.0)
 
 
 def test_feet_that_leave_the_legs_are_refused_with_the_reason() -> None:
     skeleton, wrong, _ = _walking(1.0, apart=0.3)
     with pytest.raises(StudioError, match="is parented to the root"):
-        over_feet(skeleton, wrong, loose_feet(skeleton))
+        with_body_over_feet(skeleton, wrong, loose_feet(skeleton))
 
 
 def test_feet_that_hang_from_their_legs_are_left_alone() -> None:

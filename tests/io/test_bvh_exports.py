@@ -7,8 +7,8 @@ import pytest
 
 from studio.core.body.kinematics import joint_world
 from studio.core.captures.capture import Capture
-from studio.core.normalized.normalize import normalize
-from studio.core.normalized.realize import restore
+from studio.core.normalized.normalize import normalize_capture
+from studio.core.normalized.realize import restore_joint_poses
 from studio.io.export import write_capture
 from studio.io.importing import load_capture
 from tests.builders import BODY_MAP
@@ -176,8 +176,8 @@ def test_its_body_is_found_and_moves_as_it_did(tmp_path: Path, program: str) -> 
 @pytest.mark.parametrize("program", ["Blender, Rigify", "Perception Neuron", "Bandai Namco"])
 def test_fingers_eyes_twists_and_props_travel_through_to_the_file_that_is_written(tmp_path: Path, program: str) -> None:
     capture = opened(tmp_path, PROGRAMS[program])
-    motion, actor = normalize(capture)
-    restored = restore(motion, actor)
+    motion, actor = normalize_capture(capture)
+    restored = restore_joint_poses(motion, actor)
     write_capture(capture, tmp_path / "out.bvh")
     back = load_capture(tmp_path / "out.bvh")
     assert back.skeleton.names == capture.skeleton.names

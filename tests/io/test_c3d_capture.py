@@ -14,7 +14,7 @@ from studio.core.markers.cleaning import LowPass
 from studio.core.markers.marker_map import MarkerMap
 from studio.core.markers.take import centre_errors
 from studio.core.markers.trial import METRES, ForcePlate
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.normalized.round_trip import round_trip
 from studio.core.stage.project import Project
 from studio.io.c3d.reader import read_c3d
@@ -38,7 +38,7 @@ WITH_A_BODY = tuple(name for name in FILES if name not in WITHOUT_A_BODY)
 def test_every_shared_body_can_be_retargeted_like_any_other(captures: Path, name: str) -> None:
     capture = load_capture(captures / "c3d" / f"{name}.c3d")
     assert capture.body_map is not None
-    assert round_trip(capture, *normalize(capture)).position < 1e-4
+    assert round_trip(capture, *normalize_capture(capture)).position < 1e-4
     feet = [capture.skeleton.index(f"{side}{part}") for side in ("Left", "Right") for part in ("Foot", "Toe")]
     heights = joint_world(capture.skeleton, capture.poses)[0][capture.first_frame :, feet, 2] - capture.floor
     # Legs that no marker shows are of usual length: those of btk_shd01_prefix would end under its plates.

@@ -14,7 +14,7 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
 from studio.core.mesh.character import Character
 from studio.core.normalized.actor import SourceRig
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.rigs.carried_joints import carried_joints
 from studio.core.rigs.character_skeleton import joint_segments, t_pose_rotations
 from studio.core.rotations import angle_between, from_matrix
@@ -33,7 +33,7 @@ FILE_TO_WORLD = [2, 0, 1]
 
 def take_on(character: Character, capture: Capture) -> tuple[Take, SourceRig]:
     """The capture on a character that carries all of it along."""
-    motion, actor = normalize(capture)
+    motion, actor = normalize_capture(capture)
     request = AdaptRequest(motion, character.morphology, actor=actor.morphology)
     adapted = adapt(request, capture.first_frame)
     return take_of_adapted(character.name, adapted, character, request, (capture, actor)), actor
@@ -87,7 +87,7 @@ def test_on_another_body_they_turn_as_they_were_captured(tmp_path: Path, name: s
 
 def test_on_the_actors_own_body_they_are_where_they_were(tmp_path: Path) -> None:
     capture = with_extras()
-    take, actor = take_on(actor_character("Actor", normalize(capture)[1].morphology), capture)
+    take, actor = take_on(actor_character("Actor", normalize_capture(capture)[1].morphology), capture)
     write_take(take, tmp_path / "out.bvh")
     back = load_capture(tmp_path / "out.bvh")
     places, expected = (joint_world(each.skeleton, each.poses)[0] for each in (back, capture))

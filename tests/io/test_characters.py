@@ -47,7 +47,7 @@ def test_every_format_gives_the_same_body(tmp_path: Path, name: str):
     assert build.ankle_height == pytest.approx([0.08, 0.08], abs=1e-6)
     assert found.repairs == ()
     positions, _ = bound_pose(found.character.skin, build)
-    left_wrist = positions[build.layout.wrist(0)] - positions[0]
+    left_wrist = positions[build.layout.wrist_point(0)] - positions[0]
     assert left_wrist == pytest.approx([0.0, 0.7, 0.47], abs=1e-6)
 
 

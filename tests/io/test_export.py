@@ -7,7 +7,7 @@ from studio.core.body.humanoid import BodyPart
 from studio.core.body.kinematics import joint_world
 from studio.core.captures.contacts import ContactInterval
 from studio.core.errors import StudioError
-from studio.core.normalized.normalize import capture_contacts, normalize
+from studio.core.normalized.normalize import capture_contacts, normalize_capture
 from studio.core.rigs.character_skeleton import joint_points
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -22,7 +22,7 @@ CLIPS = ("strikes/accad_male2_G4_SpinningBackKick", "varied/accad_female1_D6_Car
 
 
 def adapted_to(body, capture):
-    motion, _actor = normalize(capture)
+    motion, _actor = normalize_capture(capture)
     spans = capture_contacts(capture)
     contacts = tuple(ContactInterval("m", point, *span) for point, many in spans.items() for span in many)
     return adapt(AdaptRequest(motion, body, contacts), capture.first_frame)
@@ -91,7 +91,7 @@ def test_a_suffix_that_no_writer_knows_is_refused_with_those_there_are(tmp_path)
 
 def test_the_actors_own_joints_carry_fingers_untouched_and_wrists_to_where_they_were_adapted(captures, tmp_path):
     capture = load_capture(captures / "bvh" / "conventions" / "pybvh_test3_fingers.bvh")
-    motion, actor = normalize(capture)
+    motion, actor = normalize_capture(capture)
     request = AdaptRequest(motion, actor.morphology, (), ())
     adapted = adapt(request, capture.first_frame)
     write_take(take_of_actor(adapted, actor, capture, request), tmp_path / "out.bvh")
@@ -107,5 +107,5 @@ def test_the_actors_own_joints_carry_fingers_untouched_and_wrists_to_where_they_
     places = joint_world(back.skeleton, back.poses)[0] - actor.origin
     layout = actor.morphology.layout
     for side, part in enumerate((BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)):
-        wrist = adapted.positions[:, layout.collar(side) + 3]
+        wrist = adapted.positions[:, layout.collar_point(side) + 3]
         assert np.linalg.norm(places[:, capture.body_map[part]] - wrist, axis=1).max() < 0.002

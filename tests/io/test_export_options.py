@@ -13,7 +13,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.captures.annotations import Annotations, Label
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.errors import StudioError
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.rigs.joint_skin import character_skin
 from studio.core.rigs.zero_pose import t_pose, with_zero_pose
 from studio.core.rotations import multiply
@@ -43,7 +43,7 @@ def zero_places(capture):
 
 
 def take_on(character, capture):
-    request = AdaptRequest(normalize(capture)[0], character.morphology)
+    request = AdaptRequest(normalize_capture(capture)[0], character.morphology)
     return take_of_adapted(character.name, adapt(request), character, request)
 
 

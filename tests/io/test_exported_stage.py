@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from studio.cli.main import main
-from studio.cli.render import performances
+from studio.cli.render import stage_performances
 from studio.core.body.canonical import BodyPart
 from studio.core.body.kinematics import joint_world
 from studio.core.constraints.base import BodyPoint
@@ -55,7 +55,7 @@ def staged():
     }
     for key, prop in props.items():
         project = project.with_entity("props", key, prop)
-    return project, performances(project).performances
+    return project, stage_performances(project).performances
 
 
 def gltf_places(path):

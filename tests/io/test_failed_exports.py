@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from studio.core.errors import StudioError
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.export import take_of_adapted, take_of_capture, write_take
@@ -25,7 +25,7 @@ class Stopped(Exception):  # noqa: N818 - as the window's own
 @pytest.fixture(scope="module")
 def take():
     character = make_character()
-    request = AdaptRequest(normalize(make_capture())[0], character.morphology)
+    request = AdaptRequest(normalize_capture(make_capture())[0], character.morphology)
     return take_of_adapted("Woman", adapt(request), character, request)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from studio.core.body.canonical import BodyPart
 from studio.core.errors import StudioError
-from studio.core.rigs.embodiment import measured
+from studio.core.rigs.embodiment import measured_body
 from studio.io.importing import load_capture, load_character, read_file
 from studio.io.registry import ReadCapture, ReadCharacter
 from tests.io.character_files import PIXEL
@@ -26,7 +26,7 @@ def test_it_has_the_measures_of_its_joints_and_the_skin_hangs_from_them(tmp_path
     read = load_character(written(tmp_path, skinned_fbx(raised)))
     capture = load_capture(tmp_path / "hero.fbx")
     assert capture.body_map is not None
-    expected, _ = measured(capture.skeleton, capture.body_map)
+    expected, _ = measured_body(capture.skeleton, capture.body_map)
     build, skin = read.character.build, read.character.skin
     assert build.leg == pytest.approx(expected.leg, rel=1e-4)
     assert build.arm == pytest.approx(expected.arm, rel=1e-4)

@@ -12,7 +12,7 @@ from studio.core.body.kinematics import joint_world
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.mesh.appearance import Appearance, Material
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.rotations import angle_between, from_matrix, normalized
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
@@ -35,7 +35,7 @@ CLIPS = ("strikes/accad_male2_G4_SpinningBackKick", "varied/accad_female1_D6_Car
 
 
 def take_on(character, capture):
-    request = AdaptRequest(normalize(capture)[0], character.morphology)
+    request = AdaptRequest(normalize_capture(capture)[0], character.morphology)
     return take_of_adapted(character.name, adapt(request, capture.first_frame), character, request)
 
 

@@ -17,7 +17,7 @@ from studio.core.body.rest_pose import rest_pose
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
 from studio.core.mesh.skin import skin_vertices
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.rigs.driven_fingers import hand_pose
 from studio.core.rigs.zero_pose import with_zero_pose
 from studio.core.rotations import angle_between, from_rotation_vector, inverse, multiply, normalized, to_matrix
@@ -121,7 +121,7 @@ def take(tmp_path_factory: pytest.TempPathFactory) -> Take:
     write_fingered_character(path)
     character = load_character(path).character
     capture = fist_capture()
-    motion, actor = normalize(capture)
+    motion, actor = normalize_capture(capture)
     request = AdaptRequest(motion, character.morphology, actor=actor.morphology)
     adapted = adapt(request, capture.first_frame)
     return take_of_adapted(character.name, adapted, character, request, (capture, actor))
@@ -190,7 +190,7 @@ def assert_shown_as_exported(take: Take, capture: Capture, frames: tuple[int, ..
 @pytest.mark.parametrize("scaled", [{}, {"hands": 1.4, "stature": 0.8}])
 def test_the_stage_shows_the_fingers_that_are_exported(take: Take, scaled: dict[str, float]) -> None:
     character, capture = replace(take.character, proportions=Proportions(**scaled)), fist_capture()
-    motion, actor = normalize(capture)
+    motion, actor = normalize_capture(capture)
     request = AdaptRequest(motion, character.morphology, actor=actor.morphology)
     adapted = adapt(request, capture.first_frame)
     moving = take_of_adapted("hero", adapted, character, request, (capture, actor))
@@ -217,7 +217,7 @@ def test_fingers_are_shown_where_a_clip_plays_unchanged() -> None:
 
 def test_without_captured_fingers_hands_keep_their_shape(take: Take) -> None:
     plain = make_capture()
-    request = AdaptRequest(normalize(plain)[0], take.character.morphology)
+    request = AdaptRequest(normalize_capture(plain)[0], take.character.morphology)
     still = take_of_adapted("hero", adapt(request, plain.first_frame), take.character, request)
     chosen = ExportOptions().applied_to(still, Path("out.glb"))
     for joint in find_fingers(chosen.skeleton, chosen.capture.body_map).values():
@@ -238,7 +238,7 @@ def test_fingers_of_a_real_capture_turn_on_a_real_character(captures: Path) -> N
     character = load_character(captures / "characters" / "joe_hanim_kick.x3dv").character
     [path] = (captures / "bvh").rglob("pybvh_test3_fingers.bvh")
     capture = load_capture(path)
-    motion, actor = normalize(capture)
+    motion, actor = normalize_capture(capture)
     request = AdaptRequest(motion, character.morphology, actor=actor.morphology)
     adapted = adapt(request, capture.first_frame)
     moving = take_of_adapted("joe", adapted, character, request, (capture, actor))

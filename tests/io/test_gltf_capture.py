@@ -13,7 +13,7 @@ from studio.cli.main import main
 from studio.core.body.canonical import BodyPart
 from studio.core.body.kinematics import joint_world
 from studio.core.errors import StudioError
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.normalized.round_trip import round_trip
 from studio.core.rotations import angle_between, slerp
 from studio.io.export import take_of_capture, write_take
@@ -70,7 +70,7 @@ def test_joints_whose_names_say_nothing_make_a_body_by_shape(captures):
     capture = load_capture(captures / "characters" / "cesium_man.gltf")
     assert capture.body_map is not None
     assert "names of its joints say nothing" in {guess.subject: guess.reason for guess in capture.guesses}["body map"]
-    assert round_trip(capture, *normalize(capture)).position < TENTH_OF_A_MILLIMETRE
+    assert round_trip(capture, *normalize_capture(capture)).position < TENTH_OF_A_MILLIMETRE
     feet = world(capture)[:, [capture.body_map[BodyPart.LEFT_FOOT], capture.body_map[BodyPart.RIGHT_FOOT]]]
     assert (np.ptp(feet[:, :, 2], axis=0) > 0.05).all()
 

@@ -12,7 +12,7 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.contacts import ContactInterval
 from studio.core.mesh.appearance import Appearance, Material
 from studio.core.mesh.skin import skin_vertices
-from studio.core.normalized.normalize import capture_contacts, normalize
+from studio.core.normalized.normalize import capture_contacts, normalize_capture
 from studio.core.rigs.character_skeleton import joint_points
 from studio.core.rigs.joint_skin import bone_skin, character_skin
 from studio.core.solver.adapt import adapt
@@ -31,7 +31,7 @@ FILE_TO_WORLD = [2, 0, 1]
 
 
 def take_on(character, capture):
-    motion, _ = normalize(capture)
+    motion, _ = normalize_capture(capture)
     spans = capture_contacts(capture)
     contacts = tuple(ContactInterval("m", point, *span) for point, many in spans.items() for span in many)
     request = AdaptRequest(motion, character.morphology, contacts)

@@ -8,7 +8,7 @@ import pytest
 
 from studio.core.body.kinematics import joint_world
 from studio.core.body.pose import PoseSequence
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.rotations import from_euler, from_matrix
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
@@ -21,7 +21,7 @@ def take():
     """An adapted motion with two targets of one name."""
     character = make_character()
     constraints = (make_constraint(), make_constraint(target=(0.5, 0.5, 1.0)))
-    request = AdaptRequest(normalize(make_capture())[0], character.morphology, (), constraints)
+    request = AdaptRequest(normalize_capture(make_capture())[0], character.morphology, (), constraints)
     return take_of_adapted("Woman", adapt(request), character, request)
 
 

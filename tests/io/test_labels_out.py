@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from studio.core.captures.annotations import Annotations, Label, within
+from studio.core.captures.annotations import Annotations, Label, labels_in_range
 from studio.core.stage.clip import Clip
 from studio.io.export import take_of_capture, write_take
 from studio.io.importing import read_capture
@@ -40,7 +40,7 @@ def test_labels_of_a_clip_at_double_speed_come_twice_as_early_and_with_every_rep
 
 def test_a_label_that_ends_behind_the_frames_is_cut_and_one_behind_them_left_out():
     labels = (Label("cut", 5, 99), Label("gone", 30, 40))
-    assert within(labels, 4, 20) == (Label("cut", 1, 16),)
+    assert labels_in_range(labels, 4, 20) == (Label("cut", 1, 16),)
 
 
 def test_labels_come_back_from_c3d_as_its_events(tmp_path):

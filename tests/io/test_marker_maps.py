@@ -71,7 +71,7 @@ def test_of_several_subjects_the_one_with_most_markers_is_read() -> None:
 
 
 def test_a_map_knows_what_is_missing_in_words() -> None:
-    lacking = MarkerMap("x", {"left_knee": ("A",)}).lacking()
+    lacking = MarkerMap("x", {"left_knee": ("A",)}).missing_positions()
     assert "right knee" in lacking
     assert "left knee" not in lacking
 

@@ -12,7 +12,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.mesh.rig import NO_SEGMENT
 from studio.core.mesh.skin import skin_vertices
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.rigs.zero_pose import with_zero_pose
 from studio.core.rotations import from_rotation_vector, multiply, normalized, rotate, to_matrix
 from studio.core.solver.adapt import adapt
@@ -81,7 +81,7 @@ def original(request, tmp_path_factory):
 
 
 def take_on(character, capture):
-    request = AdaptRequest(normalize(capture)[0], character.morphology)
+    request = AdaptRequest(normalize_capture(capture)[0], character.morphology)
     return take_of_adapted(character.name, adapt(request, capture.first_frame), character, request)
 
 

@@ -6,7 +6,7 @@ import pytest
 from studio.core.errors import StudioError
 from studio.core.mesh.rig import rig_body_map
 from studio.core.mesh.skin import bound_pose
-from studio.io.figure.body import remapped
+from studio.io.figure.body import remapped_character
 from tests.io.character_files import Gltf
 from tests.io.test_characters import read
 
@@ -39,7 +39,7 @@ def assert_alike(first, second):
 def test_the_same_map_gives_the_same_body(tmp_path):
     found = read(tmp_path, Gltf().glb())
     assert names_of(found.character) == found.joints
-    assert_alike(remapped(found.character, found.joints), found.character)
+    assert_alike(remapped_character(found.character, found.joints), found.character)
 
 
 @pytest.mark.parametrize(
@@ -47,14 +47,16 @@ def test_the_same_map_gives_the_same_body(tmp_path):
 )
 def test_a_wrong_map_is_mended(tmp_path, wrong):
     right = read(tmp_path, Gltf().glb())
-    mistaken = remapped(right.character, {part: name for part, name in (right.joints | wrong).items() if name})
+    mistaken = remapped_character(
+        right.character, {part: name for part, name in (right.joints | wrong).items() if name}
+    )
     assert names_of(mistaken) != right.joints
-    assert_alike(remapped(mistaken, right.joints), right.character)
+    assert_alike(remapped_character(mistaken, right.joints), right.character)
 
 
 def test_a_character_keeps_all_that_its_body_map_does_not_say(tmp_path):
     found = read(tmp_path, Gltf().glb())
-    changed = remapped(found.character, found.joints | SWAPPED_ARMS)
+    changed = remapped_character(found.character, found.joints | SWAPPED_ARMS)
     assert changed.name == found.character.name
     assert changed.colour == found.character.colour
     assert changed.skin.appearance is found.character.skin.appearance
@@ -65,8 +67,8 @@ def test_a_character_keeps_all_that_its_body_map_does_not_say(tmp_path):
 def test_a_map_that_makes_no_body_is_refused_in_a_sentence(tmp_path):
     found = read(tmp_path, Gltf().glb())
     with pytest.raises(StudioError, match="left hand"):
-        remapped(found.character, {part: name for part, name in found.joints.items() if part != "left_hand"})
+        remapped_character(found.character, {part: name for part, name in found.joints.items() if part != "left_hand"})
     with pytest.raises(StudioError, match="tail"):
-        remapped(found.character, found.joints | {"head": "tail"})
+        remapped_character(found.character, found.joints | {"head": "tail"})
     with pytest.raises(StudioError, match="leftLowerArm cannot play several parts"):
-        remapped(found.character, found.joints | {"left_hand": "leftLowerArm"})
+        remapped_character(found.character, found.joints | {"left_hand": "leftLowerArm"})

@@ -13,7 +13,7 @@ import pytest
 
 from studio.core.errors import StudioError
 from studio.io import atomic_write as module
-from studio.io.atomic_write import FolderNotWritable, replacing_all, write_whole
+from studio.io.atomic_write import FolderNotWritable, atomic_replacements, write_atomically
 from studio.io.bvh.reader import read_bvh, write_bvh
 from studio.io.json_text import write_json
 from studio.io.media.film import write_film
@@ -51,7 +51,7 @@ def _at_most(size: int) -> Iterator[None]:
 
 
 def _fill(*paths: Path, failure: type[BaseException] | None = None) -> None:
-    with replacing_all(*paths) as parts:
+    with atomic_replacements(*paths) as parts:
         for part in parts:
             part.write_bytes(b"new")
         if failure is not None:
@@ -132,7 +132,7 @@ def test_an_error_of_the_writer_itself_goes_on_as_it_is(tmp_path: Path, failure:
 
 def test_a_link_stays_a_link_and_its_target_is_replaced(tmp_path: Path) -> None:
     (tmp_path / "link").symlink_to(tmp_path / "real")
-    write_whole(tmp_path / "link", b"new")
+    write_atomically(tmp_path / "link", b"new")
     assert (tmp_path / "link").is_symlink()
     assert (tmp_path / "real").read_bytes() == b"new"
 
@@ -142,7 +142,7 @@ def test_what_is_no_ordinary_file_is_never_replaced(tmp_path: Path) -> None:
     (tmp_path / "folder").mkdir()
     for name in ("pipe", "folder"):
         with pytest.raises(StudioError, match="could not be written: it is not an ordinary file"):
-            write_whole(tmp_path / name, b"new")
+            write_atomically(tmp_path / name, b"new")
     assert stat.S_ISFIFO((tmp_path / "pipe").stat().st_mode)
 
 
@@ -151,7 +151,7 @@ def test_a_write_protected_file_is_not_replaced(tmp_path: Path, monkeypatch: pyt
     path.write_bytes(b"old")
     monkeypatch.setattr(os, "access", lambda *_arguments: False)  # root may write everything
     with pytest.raises(FolderNotWritable, match="Permission denied"):
-        write_whole(path, b"new")
+        write_atomically(path, b"new")
     assert path.read_bytes() == b"old"
 
 
@@ -189,5 +189,5 @@ def test_where_no_folder_can_be_opened_files_are_replaced_all_the_same(
     monkeypatch.delattr(os, "O_DIRECTORY")
     target = tmp_path / "file"
     target.write_bytes(b"old")
-    write_whole(target, b"new")
+    write_atomically(target, b"new")
     assert target.read_bytes() == b"new"

@@ -13,8 +13,8 @@ from studio.cli.main import main
 from studio.core.body.kinematics import joint_world
 from studio.core.captures.annotations import Annotations, Label
 from studio.core.errors import StudioError
-from studio.core.normalized.normalize import normalize
-from studio.core.normalized.realize import realize
+from studio.core.normalized.normalize import normalize_capture
+from studio.core.normalized.realize import realize_motion
 from studio.core.rotations import angle_between, from_matrix
 from studio.io.export import take_of_capture, write_take
 from studio.io.importing import ImportOptions, load_capture, read_capture
@@ -35,7 +35,7 @@ CLIPS = (
 
 def written(tmp_path, capture, annotations=None):
     path = tmp_path / "walk.s4d"
-    write_s4d(path, S4d(capture, *normalize(capture), annotations or Annotations()))
+    write_s4d(path, S4d(capture, *normalize_capture(capture), annotations or Annotations()))
     return path
 
 
@@ -65,7 +65,7 @@ def test_a_real_capture_comes_back_from_less_than_half_of_its_bytes(captures, tm
 def test_any_body_moves_the_same_by_the_motion_that_is_stored_and_by_the_capture_read(tmp_path):
     stored = read_s4d(written(tmp_path, make_capture(frames=90)))
     body = make_morphology(scale=1.4)
-    places = [realize(motion, body)[0] for motion in (stored.motion, normalize(stored.capture)[0])]
+    places = [realize_motion(motion, body)[0] for motion in (stored.motion, normalize_capture(stored.capture)[0])]
     assert np.linalg.norm(places[1] - places[0], axis=2).max() < TENTH_OF_A_MILLIMETRE
 
 

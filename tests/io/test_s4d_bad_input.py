@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from studio.core.errors import StudioError
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.io.importing import load_capture
 from studio.io.s4d.reader import read_s4d
 from studio.io.s4d.writer import S4d, write_s4d
@@ -23,7 +23,7 @@ def members(tmp_path_factory):
     """The members of a right file."""
     path = tmp_path_factory.mktemp("s4d") / "right.s4d"
     capture = make_capture()
-    write_s4d(path, S4d(capture, *normalize(capture)))
+    write_s4d(path, S4d(capture, *normalize_capture(capture)))
     with zipfile.ZipFile(path) as archive:
         return {name: archive.read(name) for name in archive.namelist()}
 

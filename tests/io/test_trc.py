@@ -129,7 +129,7 @@ def test_a_file_that_cannot_be_read_is_refused_with_its_line(tmp_path: Path, cas
 def test_a_body_is_found_where_the_c3d_of_the_same_take_has_it(tmp_path: Path) -> None:
     source = load_capture(EXAMPLES / "walk_turn.bvh")
     trial = virtual_trial(source, ())
-    trial = trial.only(trial.markers)  # a table cannot say which of its points a model computed
+    trial = trial.with_labels(trial.markers)  # a table cannot say which of its points a model computed
     write_c3d(tmp_path / "walk.c3d", trial)
     (tmp_path / "walk.trc").write_text(trc_text(trial), encoding="utf-8")
     found, other = load_capture(tmp_path / "walk.trc"), load_capture(tmp_path / "walk.c3d")

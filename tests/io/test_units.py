@@ -3,7 +3,7 @@
 import pytest
 
 from studio.core.captures.confidence import Confidence
-from studio.io.guessing import METRES_PER_UNIT, Scale, find_unit, said_unit
+from studio.io.guessing import METRES_PER_UNIT, Scale, find_unit, stated_unit
 
 
 @pytest.mark.parametrize("leg", [0.72, 0.8, 0.9, 0.98])
@@ -70,4 +70,10 @@ def test_a_unit_is_as_sure_as_it_is_ahead_of_the_next() -> None:
 
 
 def test_metres_a_unit_have_the_name_of_their_unit() -> None:
-    assert [said_unit(metres).unit for metres in (1.0, 0.01, 0.0254, 0.3048, 0.5)] == ["m", "cm", "inch", "foot", "0.5"]
+    assert [stated_unit(metres).unit for metres in (1.0, 0.01, 0.0254, 0.3048, 0.5)] == [
+        "m",
+        "cm",
+        "inch",
+        "foot",
+        "0.5",
+    ]

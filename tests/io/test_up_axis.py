@@ -21,7 +21,7 @@ from studio.io.up_axis import (
     BodyPoints,
     axis_called,
     guess_up_axis,
-    said_axis,
+    stated_axis,
     turn_to_world,
 )
 from tests.io.fbx_text import fbx_text
@@ -135,8 +135,8 @@ def test_one_who_lies_or_crawls_through_the_take_is_not_stood_up(captures: Path)
 
 def test_a_format_that_says_its_axis_is_believed_unless_the_body_stands_along_another(walk: Capture) -> None:
     positions = joint_positions(walk.skeleton, walk.poses) - [0.0, 0.0, walk.floor]
-    upright = guess_up_axis(pairs(positions @ FILE_AXES["Y"], walk), said_axis("Y"))
-    forgotten = guess_up_axis(pairs(positions @ FILE_AXES["Z"], walk), said_axis("Y"))
+    upright = guess_up_axis(pairs(positions @ FILE_AXES["Y"], walk), stated_axis("Y"))
+    forgotten = guess_up_axis(pairs(positions @ FILE_AXES["Z"], walk), stated_axis("Y"))
     assert (upright.value, forgotten.value) == ("Y", "Z")
 
 
@@ -144,7 +144,7 @@ def test_one_who_leans_over_more_and_more_is_seen_by_no_tilted_camera(walk: Capt
     positions = joint_positions(walk.skeleton, walk.poses) - [0.0, 0.0, walk.floor]
     standing = np.repeat(positions[:1] - positions[0, 0] * [1.0, 1.0, 0.0], 60, axis=0)
     leans = Rotation.from_euler("y", np.linspace(0.0, 45.0, 60)[:, None], degrees=True).as_matrix()
-    guess = guess_up_axis(pairs(np.einsum("fij,fpj->fpi", leans, standing) @ FILE_AXES["Y"], walk), said_axis("Y"))
+    guess = guess_up_axis(pairs(np.einsum("fij,fpj->fpi", leans, standing) @ FILE_AXES["Y"], walk), stated_axis("Y"))
     assert guess.value == "Y"
 
 

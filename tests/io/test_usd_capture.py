@@ -8,7 +8,7 @@ import pytest
 from studio.cli.main import main
 from studio.core.body.kinematics import joint_world
 from studio.core.errors import StudioError
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.export import Take, take_of_adapted, take_of_capture, take_of_standing, write_take
@@ -26,7 +26,7 @@ TENTH_OF_A_MILLIMETRE = 1e-4
 
 def take_on(name: str) -> Take:
     character = bundled_characters()[name]
-    request = AdaptRequest(normalize(make_capture())[0], character.morphology)
+    request = AdaptRequest(normalize_capture(make_capture())[0], character.morphology)
     return take_of_adapted(name, adapt(request), character, request)
 
 

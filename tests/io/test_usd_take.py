@@ -10,7 +10,7 @@ import pytest
 from studio.core.body.kinematics import joint_world
 from studio.core.errors import StudioError
 from studio.core.mesh.skin import skin_vertices
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.rigs.character_skeleton import joint_points
 from studio.core.rigs.joint_skin import character_skin
 from studio.core.solver.adapt import adapt
@@ -28,7 +28,7 @@ TENTH_OF_A_MILLIMETRE = 1e-4
 
 
 def take_on(character, capture):
-    motion, _ = normalize(capture)
+    motion, _ = normalize_capture(capture)
     request = AdaptRequest(motion, character.morphology)
     return take_of_adapted(character.name, adapt(request, capture.first_frame), character, request)
 

@@ -11,7 +11,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.body.kinematics import joint_world
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
@@ -42,7 +42,7 @@ def directions(capture: Capture, part: BodyPart, above: BodyPart) -> np.ndarray:
 
 
 def take_on(name: str, capture) -> Take:
-    character, (motion, actor) = bundled_characters()[name], normalize(capture)
+    character, (motion, actor) = bundled_characters()[name], normalize_capture(capture)
     request = AdaptRequest(motion, character.morphology, actor=actor.morphology)
     return take_of_adapted(name, adapt(request, capture.first_frame), character, request, (capture, actor))
 
@@ -126,7 +126,7 @@ def test_fingers_are_bones_of_the_humanoid_and_props_are_left_out(tmp_path):
 
 def test_of_a_long_spine_three_joints_are_bones_and_everything_keeps_its_direction(tmp_path):
     actor = actor_character("Actor", make_morphology(spine_count=6))
-    motion, _ = normalize(make_capture())
+    motion, _ = normalize_capture(make_capture())
     request = AdaptRequest(motion, actor.morphology)
     take, path = take_of_adapted("long", adapt(request), actor, request), tmp_path / "walk.vrma"
     write_take(take, path)

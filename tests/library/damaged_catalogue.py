@@ -10,7 +10,7 @@ from random import Random
 from studio.library.catalogue import DATABASE, Catalogue
 from studio.library.clip_labels import ClipLabel, Kind
 from studio.library.confirmed_labels import CONFIRMED_LABELS
-from studio.library.indexing import corrected, index, whole_library
+from studio.library.indexing import correct_label, index_folders, whole_library
 from studio.library.library import POSES, STAMP, Library
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
@@ -30,10 +30,10 @@ def make_catalogue(folder: Path) -> ClipLabel:
     for name in CAPTURES:
         shutil.copy(EXAMPLES / name, folder / "takes")
     with Catalogue(folder / "catalogue") as catalogue:
-        index(catalogue, [folder / "takes"])
+        index_folders(catalogue, [folder / "takes"])
         clip = Library.of(catalogue).clips[0]
         label = replace(clip.label, tags=("mine",), hit=clip.label.hit - 2, confirmed=True)
-        corrected(catalogue, clip.number, label)
+        correct_label(catalogue, clip.number, label)
         Library.of(catalogue)
     return label
 
@@ -85,7 +85,7 @@ def use(folder: Path, label: ClipLabel) -> str:
     with Catalogue(folder / "catalogue") as catalogue:
         told = f"{told} {catalogue.remarks}".strip()
         if not catalogue.read_only:
-            index(catalogue, [folder / "takes"])
+            index_folders(catalogue, [folder / "takes"])
         library = whole_library(catalogue)
         found = [clip.label for clip in library.clips]
         assert label in found, "a confirmed label is lost"

@@ -5,20 +5,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.normalized.mirror import mirrored
-from studio.core.normalized.normalize import normalize
-from studio.core.normalized.realize import realize
+from studio.core.normalized.mirror import mirrored_motion
+from studio.core.normalized.normalize import normalize_capture
+from studio.core.normalized.realize import realize_motion
 from studio.io.importing import load_capture
 from studio.library.clip_labels import ClipLabel, HitSegment, Kind, Limb
-from studio.library.proposed_strikes import propose
+from studio.library.proposed_strikes import proposed_labels
 from studio.resources_folder import bundled_strikes_folder
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
 
 
 def proposals(path):
-    motion, actor = normalize(load_capture(path))
-    return propose(*realize(motion, actor.morphology, play=True), actor.morphology, motion.frame_rate)
+    motion, actor = normalize_capture(load_capture(path))
+    return proposed_labels(*realize_motion(motion, actor.morphology, play=True), actor.morphology, motion.frame_rate)
 
 
 @pytest.mark.parametrize(
@@ -38,13 +38,13 @@ def test_walking_and_grasping_are_no_strikes(name):
 
 def legs_in_turn(seconds):
     """The front kick again and again, now with one leg and now with the other."""
-    motion, actor = normalize(load_capture(EXAMPLES / "front_kick.bvh"))
-    points, turns = realize(motion, actor.morphology, play=True)
+    motion, actor = normalize_capture(load_capture(EXAMPLES / "front_kick.bvh"))
+    points, turns = realize_motion(motion, actor.morphology, play=True)
     swing = slice(154 - round(30 * seconds), 154 + round(30 * seconds))
-    other = realize(mirrored(motion), actor.morphology, play=True)
+    other = realize_motion(mirrored_motion(motion), actor.morphology, play=True)
     legs = [(points[swing], turns[swing]), (other[0][swing], other[1][swing])] * 4
     whole = [np.concatenate(parts) for parts in zip(*legs, strict=True)]
-    return propose(*whole, actor.morphology, motion.frame_rate)
+    return proposed_labels(*whole, actor.morphology, motion.frame_rate)
 
 
 def test_legs_that_swing_in_turn_to_a_beat_dance():
@@ -53,11 +53,11 @@ def test_legs_that_swing_in_turn_to_a_beat_dance():
 
 
 def test_a_leg_that_stays_out_is_shown_and_kicks_nobody():
-    motion, actor = normalize(load_capture(EXAMPLES / "front_kick.bvh"))
+    motion, actor = normalize_capture(load_capture(EXAMPLES / "front_kick.bvh"))
     (kick,) = proposals(EXAMPLES / "front_kick.bvh")
     frames = np.insert(np.arange(motion.frame_count), kick.hit, [kick.hit] * 30)
-    points, turns = realize(motion, actor.morphology, play=True)
-    assert propose(points[frames], turns[frames], actor.morphology, motion.frame_rate) == []
+    points, turns = realize_motion(motion, actor.morphology, play=True)
+    assert proposed_labels(points[frames], turns[frames], actor.morphology, motion.frame_rate) == []
 
 
 def test_a_clip_hits_between_its_frames_with_a_segment_of_its_limb():

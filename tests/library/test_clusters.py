@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from studio.core.kernels import pose_search as at
 from studio.core.retrieval import SearchTable, pose_distances
-from studio.library.clusters import LEAST_CLUSTER_DISTANCE, map_of, unturned
+from studio.library.clusters import LEAST_CLUSTER_DISTANCE, map_of, rotation_free_features
 from tests.core.test_retrieval import made_table
 
 
@@ -29,7 +29,7 @@ def test_every_pose_is_in_a_group_and_each_group_has_a_pose_of_its_own(seed, cou
 @given(st.integers(0, 1000))
 def test_what_is_grouped_by_is_never_farther_apart_than_the_poses(seed):
     table = made_table(seed, clips=3)
-    apart = np.linalg.norm(unturned(table.rows) - unturned(table.rows[:1]), axis=1)
+    apart = np.linalg.norm(rotation_free_features(table.rows) - rotation_free_features(table.rows[:1]), axis=1)
     assert (apart <= pose_distances(table.rows[0], table.rows)[0] + 1e-6).all()
 
 
@@ -39,10 +39,10 @@ def test_no_two_groups_look_alike_however_often_one_pose_comes(seed, often):
     guards = np.repeat(table.rows[:1], 20 * often, axis=0)
     rows = np.concatenate([guards, table.rows])
     made = map_of(replace(table, rows=rows, frame_counts=np.array([len(rows)])), 12)
-    features = unturned(rows[made.representatives])
+    features = rotation_free_features(rows[made.representatives])
     apart = np.linalg.norm(features[:, None] - features, axis=2) + np.diag(np.full(len(features), np.inf))
     assert apart.min() > LEAST_CLUSTER_DISTANCE
-    farthest = np.linalg.norm(unturned(rows)[:, None] - features, axis=2).min(axis=1).max()
+    farthest = np.linalg.norm(rotation_free_features(rows)[:, None] - features, axis=2).min(axis=1).max()
     assert farthest <= apart.min() or len(features) < 2
 
 

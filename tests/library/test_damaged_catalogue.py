@@ -15,7 +15,7 @@ from studio.library import catalogue as catalogues
 from studio.library.catalogue import CATALOGUE_VERSION, DATABASE, Catalogue
 from studio.library.clip_labels import ClipLabel
 from studio.library.confirmed_labels import CONFIRMED_LABELS
-from studio.library.indexing import corrected, index, whole_library
+from studio.library.indexing import correct_label, index_folders, whole_library
 from studio.library.library import POSES, STAMP, Library
 from tests.library.damaged_catalogue import COLUMNS, VALUES, damage, make_catalogue, use
 
@@ -128,9 +128,9 @@ def test_a_catalogue_of_a_newer_version_is_searched_and_never_changed(
             assert "newer version" in catalogue.read_only
             library = whole_library(catalogue)
             assert label in [clip.label for clip in library.clips]
-            assert index(catalogue, [folder / "takes"]).read == 0
+            assert index_folders(catalogue, [folder / "takes"]).read == 0
             with pytest.raises(StudioError, match="newer version"):
-                corrected(catalogue, library.clips[0].number, label)
+                correct_label(catalogue, library.clips[0].number, label)
         assert {file.name: file.read_bytes() for file in (folder / "catalogue").iterdir()} == before
 
 
@@ -151,7 +151,7 @@ def test_a_catalogue_in_use_is_waited_for_and_never_renamed(
     with closing(sqlite3.connect(folder / "catalogue" / DATABASE, isolation_level=None)) as other:
         other.execute(f"BEGIN {hold}")
         with pytest.raises(StudioError, match="in use by another process"), Catalogue(folder / "catalogue") as opened:
-            corrected(opened, Library.of(opened).clips[0].number, label)
+            correct_label(opened, Library.of(opened).clips[0].number, label)
         other.execute("COMMIT")
     assert not list((folder / "catalogue").glob("*.damaged*"))
     assert use(folder, label) == ""
@@ -190,7 +190,7 @@ def test_a_label_outlasts_its_file_being_away_or_unreadable_for_a_while(folder: 
         for path in contents:
             change(path)
         with Catalogue(folder / "catalogue") as catalogue:
-            index(catalogue, [folder / "takes"])
+            index_folders(catalogue, [folder / "takes"])
             assert not Library.of(catalogue).clips
         for path, content in contents.items():
             path.write_bytes(content)
@@ -228,7 +228,7 @@ def test_a_label_written_before_a_kill_is_there_after_it(folder: Path, label: Cl
         new = replace(label, tags=("new",))
 
         def change_and_die() -> None:
-            with catalogue.changing():
+            with catalogue.write_transaction():
                 catalogue.change_clip(clip.number, new, clip.path)
                 raise RuntimeError("killed before the commit")
 

@@ -13,12 +13,12 @@ from studio.core.constraints.follow import FollowPerformer
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.skin import skin_vertices
 from studio.core.quality.metrics import acceleration_ratio, contact_quality
-from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.performers.performing import Performance, Prepare, StagedPerformances, perform
+from studio.core.solver.adapt import adapt, body_point_positions
+from studio.core.solver.performers.performing import Performance, Prepare, StagedPerformances, adapt_performers
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project
 from studio.io.project.character_file import bundled_characters
-from studio.jobs.performances import prepared
+from studio.jobs.performances import prepared_capture
 from studio.library.scenes import SCENES, acrobatics, changing, choosing, fight, papers
 
 FEW = 5
@@ -39,19 +39,19 @@ def scene() -> Project:
 
 @pytest.fixture(scope="module")
 def staged(scene: Project) -> StagedPerformances:
-    return perform(scene, scene.performers, prepared, adapt)
+    return adapt_performers(scene, scene.performers, prepared_capture, adapt)
 
 
 def prepared_already(scene: Project) -> Prepare:
     """Captures whose motions are known."""
-    known = {id(each): prepared(each) for each in scene.captures.values()}
+    known = {id(each): prepared_capture(each) for each in scene.captures.values()}
     return lambda capture: known[id(capture)]
 
 
 def on_stage(scene: Project, staged: StagedPerformances, key: str, point: BodyPoint, seconds: float) -> np.ndarray:
     performance: Performance = staged.performances[key]
     frame = round(performance.composite.timing.frame_at(seconds))
-    return Placement.of(scene.performers[key]).to_stage(place_of(point, performance.adapted)[frame])
+    return Placement.of(scene.performers[key]).to_stage(body_point_positions(point, performance.adapted)[frame])
 
 
 def pairs(scene: Project) -> list[tuple[str, str]]:
@@ -73,7 +73,7 @@ def test_forearms_meet_ankles_and_fists_meet_heads(scene: Project, staged: Stage
         assert np.linalg.norm(forearm - on_stage(scene, staged, white, fight.KICKING_ANKLE, 2.033)) < 1e-3
         fist = on_stage(scene, staged, red, fight.RIGHT_FIST, 3.0)
         assert np.linalg.norm(fist - on_stage(scene, staged, white, fight.CHIN, 3.0)) < 1e-3
-        assert staged.performances[white].sweeps <= FEW
+        assert staged.performances[white].iterations <= FEW
 
 
 def test_heads_lean_back_from_the_fist(scene: Project, staged: StagedPerformances) -> None:
@@ -94,7 +94,7 @@ def test_no_limb_jolts_by_more_than_three_times_its_own_motion(scene: Project, s
 
 def test_a_second_of_the_fight_is_solved_in_a_second(scene: Project, staged: StagedPerformances) -> None:
     begun = time.thread_time()
-    perform(scene, scene.performers, prepared_already(scene), adapt)
+    adapt_performers(scene, scene.performers, prepared_already(scene), adapt)
     length = max(each.composite.timing.end for each in staged.performances.values())
     assert time.thread_time() - begun < length
 
@@ -107,7 +107,7 @@ def test_feet_that_stand_stay_through_all_clips(staged: StagedPerformances) -> N
 
 def test_the_order_of_performers_is_all_the_same(scene: Project, staged: StagedPerformances) -> None:
     turned = replace(scene, performers=dict(reversed(list(scene.performers.items()))))
-    again = perform(turned, turned.performers, prepared, adapt)
+    again = adapt_performers(turned, turned.performers, prepared_capture, adapt)
     for key, performance in staged.performances.items():
         np.testing.assert_allclose(again.performances[key].adapted.positions, performance.adapted.positions, atol=1e-6)
 
@@ -115,7 +115,7 @@ def test_the_order_of_performers_is_all_the_same(scene: Project, staged: StagedP
 def test_who_has_lost_its_capture_fails_alone(scene: Project) -> None:
     key = next(iter(scene.performers))
     alone = replace(scene, performers={key: scene.performers[key], "lost": replace(scene.performers[key], clips=())})
-    made = perform(replace(alone, constraints={}), alone.performers, prepared, adapt)
+    made = adapt_performers(replace(alone, constraints={}), alone.performers, prepared_capture, adapt)
     assert list(made.performances) == [key]
     assert "plays nothing" in made.failures["lost"]
 
@@ -127,14 +127,14 @@ HALF_A_HAND = 0.02
 @pytest.mark.parametrize("place", range(1, len(SCENES)))
 def test_every_scene_can_be_played(place: int) -> None:
     project = exact(SCENES[place].make())
-    made = perform(project, project.performers, prepared, adapt)
+    made = adapt_performers(project, project.performers, prepared_capture, adapt)
     assert not made.failures
     assert len(made.performances) == len(project.performers)
 
 
 def performed(title: str) -> tuple[Project, dict[str, Performance]]:
     project = exact(next(scene for scene in SCENES if scene.title == title).make())
-    made = perform(project, project.performers, prepared, adapt)
+    made = adapt_performers(project, project.performers, prepared_capture, adapt)
     assert not made.failures
     return project, dict(made.performances)
 
@@ -143,7 +143,7 @@ def test_hands_of_arms_of_any_length_meet_at_the_same_moments() -> None:
     project, made = performed("A clap")
     assert len({each.morphology.arm[0, 0] for each in project.characters.values()}) == 3
     for performance in made.values():
-        left, right = (place_of(point, performance.adapted) for point in changing.PALMS)
+        left, right = (body_point_positions(point, performance.adapted) for point in changing.PALMS)
         apart = np.linalg.norm(left - right, axis=1)
         frame_at = performance.composite.timing.frame_at
         assert all(apart[round(frame_at(second))] < 1e-3 for second in changing.CLAPS)
@@ -161,7 +161,7 @@ def test_the_same_target_finds_three_bodies_three_strikes_and_all_meet_it() -> N
         standing = Placement.of(performer).to_stage(adapted.positions[60, 0])
         before = (ball - standing)[:2], ball[2]
         np.testing.assert_allclose(np.hstack(before), [choosing.TARGET_AHEAD, 0.0, choosing.TARGET_HEIGHT], atol=0.02)
-        way = Placement.of(performer).to_stage(place_of(point, adapted)) - ball
+        way = Placement.of(performer).to_stage(body_point_positions(point, adapted)) - ball
         assert np.linalg.norm(way, axis=1).min() < 1e-3
 
 
@@ -172,7 +172,7 @@ def test_nobody_slides_on_steps_and_all_come_up() -> None:
         ground = project.ground.seen_from(performer.position, performer.heading)
         quality = contact_quality(performance.adapted, performance.adapted.contacts, ground)
         assert quality.slide < 2e-3
-        heights = performance.adapted.positions[:, performance.adapted.morphology.layout.toe(0), 2]
+        heights = performance.adapted.positions[:, performance.adapted.morphology.layout.toe_point(0), 2]
         assert heights.max() > changing.RISE
 
 
@@ -196,13 +196,13 @@ def test_whole_arms_and_trunk_stay_out_of_a_table_of_any_height_that_is_seen(hei
         for key, each in scene.props.items()
     ]
     scene = scene.with_entities("props", tables)
-    made = perform(scene, scene.performers, prepared, adapt)
+    made = adapt_performers(scene, scene.performers, prepared_capture, adapt)
     above = 0
     for key, performance in made.performances.items():
         table, layout = scene.props[f"table {key}"], performance.adapted.morphology.layout
         places = Placement.of(scene.performers[key]).to_stage(performance.adapted.positions)
         bones = [(0, layout.neck_base, 0.0)]
-        for wrist in (layout.wrist(0), layout.wrist(1)):
+        for wrist in (layout.wrist_point(0), layout.wrist_point(1)):
             bones += [(wrist - 2, wrist - 1, 0.0), (wrist - 1, wrist, 0.0), (wrist, wrist + 1, HALF_A_HAND)]
             over = np.abs(places[:, wrist, :2] - table.position[:2]) < np.array(table.size[:2]) / 2
             above += int(over.all(axis=1).sum())
@@ -221,7 +221,7 @@ def test_the_skin_of_arms_and_trunk_stays_out_of_a_table_while_pops_are_smoothed
     for key, name in zip(scene.performers, others, strict=False):
         scene = scene.with_entity("characters", name, bundled_characters()[name])
         scene = scene.with_entity("performers", key, replace(scene.performers[key], character_id=name))
-    made = perform(scene, scene.performers, prepared, adapt).performances
+    made = adapt_performers(scene, scene.performers, prepared_capture, adapt).performances
     for key, performance in made.items():
         adapted, table = performance.adapted, scene.props[f"table {key}"]
         character, layout = scene.characters[scene.performers[key].character_id], adapted.morphology.layout
@@ -237,19 +237,19 @@ def test_the_skin_of_arms_and_trunk_stays_out_of_a_table_while_pops_are_smoothed
 
 def test_a_wrist_comes_before_an_elbow_and_balance_costs_no_reach() -> None:
     wrist = exact(SCENES[4].make())
-    made = perform(wrist, wrist.performers, prepared, adapt).performances
+    made = adapt_performers(wrist, wrist.performers, prepared_capture, adapt).performances
     near, far = (each.adapted.residuals[:, papers.FAR_TARGET_FRAME] for each in made.values())
     assert near[0] < 1e-3
     assert far[0] < 1e-3
     assert near[1] < 0.03 < 0.2 < far[1]
     held = exact(SCENES[3].make())
-    kept, _ = perform(held, held.performers, prepared, adapt).performances.values()
+    kept, _ = adapt_performers(held, held.performers, prepared_capture, adapt).performances.values()
     assert np.nanmax(kept.adapted.residuals[0]) < 1e-3
 
 
 def test_hands_carry_all_bodies_through_a_handstand_and_a_cartwheel_without_a_slip() -> None:
     scene = acrobatics.handstand_and_cartwheel()
-    made = perform(scene, scene.performers, prepared, adapt)
+    made = adapt_performers(scene, scene.performers, prepared_capture, adapt)
     assert len(made.performances) == 5
     for performance in made.performances.values():
         adapted, contacts = performance.adapted, performance.adapted.contacts
@@ -257,13 +257,13 @@ def test_hands_carry_all_bodies_through_a_handstand_and_a_cartwheel_without_a_sl
         stood = [each for each in contacts if each.point in (ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND)]
         assert [each.point.side for each in stood] in ([0, 0, 1, 1], [0, 1, 0, 1])
         for each in stood:
-            wrist = adapted.positions[each.first : each.last + 1, layout.wrist(each.point.side)]
+            wrist = adapted.positions[each.first : each.last + 1, layout.wrist_point(each.point.side)]
             assert np.ptp(wrist, axis=0).max() < 1e-3
         quality = contact_quality(adapted, contacts, Ground())
         assert quality.slide < 1e-3
         assert quality.penetration < 1e-3
         upside_down = adapted.positions[round(3.4 * 60)]
-        feet, head = upside_down[[layout.ankle(0), layout.ankle(1)], 2], upside_down[layout.head_joint, 2]
+        feet, head = upside_down[[layout.ankle_point(0), layout.ankle_point(1)], 2], upside_down[layout.head_joint, 2]
         assert feet.min() > head + 1.0 * leg
         up = adapted.rotations[: 60 * 7, 0, 2, 2]
         assert up.min() < -0.98
@@ -274,13 +274,13 @@ def test_hands_carry_all_bodies_through_a_handstand_and_a_cartwheel_without_a_sl
 def test_blows_touch_for_one_to_three_frames() -> None:
     """Fists stayed on a head for 13 frames of 60 Hz, kicks on a forearm for 10."""
     scene = exact(fight.fight_training(pairs=1))
-    made = perform(scene, scene.performers, prepared, adapt).performances
+    made = adapt_performers(scene, scene.performers, prepared_capture, adapt).performances
     seconds = np.arange(0.0, 4.5, 1.0 / 60.0)
 
     def path(point: BodyPoint, key: str) -> np.ndarray:
         timing, adapted = made[key].composite.timing, made[key].adapted
         rows = np.rint(timing.frames_at(seconds)).astype(int).clip(0, adapted.frame_count - 1)
-        return Placement.of(scene.performers[key]).to_stage(place_of(point, adapted)[rows])
+        return Placement.of(scene.performers[key]).to_stage(body_point_positions(point, adapted)[rows])
 
     hits = [each for each in scene.constraints.values() if isinstance(each.target, FollowPerformer)]
     assert len(hits) == 3

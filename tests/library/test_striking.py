@@ -8,13 +8,13 @@ import pytest
 
 from studio.cli.live import guard_of
 from studio.core.body.morphology import Proportions
-from studio.core.captures.contacts import standing_at
+from studio.core.captures.contacts import points_on_ground
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.pieces import MotionPiece
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.quality.metrics import angular_acceleration, contact_quality, swing_depths
-from studio.core.solver.adapt import adapt, place_of
+from studio.core.solver.adapt import adapt, body_point_positions
 from studio.core.stage.clip import Clip
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
@@ -22,11 +22,11 @@ from studio.jobs.adaptation import ready_capture
 from studio.library.catalogue import Catalogue
 from studio.library.clip_labels import Kind, Limb
 from studio.library.hitting import hit_places
-from studio.library.indexing import bundled_library, index
+from studio.library.indexing import bundled_library, index_folders
 from studio.library.library import Library
 from studio.library.scenes.choosing import target_of
-from studio.library.searching import StrikeQuery, find, outline, place_before
-from studio.library.striking import VISIBLE_MISS, Blow, aimed, make_strike, tried
+from studio.library.searching import StrikeQuery, place_before, search_strikes, strike_path
+from studio.library.striking import VISIBLE_MISS, StrikeClip, aimed_constraint, make_strike, tried_strikes
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
@@ -35,7 +35,7 @@ BODIES = {name: character.morphology for name, character in bundled_characters()
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
     with Catalogue(tmp_path_factory.mktemp("library")) as catalogue:
-        index(catalogue, [EXAMPLES])
+        index_folders(catalogue, [EXAMPLES])
         return Library.of(catalogue)
 
 
@@ -56,7 +56,7 @@ def found_for(library, body, ahead, height, frame=60, **changes):
     heading = pose.channels[0, 3]
     offset = [ahead * np.cos(-heading), ahead * np.sin(-heading), height]
     place = place_before(pose, body, offset)
-    return find(library, StrikeQuery(pose, body, place, **changes))[0], place
+    return search_strikes(library, StrikeQuery(pose, body, place, **changes))[0], place
 
 
 @pytest.mark.parametrize("name", BODIES)
@@ -64,7 +64,7 @@ def test_a_target_that_can_be_reached_is_hit_within_a_millimetre(library, name):
     body = BODIES[name]
     reach = body.arm.sum(axis=1).mean()
     best, place = found_for(library, body, 1.25 * reach, 0.78 * body.stature)
-    strike = make_strike(guard(library), 60, Blow.of(best), body, tuple(place.tolist()))
+    strike = make_strike(guard(library), 60, StrikeClip.of(best), body, tuple(place.tolist()))
     adapted = strike.adapted()
     point = hit_places(adapted.positions, adapted.rotations, body, best.clip.label.limb, best.clip.label.segment)
     assert np.linalg.norm(point[strike.hit] - place) < 1e-3
@@ -78,15 +78,15 @@ def test_what_is_promised_in_the_middle_of_a_turn_or_a_kick_is_met(bundled, name
     body, ready = BODIES["child"], ready_capture(EXAMPLES / f"{name}.bvh", GUESS_ALL)
     playing = MotionPiece(ready.motion, ready.contacts, 0, frame)
     pose = replace(ready.motion, channels=ready.motion.channels[frame : frame + 1])
-    root, generator = realize(pose, body)[0][0, 0], np.random.default_rng(5)
-    stands, promised = standing_at(ready.contacts, frame), 0
+    root, generator = realize_motion(pose, body)[0][0, 0], np.random.default_rng(5)
+    stands, promised = points_on_ground(ready.contacts, frame), 0
     for _ in range(4):
         place = tuple((root + generator.uniform([0.1, -0.6, -0.5], [1.0, 0.6, 0.8])).tolist())
         asked = StrikeQuery(pose, body, place, contacts=stands, playing=playing)
-        for each in tried(find(bundled, asked), asked):
-            strike = make_strike(playing, frame, Blow.of(each.found), body, place)
+        for each in tried_strikes(search_strikes(bundled, asked), asked):
+            strike = make_strike(playing, frame, StrikeClip.of(each.found), body, place)
             adapted = adapt(replace(strike.request(), eased=True), strike.hit, strike.hit)
-            missed = float(np.linalg.norm(place_of(strike.constraint.point, adapted)[0] - place))
+            missed = float(np.linalg.norm(body_point_positions(strike.constraint.point, adapted)[0] - place))
             assert not each.hits or missed < 2.0 * VISIBLE_MISS, each.found.clip.name
             promised += each.hits
     assert promised >= 8
@@ -98,11 +98,11 @@ def test_what_is_promised_is_met_also_where_it_depends_on_seconds_before(bundled
     body, ready = BODIES["child"], ready_capture(EXAMPLES / "front_kick.bvh", GUESS_ALL)
     playing = MotionPiece(ready.motion, ready.contacts, 0, frame)
     pose = replace(ready.motion, channels=ready.motion.channels[frame : frame + 1])
-    asked = StrikeQuery(pose, body, place, contacts=standing_at(ready.contacts, frame), playing=playing)
-    for each in tried(find(bundled, asked), asked):
-        strike = make_strike(playing, frame, Blow.of(each.found), body, place)
+    asked = StrikeQuery(pose, body, place, contacts=points_on_ground(ready.contacts, frame), playing=playing)
+    for each in tried_strikes(search_strikes(bundled, asked), asked):
+        strike = make_strike(playing, frame, StrikeClip.of(each.found), body, place)
         adapted = adapt(replace(strike.request(), eased=True), strike.hit, strike.hit)
-        missed = float(np.linalg.norm(place_of(strike.constraint.point, adapted)[0] - place))
+        missed = float(np.linalg.norm(body_point_positions(strike.constraint.point, adapted)[0] - place))
         assert not each.hits or missed < 2.0 * VISIBLE_MISS, each.found.clip.name
 
 
@@ -111,14 +111,14 @@ def test_what_is_promised_to_meet_its_target_does_so_from_the_motion_that_plays(
     """Kicks of a child with both feet on the ground were promised, and ended up to 19 cm short."""
     body, playing = BODIES["child"], guard(library)
     pose = replace(playing.motion, channels=playing.motion.channels[frame : frame + 1])
-    root = realize(pose, body)[0][0, 0]
+    root = realize_motion(pose, body)[0][0, 0]
     place = tuple((root + np.random.default_rng(seed).uniform([0.3, -0.4, -0.3], [0.9, 0.4, 0.7])).tolist())
-    stands = standing_at(playing.contacts, frame)
+    stands = points_on_ground(playing.contacts, frame)
     asked = StrikeQuery(pose, body, place, contacts=stands)
-    for each in tried(find(bundled, asked), asked):
-        strike = make_strike(replace(playing, last=frame), frame, Blow.of(each.found), body, place)
+    for each in tried_strikes(search_strikes(bundled, asked), asked):
+        strike = make_strike(replace(playing, last=frame), frame, StrikeClip.of(each.found), body, place)
         adapted = adapt(replace(strike.request(), eased=True), strike.hit, strike.hit)
-        missed = float(np.linalg.norm(place_of(strike.constraint.point, adapted)[0] - place))
+        missed = float(np.linalg.norm(body_point_positions(strike.constraint.point, adapted)[0] - place))
         assert not each.hits or missed < 2.0 * VISIBLE_MISS, each.found.clip.name
 
 
@@ -127,22 +127,22 @@ def test_a_blow_that_is_begun_a_frame_before_its_hit_is_aimed_all_the_same(libra
     best, place = found_for(library, body, 0.7, 1.25)
     pose = replace(guard(library).motion, channels=guard(library).motion.channels[60:61])
     late, where = replace(best, start=best.hit - 1), tuple(place.tolist())
-    assert tried([late], StrikeQuery(pose, body, where))[0].missed >= 0.0
-    curve = aimed(late, Clip("punch", late.start, late.clip.label.last), where, body).activation
+    assert tried_strikes([late], StrikeQuery(pose, body, where))[0].missed >= 0.0
+    curve = aimed_constraint(late, Clip("punch", late.start, late.clip.label.last), where, body).activation
     assert curve.at(late.hit / late.clip.take.motion.frame_rate) == 1.0
 
 
 def test_the_residual_is_told_when_a_target_is_out_of_reach(library):
     body = BODIES["child"]
     best, place = found_for(library, body, 3.0, 1.0)
-    strike = make_strike(guard(library), 60, Blow.of(best), body, tuple(place.tolist()))
+    strike = make_strike(guard(library), 60, StrikeClip.of(best), body, tuple(place.tolist()))
     assert strike.adapted().residuals[0, strike.hit] > 0.5
 
 
 def test_a_target_that_moves_on_is_hit_where_it_is_then(library):
     body = BODIES["adult_woman"]
     best, place = found_for(library, body, 0.7, 1.25)
-    strike = make_strike(guard(library), 60, Blow.of(best), body, tuple(place.tolist()))
+    strike = make_strike(guard(library), 60, StrikeClip.of(best), body, tuple(place.tolist()))
     rate = strike.composite.timing.frame_rate
     moved = place + np.array([0.0, 0.1, 0.05])
     times = strike.change / rate, strike.hit / rate
@@ -154,7 +154,7 @@ def test_a_target_that_moves_on_is_hit_where_it_is_then(library):
 def test_the_body_goes_on_smoothly_where_the_blow_takes_over(library):
     body = BODIES["tall_man"]
     best, place = found_for(library, body, 0.75, 1.4)
-    strike = make_strike(guard(library), 60, Blow.of(best), body, tuple(place.tolist()))
+    strike = make_strike(guard(library), 60, StrikeClip.of(best), body, tuple(place.tolist()))
     adapted = strike.adapted()
     steps = np.linalg.norm(np.diff(adapted.positions, 2, axis=0), axis=2).max(axis=1)
     around = steps[strike.change - 3 : strike.change + 3].max()
@@ -176,9 +176,9 @@ def test_a_kick_at_a_low_target_keeps_its_foot_above_the_ground_and_swings_as_sm
         asked = target_of(
             playing.motion, playing.first, body, (ahead * body.stature / 1.66, height * body.stature / 1.66)
         )
-        [best] = find(bundled, replace(asked, limbs=[Limb.LEFT_LEG, Limb.RIGHT_LEG]), 1)
+        [best] = search_strikes(bundled, replace(asked, limbs=[Limb.LEFT_LEG, Limb.RIGHT_LEG]), 1)
         place = tuple(np.asarray(asked.place).tolist())
-        strike = make_strike(playing, playing.first, Blow.of(best), body, place)
+        strike = make_strike(playing, playing.first, StrikeClip.of(best), body, place)
         request = strike.request()
         led, found = adapt(request), adapt(replace(request, constraints=()))
         assert led.residuals[0, strike.hit] < 1e-3
@@ -199,12 +199,12 @@ def test_an_outline_starts_in_the_pose_and_passes_the_target_as_far_off_as_it_sa
     pose = replace(playing.motion, channels=playing.motion.channels[60:61])
     place = place_before(pose, body, [0.9, 0.1, 1.3])
     asked = StrikeQuery(pose, body, place)
-    best = find(library, asked)[0]
-    points = outline(best, asked)
+    best = search_strikes(library, asked)[0]
+    points = strike_path(best, asked)
     cut = replace(best.clip.take.motion, channels=best.clip.take.motion.channels[best.start : best.hit + 1])
-    _, rotations = realize(cut, body)
+    _, rotations = realize_motion(cut, body)
     c, s = np.cos(best.turn), np.sin(best.turn)
     turned = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ rotations
     passes = hit_places(points, turned, body, best.clip.label.limb, best.clip.label.segment)[-1]
     assert np.linalg.norm(passes - place) == pytest.approx(best.reach, abs=0.005)
-    assert np.abs(points[0] - realize(pose, body)[0][0]).mean() < 0.1
+    assert np.abs(points[0] - realize_motion(pose, body)[0][0]).mean() < 0.1

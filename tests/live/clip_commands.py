@@ -9,7 +9,7 @@ from studio.core.curves.keyed import KeyedNumber
 from studio.core.curves.retiming import FASTEST_CLIP, SLOWEST_CLIP, Speed
 from studio.core.curves.tangents import TangentMode, tangents_of
 from studio.core.errors import StudioError
-from studio.core.stage.clip_row import begun_at, ended_at
+from studio.core.stage.clip_row import with_first_frame, with_last_frame
 from studio.core.stage.layer import Region
 from studio.core.stage.project import Project
 from studio.document import clip_edits
@@ -48,8 +48,8 @@ def commands(random: Random, document: EditedProject) -> list[Callable[[], objec
     ])  # fmt: skip
     return [
         lambda: clip_edits.set_speed(document, clip_id, speed, "Speed"),
-        lambda: clip_edits.edit_clip(document, clip_id, lambda each: (begun_at(each, rate, frame),), "Begin"),
-        lambda: clip_edits.edit_clip(document, clip_id, lambda each: (ended_at(each, frame, count),), "End"),
+        lambda: clip_edits.edit_clip(document, clip_id, lambda each: (with_first_frame(each, rate, frame),), "Begin"),
+        lambda: clip_edits.edit_clip(document, clip_id, lambda each: (with_last_frame(each, frame, count),), "End"),
         lambda: clip_edits.edit_clip(document, clip_id, lambda each: (replace(each, **fields),), "Edit"),
         lambda: clip_edits.split_clip(document, clip_id, time),
         lambda: clip_edits.mirror_clip(document, clip_id),

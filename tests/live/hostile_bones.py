@@ -4,11 +4,11 @@ from random import Random
 
 import numpy as np
 
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.solver.request import AdaptRequest
 from studio.io.project.character_file import bundled_characters
 from studio.live import vmc
-from studio.live.driving import ReceivedPose, driven
+from studio.live.driving import ReceivedPose, driven_frame
 from studio.live.osc import encode_message
 from studio.live.planting import LiveGrounding
 from studio.live.tracker import TRACKED_RANGE, Inbox
@@ -21,7 +21,7 @@ PLACES = (0.0, 1e-30, 1e-6, 1e-3, 0.3, TRACKED_RANGE, -TRACKED_RANGE, 1e30)
 
 def hostile_inbox(random: Random) -> Inbox:
     """The bones of a child, some of which are changed."""
-    positions, rotations = realize(WALK, BODIES["child"])
+    positions, rotations = realize_motion(WALK, BODIES["child"])
     bones = vmc.bones_of(positions[5], rotations[5], BODIES["child"])
     count = random.choice([1, 1, 2, 5, len(bones)])
     places, spread = PLACES if random.random() < 0.7 else (0.0,), random.choice([0.0, 0.0, 1.0])
@@ -35,7 +35,7 @@ def hostile_inbox(random: Random) -> Inbox:
                 turn = np.array([random.choice((0.0, 1.0, -1.0, 0.3)) for _ in range(4)])
             if random.random() < 0.1:
                 continue
-        inbox.feed(encode_message(vmc.BONE_ADDRESS, [name, *place.tolist(), *turn.tolist()]))
+        inbox.receive(encode_message(vmc.BONE_ADDRESS, [name, *place.tolist(), *turn.tolist()]))
     return inbox
 
 
@@ -47,6 +47,6 @@ def play(seed: int) -> bool:
     pose = ReceivedPose(inbox)()
     if pose is None:
         return False
-    shown = driven(AdaptRequest(WALK, BODIES[random.choice(["child", "giant"])]), 13, pose, LiveGrounding(), 0.0)
+    shown = driven_frame(AdaptRequest(WALK, BODIES[random.choice(["child", "giant"])]), 13, pose, LiveGrounding(), 0.0)
     assert np.isfinite(shown.positions).all(), "positions that are not finite"
     return True

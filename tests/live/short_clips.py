@@ -9,11 +9,11 @@ from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.curves.retiming import FASTEST_CLIP, SLOWEST_CLIP
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import perform
+from studio.core.solver.performers.performing import adapt_performers
 from studio.core.stage.clip import Clip
 from studio.core.stage.layer import Layer, Region
 from studio.core.stage.project import Performer, Project
-from studio.jobs.performances import prepared
+from studio.jobs.performances import prepared_capture
 from studio.library.scenes.stagehand import bodies, material
 from studio.live.playing_stage import LiveStage
 
@@ -30,7 +30,7 @@ _known: dict[int, tuple[Capture, tuple]] = {}
 
 def prepare(capture: Capture) -> tuple:
     if id(capture) not in _known:
-        _known[id(capture)] = capture, prepared(capture)
+        _known[id(capture)] = capture, prepared_capture(capture)
     return _known[id(capture)][1]
 
 
@@ -85,7 +85,7 @@ def assert_finite(project: Project, live: bool, next_clip: Clip | None = None) -
 
     Raises AssertionError where positions are not finite.
     """
-    adapted = perform(project, ["one"], prepare, adapt).performances["one"].adapted
+    adapted = adapt_performers(project, ["one"], prepare, adapt).performances["one"].adapted
     assert np.isfinite(adapted.positions).all(), "positions that are not finite"
     if live:
         stage = LiveStage(project, prepare)

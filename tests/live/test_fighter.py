@@ -19,7 +19,7 @@ from studio.core.captures.contacts import touching_points
 from studio.io.project.character_file import bundled_characters
 from studio.library.catalogue import Catalogue
 from studio.library.clip_labels import Kind, Limb
-from studio.library.indexing import bundled_library, index
+from studio.library.indexing import bundled_library, index_folders
 from studio.library.library import Library
 from studio.library.mirroring import with_mirrored
 from studio.live import vmc
@@ -36,7 +36,7 @@ GUARD = guard_of(None)
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
     with Catalogue(tmp_path_factory.mktemp("library")) as catalogue:
-        index(catalogue, [EXAMPLES])
+        index_folders(catalogue, [EXAMPLES])
         return with_mirrored(Library.of(catalogue))
 
 
@@ -94,7 +94,7 @@ def test_nothing_jumps_and_feet_that_stand_stay(library):
     assert jerk < max(0.1, own)
     assert take.motion.frame_rate == fighter.rate
     for side in (0, 1):
-        ankle = positions[:, body.layout.ankle(side), :2]
+        ankle = positions[:, body.layout.ankle_point(side), :2]
         stays = [frame for frame in range(1, len(shown)) if side in standing[frame] & standing[frame - 1]]
         assert np.linalg.norm(ankle[stays] - ankle[np.array(stays) - 1], axis=1).max() < 0.005
 

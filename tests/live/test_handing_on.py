@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from studio.core.solver.adapt import place_of
+from studio.core.solver.adapt import body_point_positions
 from studio.core.solver.performers.prop_tracks import Holder, stage_track
 from studio.core.stage.holding import PALM_OFFSET
 from studio.core.stage.placement import Placement
@@ -31,7 +31,7 @@ def test_a_box_that_is_handed_on_goes_from_hands_to_hands_and_stays_with_them_wh
         for key, holds in ((one, stage.seconds < given), (other, stage.seconds > given)):
             for side, wrist in ((1.0, LEFT_WRIST), (-1.0, WRIST)):
                 there = track.places[0] + track.rotations[0] @ np.array([PALM_OFFSET, side * prop.size[1] / 2, 0.0])
-                hand = Placement.of(project.performers[key]).to_stage(place_of(wrist, results[key])[0])
+                hand = Placement.of(project.performers[key]).to_stage(body_point_positions(wrist, results[key])[0])
                 assert not holds or step > 85 or np.linalg.norm(hand - there) < 2e-3
     steps = np.linalg.norm(np.diff(np.array(places), axis=0), axis=1)
     assert np.linalg.norm(places[-1] - places[0]) > 0.5

@@ -32,10 +32,10 @@ def packet(random: Random) -> bytes:
 def test_hostile_packets_are_counted_or_taken_and_nothing_else() -> None:
     random, inbox = Random(0), Inbox()
     for _ in range(PACKETS):
-        inbox.feed(packet(random))
+        inbox.receive(packet(random))
     counts = inbox.counts
-    assert counts.taken + counts.bad == PACKETS
-    assert min(counts.taken, counts.bad, counts.refused_values) > PACKETS // 100
+    assert counts.taken + counts.malformed == PACKETS
+    assert min(counts.taken, counts.malformed, counts.refused_values) > PACKETS // 100
     bones = inbox.bones()
     assert 0 < len(bones) <= MOST_NAMES
     for bone in bones.values():

@@ -14,12 +14,12 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.errors import StudioError
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.project.character_file import bundled_characters
 from studio.live import tracker
-from studio.live.driving import ReceivedPose, driven
+from studio.live.driving import ReceivedPose, driven_frame
 from studio.live.osc import encode_message
 from studio.live.planting import LiveGrounding
 from studio.live.recording import Recorder, Replay, read_recording, write_recording
@@ -37,9 +37,9 @@ WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
 
 
 def child_inbox(frame=13):
-    inbox, (positions, rotations) = Inbox(), realize(WALK, CHILD)
+    inbox, (positions, rotations) = Inbox(), realize_motion(WALK, CHILD)
     for packet in packets_of(positions[frame], rotations[frame], CHILD, 0.0):
-        inbox.feed(packet)
+        inbox.receive(packet)
     return inbox
 
 
@@ -49,8 +49,8 @@ def marker(x):
 
 def test_a_body_that_comes_in_plays_on_another_as_its_capture_would():
     pose = ReceivedPose(child_inbox())()
-    shown = driven(AdaptRequest(WALK, GIANT), 13, pose, LiveGrounding(), 0.0)
-    ankle = GIANT.layout.ankle(0)
+    shown = driven_frame(AdaptRequest(WALK, GIANT), 13, pose, LiveGrounding(), 0.0)
+    ankle = GIANT.layout.ankle_point(0)
     there = adapt(AdaptRequest(WALK, GIANT)).positions[13]
     assert shown.first_frame == 13
     assert np.linalg.norm(shown.positions[0, ankle] - there[ankle]) < 0.01 * GIANT.leg_length
@@ -59,19 +59,19 @@ def test_a_body_that_comes_in_plays_on_another_as_its_capture_would():
 
 @pytest.mark.parametrize(("frame", "held"), [(20, True), (35, False)])
 def test_what_is_asked_at_that_moment_is_asked_of_it(frame, held):
-    place = realize(WALK, GIANT)[0][20, GIANT.layout.wrist(1)] + [0.1, 0.0, 0.1]
+    place = realize_motion(WALK, GIANT)[0][20, GIANT.layout.wrist_point(1)] + [0.1, 0.0, 0.1]
     curve = ActivationCurve(*(each / WALK.frame_rate for each in (15, 18, 22, 25)))
     asked = PositionConstraint("walk", "Wrist", WRIST, Chain(trunk=1.0), 0, curve, target=tuple(place.tolist()))
-    shown = driven(
+    shown = driven_frame(
         AdaptRequest(WALK, GIANT, constraints=(asked,)), frame, ReceivedPose(child_inbox(20))(), LiveGrounding(), 0.0
     )
-    missed = np.linalg.norm(shown.positions[0, GIANT.layout.wrist(1)] - place)
+    missed = np.linalg.norm(shown.positions[0, GIANT.layout.wrist_point(1)] - place)
     assert (missed < 1e-3) == held
 
 
 def test_a_body_whose_bones_are_missing_is_none():
     inbox = Inbox()
-    inbox.feed(marker(1.0))
+    inbox.receive(marker(1.0))
     assert ReceivedPose(inbox)() is None
 
 
@@ -101,7 +101,7 @@ def test_a_flood_is_taken_no_faster_than_a_window_can_bear():
                 out.sendto(b"x" * 64, ("127.0.0.1", listener.port))
             seconds = time.monotonic() - begun
         most = tracker.MOST_A_SLICE * (seconds / tracker.SLICE + 2)
-        assert 0 < inbox.counts.bad <= most
+        assert 0 < inbox.counts.malformed <= most
     finally:
         listener.close()
 
@@ -199,9 +199,9 @@ def test_hostile_bodies_drive_a_performer_or_are_none():
 def test_a_body_whose_shoulders_have_no_breadth_is_a_body():
     inbox = child_inbox()
     for side in ("Left", "Right"):
-        inbox.feed(encode_message(BONE_ADDRESS, [f"{side}UpperArm", 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]))
+        inbox.receive(encode_message(BONE_ADDRESS, [f"{side}UpperArm", 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]))
     pose = ReceivedPose(inbox)()
-    shown = driven(AdaptRequest(WALK, GIANT), 13, pose, LiveGrounding(), 0.0)
+    shown = driven_frame(AdaptRequest(WALK, GIANT), 13, pose, LiveGrounding(), 0.0)
     assert np.isfinite(shown.positions).all()
 
 
@@ -210,7 +210,7 @@ def test_several_bodies_go_out_each_to_its_own_port_and_who_cannot_be_reached_is
     listeners = [UdpInput(inbox, 0) for inbox in inboxes]
     out = Broadcast()
     bodies = [
-        StreamedPose(listener.port, *(part[13] for part in realize(WALK, body)), body)
+        StreamedPose(listener.port, *(part[13] for part in realize_motion(WALK, body)), body)
         for listener, body in zip(listeners, (CHILD, GIANT), strict=True)
     ]
     try:

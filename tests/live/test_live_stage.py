@@ -17,8 +17,8 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.slope import Slope
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.solver.adapt import adapt, place_of
-from studio.core.solver.performers.performing import perform
+from studio.core.solver.adapt import adapt, body_point_positions
+from studio.core.solver.performers.performing import adapt_performers
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import (
@@ -34,9 +34,9 @@ from studio.core.stage.placement import Placement
 from studio.core.stage.project import GROUND_ID, Performer, Project
 from studio.core.stage.prop import Prop
 from studio.core.stage.whom import FollowPartner
-from studio.jobs.performances import prepared
+from studio.jobs.performances import prepared_capture
 from studio.library.scenes.stagehand import bodies, material
-from studio.live.playing import own_row
+from studio.live.playing import row_motion
 from studio.live.playing_stage import LiveStage
 
 STEP = 1.0 / 60.0
@@ -64,7 +64,7 @@ _known: dict[int, tuple[Capture, tuple]] = {}
 
 def prepare(capture: Capture):
     if id(capture) not in _known:
-        _known[id(capture)] = capture, prepared(capture)
+        _known[id(capture)] = capture, prepared_capture(capture)
     return _known[id(capture)][1]
 
 
@@ -141,7 +141,9 @@ def test_what_nobody_touches_plays_as_the_timeline_has_it():
         clip_of("front_kick", 60, 120, 0.9),
         reach=reaching("front_kick", (0.4, 0.0, 1.2)),
     )
-    timeline = perform(project, ["one"], prepare, lambda request: adapt(replace(request, eased=False, clears=False)))
+    timeline = adapt_performers(
+        project, ["one"], prepare, lambda request: adapt(replace(request, eased=False, clears=False))
+    )
     stage = LiveStage(
         project.with_entity("performers", "one", replace(project.performers["one"], clears=False)), prepare
     )
@@ -167,7 +169,7 @@ def test_what_nobody_touches_plays_as_the_timeline_has_it():
 def test_a_clip_takes_over_at_any_frame_without_a_jolt(first, second, body):
     shown = changed(first, second, body)
     peaks = [
-        own_row(staged(replace(each, first=0), body=body), "one", prepare).standing.peaks for each in (first, second)
+        row_motion(staged(replace(each, first=0), body=body), "one", prepare).standing.peaks for each in (first, second)
     ]
     usual = np.maximum(np.maximum(*peaks), QUIET_PEAK)
     assert (shown.accelerations()[CHANGE - 4 :].max(axis=0) / usual).max() < PERMITTED
@@ -251,7 +253,7 @@ def test_a_target_that_is_moved_is_reached_in_the_next_step():
         place = (0.4, -0.2 + 0.01 * step, 1.1)
         stage.project = project.with_entity("constraints", "reach", reaching("straight_punch", place))
         result = stage.step(STEP if step else 0.0)["one"]
-        assert np.linalg.norm(place_of(WRIST, result)[0] - place) < 1e-3
+        assert np.linalg.norm(body_point_positions(WRIST, result)[0] - place) < 1e-3
 
 
 def test_what_was_asked_goes_smoothly_when_another_motion_takes_over():
@@ -275,7 +277,7 @@ def test_what_is_asked_in_both_clips_holds_all_the_way():
         if step == CHANGE:
             stage.start("one", clip_of("reach_grasp", 200))
         result = stage.step(STEP if step else 0.0)["one"]
-        assert np.linalg.norm(place_of(WRIST, result)[0] - place) < 1e-3
+        assert np.linalg.norm(body_point_positions(WRIST, result)[0] - place) < 1e-3
 
 
 def test_a_ground_that_is_changed_is_stood_on_in_the_next_step():
@@ -287,8 +289,8 @@ def test_a_ground_that_is_changed_is_stood_on_in_the_next_step():
     )
     sloped = stage.step(STEP)["one"]
     layout = sloped.morphology.layout
-    apart = sloped.positions[0, layout.ankle(0)] - sloped.positions[0, layout.ankle(1)]
-    height = stage.project.ground.height_at(sloped.positions[0, [layout.ankle(0), layout.ankle(1)], :2])
+    apart = sloped.positions[0, layout.ankle_point(0)] - sloped.positions[0, layout.ankle_point(1)]
+    height = stage.project.ground.height_at(sloped.positions[0, [layout.ankle_point(0), layout.ankle_point(1)], :2])
     assert np.linalg.norm(apart) > 0.2
     assert abs(height[0] - height[1]) > 0.01
     assert abs((height[0] - height[1]) - apart[2]) < 0.03
@@ -322,7 +324,8 @@ def test_hands_that_follow_each_other_meet_in_every_step():
     for step in range(60):
         results = stage.step(STEP if step else 0.0)
         hands = [
-            Placement.of(project.performers[key]).to_stage(place_of(WRIST, each)[0]) for key, each in results.items()
+            Placement.of(project.performers[key]).to_stage(body_point_positions(WRIST, each)[0])
+            for key, each in results.items()
         ]
         assert np.linalg.norm(hands[0] - hands[1]) < 2e-3
 
@@ -468,7 +471,8 @@ def test_what_a_state_asks_is_asked_while_it_lasts():
     for step in range(60):
         results = stage.step(STEP if step else 0.0)
     hands = [
-        Placement.of(stage.project.performers[key]).to_stage(place_of(WRIST, each)[0]) for key, each in results.items()
+        Placement.of(stage.project.performers[key]).to_stage(body_point_positions(WRIST, each)[0])
+        for key, each in results.items()
     ]
     assert np.linalg.norm(hands[0] - hands[1]) < 2e-3
 
@@ -483,6 +487,6 @@ def test_a_correction_acts_live_and_one_that_is_edited_while_it_plays_too(above)
     made = replace(new_correction("Elbow", "one", 0.5, PoseOffsets(turn)), above=above)
     stage.project = stage.project.with_entity("corrections", "c", made)
     stage.step(0.0)
-    posed, wrist = stage.results["one"], plain.morphology.layout.wrist(0)
+    posed, wrist = stage.results["one"], plain.morphology.layout.wrist_point(0)
     assert posed.first_frame == plain.first_frame
     assert np.linalg.norm(posed.positions[0, wrist] - plain.positions[0, wrist]) > 0.03

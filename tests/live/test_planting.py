@@ -19,13 +19,13 @@ from studio.core.grounds.slope import Slope
 from studio.core.grounds.steps import Steps
 from studio.core.kernels.support.sole import HEEL_STANDS, TOE_STANDS
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.quality.metrics import LIMB_BONES, swing_depths, turning_peaks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
 from studio.io.project.character_file import bundled_characters
-from studio.live.driving import ReceivedPose, driven
+from studio.live.driving import ReceivedPose, driven_frame
 from studio.live.planting import LiveGrounding
 from studio.live.streamer import packets_of
 from studio.live.tracker import Inbox
@@ -55,7 +55,7 @@ def received(source: AdaptedMotion, frames: np.ndarray) -> list[NormalizedMotion
     pose = ReceivedPose(inbox)
     for frame in frames:
         for packet in packets_of(source.positions[frame], source.rotations[frame], source.morphology, 0.0):
-            inbox.feed(packet)
+            inbox.receive(packet)
         poses.append(pose())
     return poses
 
@@ -83,7 +83,7 @@ def play(stem: str, body: Morphology, ground: Ground) -> Played:
     source, poses = sent(stem)
     planted, shown, states = LiveGrounding(), [], []
     for frame, pose in enumerate(poses):
-        shown.append(driven(AdaptRequest(pose, body, ground=ground), 0, pose, planted, frame / source.frame_rate))
+        shown.append(driven_frame(AdaptRequest(pose, body, ground=ground), 0, pose, planted, frame / source.frame_rate))
         states.append(planted.states)
     parts = (np.concatenate([getattr(each, name) for each in shown]) for name in ("positions", "rotations"))
     whole = AdaptedMotion(body, source.frame_rate, 0, *parts, np.empty((0, len(shown))))
@@ -162,17 +162,17 @@ def test_a_walk_stands_about_as_long_as_it_does_as_a_capture(captures):
 
 def test_a_hand_that_is_asked_far_away_takes_no_foot_along():
     body = BODIES["adult_woman"]
-    positions, rotations = realize(WALK, body)
+    positions, rotations = realize_motion(WALK, body)
     source = AdaptedMotion(body, 60.0, 0, positions, rotations, np.empty((0, len(positions))))
     [pose] = received(source, np.array([20]))
-    planted, wrist = LiveGrounding(), body.layout.wrist(1)
-    stood = driven(AdaptRequest(pose, body), 0, pose, planted, 0.0)
+    planted, wrist = LiveGrounding(), body.layout.wrist_point(1)
+    stood = driven_frame(AdaptRequest(pose, body), 0, pose, planted, 0.0)
     place = stood.positions[0, wrist] + [0.5, 0.0, 0.0]
     point, chain = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), Chain(trunk=1.0, root=1.0)
     asked = PositionConstraint("walk", "Wrist", point, chain, 0, ALWAYS, target=tuple(place))
-    reached = driven(AdaptRequest(pose, body, constraints=(asked,)), 0, pose, planted, 0.1)
+    reached = driven_frame(AdaptRequest(pose, body, constraints=(asked,)), 0, pose, planted, 0.1)
     for side, state in enumerate(planted.states):
-        ankle = body.layout.ankle(side)
+        ankle = body.layout.ankle_point(side)
         assert not state or np.linalg.norm(reached.positions[0, ankle] - stood.positions[0, ankle]) < 1e-3
     assert any(planted.states)
     assert np.linalg.norm(reached.positions[0, 0] - stood.positions[0, 0]) > 0.05
@@ -181,7 +181,7 @@ def test_a_hand_that_is_asked_far_away_takes_no_foot_along():
 def test_a_body_that_was_away_begins_anew_where_it_is(captures):
     _, poses = sent(STEMS[0])
     body, planted = BODIES["giant"], LiveGrounding()
-    driven(AdaptRequest(poses[0], body), 0, poses[0], planted, 0.0)
-    late = driven(AdaptRequest(poses[-1], body), 0, poses[-1], planted, 5.0)
-    anew = driven(AdaptRequest(poses[-1], body), 0, poses[-1], LiveGrounding(), 0.0)
+    driven_frame(AdaptRequest(poses[0], body), 0, poses[0], planted, 0.0)
+    late = driven_frame(AdaptRequest(poses[-1], body), 0, poses[-1], planted, 5.0)
+    anew = driven_frame(AdaptRequest(poses[-1], body), 0, poses[-1], LiveGrounding(), 0.0)
     assert np.abs(late.positions - anew.positions).max() < 1e-12

@@ -8,15 +8,15 @@ import pytest
 
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import touching_points
-from studio.core.captures.reaching import farthest_frame
+from studio.core.captures.reaching import farthest_reach_frame
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.solver.adapt import place_of
+from studio.core.solver.adapt import body_point_positions
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.manners import ARM_POINT, FIST_POINT, HEAD_POINT, KeepDistance, LeanAway
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project
 from studio.core.stage.whom import PELVIS_POINT
-from studio.jobs.performances import prepared
+from studio.jobs.performances import prepared_capture
 from studio.library.scenes import fight
 from studio.library.scenes.sparring import (
     ARM_STRETCHED_FRAME,
@@ -35,7 +35,7 @@ _known: dict[int, tuple[Capture, tuple]] = {}
 
 def prepare(capture: Capture):
     if id(capture) not in _known:
-        _known[id(capture)] = capture, prepared(capture)
+        _known[id(capture)] = capture, prepared_capture(capture)
     return _known[id(capture)][1]
 
 
@@ -62,7 +62,7 @@ class Fight:
 
     def at(self, key, point):
         placement = Placement.of(self.stage.project.performers[key])
-        return placement.to_stage(place_of(point, self.stage.results[key])[0])
+        return placement.to_stage(body_point_positions(point, self.stage.results[key])[0])
 
     def apart(self, point=PELVIS_POINT, other=PELVIS_POINT, one_key=ONE, other_key=OTHER):
         return float(np.linalg.norm(self.at(one_key, point) - self.at(other_key, other)))
@@ -182,7 +182,7 @@ def test_eight_fighters_kick_ward_off_and_punch_by_two_behaviours_that_fit_all_b
                 (hit, fight.RIGHT_FIST, fight.CHIN),
             ):
                 places = [
-                    Placement.of(project.performers[key]).to_stage(place_of(point, results[key])[0])
+                    Placement.of(project.performers[key]).to_stage(body_point_positions(point, results[key])[0])
                     for key, point in ((red, own), (white, other))
                 ]
                 gaps[white, red].append(float(np.linalg.norm(places[0] - places[1])))
@@ -197,7 +197,9 @@ def test_who_is_too_far_does_not_strike():
 
 
 def test_the_punch_is_found_to_hit_where_its_arm_is_stretched_most():
-    assert farthest_frame(scene().captures["straight_punch"], 140, 230) == pytest.approx(ARM_STRETCHED_FRAME, abs=3)
+    assert farthest_reach_frame(scene().captures["straight_punch"], 140, 230) == pytest.approx(
+        ARM_STRETCHED_FRAME, abs=3
+    )
 
 
 def test_who_wards_off_meets_the_kick_and_does_not_chase_it():

@@ -9,8 +9,8 @@ from pythonosc.osc_bundle import OscBundle
 from scipy.spatial.transform import Rotation
 
 from studio.core.errors import StudioError
-from studio.core.normalized.encode import encode
-from studio.core.normalized.realize import realize
+from studio.core.normalized.encode import encode_motion
+from studio.core.normalized.realize import realize_motion
 from studio.io.project.character_file import bundled_characters
 from studio.live import vmc
 from studio.live.osc import encode_message
@@ -26,14 +26,14 @@ BODIES["of a long spine"] = make_morphology(spine_count=6)
 
 
 def frame_of(body, frame=13):
-    positions, rotations = realize(walk(40)[0], body)
+    positions, rotations = realize_motion(walk(40)[0], body)
     return positions[frame], rotations[frame]
 
 
 def received(body, frame=13):
     inbox = Inbox()
     for packet in packets_of(*frame_of(body, frame), body, 0.5):
-        inbox.feed(packet)
+        inbox.receive(packet)
     return inbox
 
 
@@ -41,7 +41,7 @@ def received(body, frame=13):
 def test_our_own_stream_read_back_is_the_same_pose_within_a_tenth_of_a_degree(name):
     body = BODIES[name]
     positions, rotations = frame_of(body)
-    found = vmc.posed(received(body).bones())
+    found = vmc.posed_body(received(body).bones())
     assert found is not None
     back_positions, back_rotations, back = found
     ours = {each.name: each.segment for each in vmc.bone_segments(body.layout)}
@@ -51,7 +51,7 @@ def test_our_own_stream_read_back_is_the_same_pose_within_a_tenth_of_a_degree(na
         assert np.degrees(turn.magnitude()) < 0.1
     assert np.linalg.norm(back_positions[0] - positions[0]) < 1e-4
     for side in (0, 1):
-        for ends in (vmc.BodyLayout.ankle, vmc.BodyLayout.wrist):
+        for ends in (vmc.BodyLayout.ankle_point, vmc.BodyLayout.wrist_point):
             assert np.linalg.norm(back_positions[ends(back.layout, side)] - positions[ends(body.layout, side)]) < 1e-3
 
 
@@ -69,10 +69,10 @@ def test_an_independent_reader_finds_every_bone_once_in_packets_of_the_size_allo
 
 
 def test_a_received_body_plays_on_another():
-    found = vmc.posed(received(BODIES["child"]).bones())
+    found = vmc.posed_body(received(BODIES["child"]).bones())
     positions, rotations, body = found
-    motion = encode(positions[None], rotations[None], body, 60.0)
-    put = realize(motion, BODIES["giant"])[1][0]
+    motion = encode_motion(positions[None], rotations[None], body, 60.0)
+    put = realize_motion(motion, BODIES["giant"])[1][0]
     giant = frame_of(BODIES["giant"])[1]
     layout = BODIES["giant"].layout
     thigh = layout.segment(vmc.BodyPart.LEFT_THIGH)
@@ -98,7 +98,7 @@ def test_the_newest_value_wins_and_a_head_is_the_mean_of_its_markers():
     inbox = Inbox()
     assert inbox.place(["a"]) is None
     for name, x in (("a", 9.0), ("a", 1.0), ("b", 3.0)):
-        inbox.feed(bone_message(name, x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0))
+        inbox.receive(bone_message(name, x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0))
     assert inbox.place(["a", "b"]).tolist() == [0.0, -2.0, 0.0]
     assert inbox.place(["a", "c"]) is None
 
@@ -114,11 +114,11 @@ def test_what_is_no_number_is_refused_and_what_is_absurd_is_clamped():
     inbox = Inbox()
     still = [0.0, 0.0, 0.0, 1.0]
     for numbers in ([float("nan"), 0.0, 0.0, *still], [0.0, float("inf"), 0.0, *still], [0.0] * 7, [1.0, 2.0]):
-        inbox.feed(bone_message("a", *numbers))
-    inbox.feed(encode_message(vmc.BONE_ADDRESS, [b"a", *([0.0] * 7)]))
+        inbox.receive(bone_message("a", *numbers))
+    inbox.receive(encode_message(vmc.BONE_ADDRESS, [b"a", *([0.0] * 7)]))
     assert inbox.counts.refused_values == 5
     assert inbox.place(["a"]) is None
-    inbox.feed(bone_message("a", 1e30, 0.0, 0.0, *still))
+    inbox.receive(bone_message("a", 1e30, 0.0, 0.0, *still))
     assert abs(inbox.place(["a"])).max() == TRACKED_RANGE
 
 
@@ -128,16 +128,16 @@ def test_hostile_packets_are_counted_and_leave_the_memory_as_it_is():
     noise = [random.integers(0, 256, 64).astype(np.uint8).tobytes() for _ in range(50)]
     names = [bone_message(f"name {k}", *([0.0] * 6), 1.0) for k in range(2 * MOST_NAMES)]
     for packet in names:
-        inbox.feed(packet)
+        inbox.receive(packet)
     assert inbox.counts.refused_values == MOST_NAMES
     tracemalloc.start()
     before = tracemalloc.get_traced_memory()[0]
     for _ in range(40):
         for packet in noise:
-            inbox.feed(packet)
+            inbox.receive(packet)
     grown = tracemalloc.get_traced_memory()[0] - before
     tracemalloc.stop()
-    assert inbox.counts.bad == 40 * len(noise)
+    assert inbox.counts.malformed == 40 * len(noise)
     assert grown < 20_000
 
 
@@ -149,12 +149,12 @@ def test_only_listed_senders_are_heard_over_udp():
         with Streamer(listener.port) as streamer, Streamer(other.port) as stranger:
             streamer.send(*frame_of(body), body, 0.0)
             stranger.send(*frame_of(body), body, 0.0)
-            assert eventually(lambda: vmc.posed(inbox.bones()) is not None and deaf.counts.strangers)
+            assert eventually(lambda: vmc.posed_body(inbox.bones()) is not None and deaf.counts.unknown_senders)
     finally:
         listener.close()
         other.close()
-    assert vmc.posed(inbox.bones()) is not None
-    assert deaf.counts.strangers > 0
+    assert vmc.posed_body(inbox.bones()) is not None
+    assert deaf.counts.unknown_senders > 0
     assert deaf.counts.taken == 0
 
 

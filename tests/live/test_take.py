@@ -9,7 +9,7 @@ from studio.core.constraints.scope import Scope
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.quality.metrics import contact_quality
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import motion_of, perform
+from studio.core.solver.performers.performing import adapt_performers, motion_of
 from studio.core.stage.project import Project, new_id
 from studio.library.scenes.sparring import PUNCH_KEYS
 from studio.live.playing_stage import LiveStage
@@ -43,7 +43,7 @@ class Play:
         take = self.stage.recorded()
         assert take is not None
         project = with_take(self.stage.project, take)
-        made = perform(project, ["one"], prepare, lambda request: adapt(replace(request, eased=False)))
+        made = adapt_performers(project, ["one"], prepare, lambda request: adapt(replace(request, eased=False)))
         one = made.performances["one"]
         timing = one.composite.timing
         frames = [(round(timing.frame_at(seconds)), seen) for seconds, seen in self.seen if seconds >= take.begin]
@@ -75,7 +75,9 @@ def test_a_take_begins_where_it_is_put_on_the_timeline_and_plays_as_it_was_seen(
     clips = project.performers["one"].clips
     assert clips[0].start == pytest.approx(begin, abs=STEP)
     assert clips[1].start == pytest.approx(begin + 10 * STEP, abs=1.5 * STEP)
-    one = perform(project, ["one"], prepare, lambda request: adapt(replace(request, eased=False))).performances["one"]
+    one = adapt_performers(
+        project, ["one"], prepare, lambda request: adapt(replace(request, eased=False))
+    ).performances["one"]
     timing = one.composite.timing
     frames = [
         (round(timing.frame_at(seconds + begin - take.begin)), seen)
@@ -180,7 +182,7 @@ def test_steps_to_keep_a_distance_are_in_the_take_where_they_were_played():
             seen[key].append(result.positions[0, 0])
     take = stage.recorded()
     taken = with_take(project, take)
-    made = perform(taken, PUNCH_KEYS, prepare, lambda request: adapt(replace(request, eased=False)))
+    made = adapt_performers(taken, PUNCH_KEYS, prepare, lambda request: adapt(replace(request, eased=False)))
     assert not made.failures
     for key, roots in seen.items():
         one = made.performances[key]

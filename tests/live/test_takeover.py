@@ -17,7 +17,7 @@ from studio.core.solver.standing.swing_foot_path import Sole
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import GROUND_ID
 from studio.library.scenes.stagehand import material
-from studio.live.playing import own_row
+from studio.live.playing import row_motion
 from studio.live.playing_stage import LiveStage
 from tests.live.test_live_stage import CHANGE, PERMITTED, STEP, Shown, cast, changed, clip_of, prepare, staged, stuff
 
@@ -35,7 +35,7 @@ def turning(name: str, first: int) -> Clip:
 def jolt_of(shown: Shown, first: Clip, second: Clip, body: str) -> float:
     """The sharpest that a joint turns where ``second`` takes over, beside its own sharpest in either clip."""
     peaks = [
-        own_row(staged(replace(each, first=0), body=body), "one", prepare).standing.peaks for each in (first, second)
+        row_motion(staged(replace(each, first=0), body=body), "one", prepare).standing.peaks for each in (first, second)
     ]
     usual = np.maximum(np.maximum(*peaks), QUIET_PEAK)
     return float((shown.accelerations()[CHANGE - 4 :].max(axis=0) / usual).max())
@@ -73,7 +73,7 @@ def slide_of(shown: Shown) -> float:
     body = shown.stage.results[shown.key].morphology
     positions, rotations, worst = np.array(shown.positions), np.array(shown.rotations), 0.0
     for side in range(2):
-        ankle, foot = body.layout.ankle(side), body.layout.spine_count + 12 + 4 * side
+        ankle, foot = body.layout.ankle_point(side), body.layout.spine_count + 12 + 4 * side
         pad = heel_pivot(sole_rows(body, side)).offsets(rotations[:, foot], rotations[:, foot + 1])
         heels = (positions[:, ankle] + pad)[:, :2]
         toes = np.linalg.norm(np.diff(positions[:, ankle + 1 : ankle + 3, :2], axis=0), axis=2).min(axis=1)
@@ -125,7 +125,9 @@ def sole_heights(result, side: int) -> np.ndarray:
     body, layout = result.morphology, result.morphology.layout
     leg = layout.spine_count + 10 + 4 * side
     foot, toe = (result.rotations[:1, leg + part] for part in (2, 3))
-    return Sole.of(result.positions[:1, layout.ankle(side)], foot, toe, sole_rows(body, side)).points[0, [0, 4, -1], 2]
+    return Sole.of(result.positions[:1, layout.ankle_point(side)], foot, toe, sole_rows(body, side)).points[
+        0, [0, 4, -1], 2
+    ]
 
 
 @pytest.mark.parametrize("body", ["adult_woman", "giant"])

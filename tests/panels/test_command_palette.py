@@ -3,12 +3,12 @@ from PySide6.QtGui import QAction, QKeyEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMainWindow
 
-from studio.panels.command_palette import CommandPalette, ranked
+from studio.panels.command_palette import CommandPalette, ranked_actions
 
 
 def found(words, *texts):
     actions = [QAction(text) for text in texts]
-    return [action.text() for action in ranked(actions, words)]
+    return [action.text() for action in ranked_actions(actions, words)]
 
 
 def test_words_that_stand_together_come_before_letters_that_only_follow_each_other(qapp):

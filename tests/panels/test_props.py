@@ -16,7 +16,7 @@ from studio.core.constraints.procedural import PendulumPlace
 from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.mesh.triangle_mesh import TriangleMesh
-from studio.core.solver.performers.stage import asked_of
+from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.document.obstacles import obstacles_of, set_obstacle
@@ -265,9 +265,9 @@ def test_a_prop_that_collides_keeps_whole_bodies_out_at_any_size_and_lets_them_t
     collides.click()
     [(key, area)] = obstacles_of(document.project, "box").items()
     assert (area.shape, area.centre, area.size, area.whole) == ("box", FollowProp("box"), (0.4, 0.4, 0.4), True)
-    parts = {each.constraint.point.part.value for each in asked_of(document.project, "performer 0")}
+    parts = {each.constraint.point.part.value for each in constraints_of_performer(document.project, "performer 0")}
     assert {"left_forearm", "right_upper_arm", "left_thigh", "pelvis", "thorax", "neck"} <= parts
-    assert {each.constraint_id for each in asked_of(document.project, "performer 0")} == {key}
+    assert {each.constraint_id for each in constraints_of_performer(document.project, "performer 0")} == {key}
     for axis, side in enumerate((0.5, 0.6, 0.7)):
         form._size._set(axis, side)
     assert document.project.constraints[key].size == document.project.props["box"].size == (0.5, 0.6, 0.7)

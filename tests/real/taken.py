@@ -12,7 +12,7 @@ from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactInterval
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.normalize import capture_contacts, normalize
+from studio.core.normalized.normalize import capture_contacts, normalize_capture
 from studio.io.importing import load_capture
 from tests.captures import CAPTURES, missing
 
@@ -33,7 +33,7 @@ atexit.register(_folder.cleanup)
 @lru_cache(maxsize=len(HUMANS) + len(RECORDINGS))
 def taken(path: Path) -> tuple[Capture, NormalizedMotion, SourceRig]:
     capture = load_capture(path)
-    return capture, *normalize(capture)
+    return capture, *normalize_capture(capture)
 
 
 @cache

@@ -68,7 +68,7 @@ def test_the_character_keeps_its_own_measures(stem: str, name: str) -> None:
     adapted, body = _adapted(named(stem), name), BODIES[name]
     for side in range(2):
         for bone, length in enumerate(body.leg[side]):
-            first = body.layout.hip(side) + bone
+            first = body.layout.hip_point(side) + bone
             spans = np.linalg.norm(adapted.positions[:, first + 1] - adapted.positions[:, first], axis=1)
             assert np.allclose(spans, length, atol=1e-9)
     heads = adapted.positions[:, body.layout.head_end, 2]
@@ -98,7 +98,7 @@ def _punched(
 )
 def test_a_punch_hits_where_it_is_told_and_the_feet_still_hold(stem: str, name: str) -> None:
     body = BODIES[name]
-    before, after, full = _punched(body, stem, BodyPart.LEFT_FOREARM, body.layout.wrist(0))
+    before, after, full = _punched(body, stem, BodyPart.LEFT_FOREARM, body.layout.wrist_point(0))
     assert full.any()
     assert after.residuals[0, full].max() < 2e-4
     capture, motion, actor = taken(named(stem))

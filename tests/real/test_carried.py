@@ -15,7 +15,7 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds import Bumps, Slope
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio, contact_quality, swing_depths
-from studio.core.solver.adapt import adapt, hold, place_of
+from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
@@ -158,7 +158,10 @@ def test_bones_keep_their_lengths_while_hands_and_knees_carry(captures: Path) ->
     body = BODIES["child"]
     points = adapt(AdaptRequest(motion, body, contacts_of(capture))).positions
     for side in range(2):
-        for first, lengths in ((body.layout.hip(side), body.leg[side]), (body.layout.collar(side) + 1, body.arm[side])):
+        for first, lengths in (
+            (body.layout.hip_point(side), body.leg[side]),
+            (body.layout.collar_point(side) + 1, body.arm[side]),
+        ):
             for bone, length in enumerate(lengths):
                 spans = np.linalg.norm(points[:, first + bone + 1] - points[:, first + bone], axis=1)
                 assert np.allclose(spans, length, atol=1e-9)
@@ -169,16 +172,16 @@ def test_constraints_yield_to_hands_and_knees_and_scrubbing_is_playing(captures:
     contacts = contacts_of(capture)
     standing = stand(motion, BODIES["adult_woman"], contacts, Ground())
     chest = BodyPoint(BodyPart.THORAX, at_end=True)
-    place = place_of(chest, hold(standing, ()))[270] + [0.0, 0.0, 0.12]
+    place = body_point_positions(chest, solve_constraints(standing, ()))[270] + [0.0, 0.0, 0.12]
     curve = ActivationCurve(8.0, 9.0, 11.0, 12.0)
     lifted = target("thorax", place, Chain(trunk=1.0, root=1.0), activation=curve)
-    moved = hold(standing, (lifted,))
+    moved = solve_constraints(standing, (lifted,))
     assert moved.residuals.shape == (1, motion.frame_count)
     assert moved.residuals[0, 270] < 0.08  # of 0.12, for hands and knees hold
     quality = contact_quality(moved, contacts, Ground())
     assert quality.slide < 1e-3
     assert quality.penetration < 2e-3
-    window = hold(standing, (lifted,), 250, 290)
+    window = solve_constraints(standing, (lifted,), 250, 290)
     assert np.array_equal(window.positions, moved.positions[250:291])
 
 
@@ -188,27 +191,27 @@ def test_nothing_that_is_asked_elsewhere_moves_what_stands(stem: str, name: str)
     capture, motion, _ = taken(named(stem))
     contacts = contacts_of(capture)
     standing = stand(motion, BODIES[name], contacts, Ground())
-    unsolved = hold(standing, ())
+    unsolved = solve_constraints(standing, ())
     for seed in range(6):
         random = np.random.default_rng(seed)
         wishes = []
         for priority in range(2):
             part = (BodyPart.HEAD, BodyPart.PELVIS, BodyPart.LEFT_FOREARM, BodyPart.RIGHT_FOREARM)[random.integers(4)]
-            place = place_of(BodyPoint(part, at_end=True), unsolved)[random.integers(motion.frame_count)]
+            place = body_point_positions(BodyPoint(part, at_end=True), unsolved)[random.integers(motion.frame_count)]
             far = random.choice([0.05, 0.2, 0.6])
             chain = Chain(trunk=1.0, root=float(random.integers(2)))
             wishes.append(target(part.value, place + far * random.normal(size=3), chain, priority))
-        assert contact_quality(hold(standing, wishes), contacts, Ground()).slide < 3e-4, seed
+        assert contact_quality(solve_constraints(standing, wishes), contacts, Ground()).slide < 3e-4, seed
 
 
 def test_the_head_of_who_crawls_goes_aside_beside_hands_knees_and_toes_that_stand(captures: Path) -> None:
     capture, motion, _ = taken(named("accad_female1_A11_CrawlForward"))
     standing = stand(motion, BODIES["adult_woman"], contacts_of(capture), Ground())
     head, aside = BodyPoint(BodyPart.HEAD, at_end=True), FollowTracked("aside")
-    places = place_of(head, hold(standing, ())) + np.array([0.0, 0.05, 0.025])
+    places = body_point_positions(head, solve_constraints(standing, ())) + np.array([0.0, 0.05, 0.025])
     for chain in (Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)):
         wish = replace(target("head", places[0], chain), target=aside)
-        missed = hold(standing, (wish,), tracks={aside: Track(places, np.eye(3)[None])}).residuals[0]
+        missed = solve_constraints(standing, (wish,), tracks={aside: Track(places, np.eye(3)[None])}).residuals[0]
         assert np.quantile(missed, 0.95) < 1e-3
 
 

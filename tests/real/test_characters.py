@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from studio.core.body.rest_pose import rest_pose
-from studio.core.captures.contacts import contact_mask, on_ground
+from studio.core.captures.contacts import contact_mask, ground_contacts
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.skin import Blending, bound_pose, skin_vertices
 from studio.core.quality.metrics import acceleration_ratio, contact_quality
@@ -198,7 +198,7 @@ def test_legs_of_who_sits_low_on_high_ankles_do_not_fold_to_nothing(path: Path):
     for side in range(2):
         stretches = []
         for found in (adapted, source):
-            hip = found.morphology.layout.hip(side)
+            hip = found.morphology.layout.hip_point(side)
             away = np.linalg.norm(found.positions[:, hip + 2] - found.positions[:, hip], axis=1)
             stretches.append(away / found.morphology.leg[side].sum())
         own, actors = stretches
@@ -211,6 +211,8 @@ def test_who_turns_over_in_the_air_leaps_high_enough_for_its_head(path: Path):
     capture, motion, actor = taken(named("mass_backflip"))
     body = read(path).character.morphology
     adapted = adapt(AdaptRequest(motion, body, contacts_of(capture), actor=actor.morphology))
-    flying = ~contact_mask([(each.first, each.last) for each in on_ground(contacts_of(capture))], motion.frame_count)
+    flying = ~contact_mask(
+        [(each.first, each.last) for each in ground_contacts(contacts_of(capture))], motion.frame_count
+    )
     assert adapted.positions[flying, : body.layout.head_end + 1, 2].min() > -0.02 * body.stature
     assert acceleration_ratio(adapted, source_motion(motion, actor)) < 3.0

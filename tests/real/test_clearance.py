@@ -15,8 +15,8 @@ from studio.core.grounds.ground import Ground
 from studio.core.kernels.limits.arm_clearance import MAX_INHERITED_CLEARANCE
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.solver.adapt import hold
-from studio.core.solver.asking.clearance import clearances
+from studio.core.solver.adapt import solve_constraints
+from studio.core.solver.asking.clearance import arm_distances
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.source import source_motion
 from studio.core.solver.standing.stand import Standing, stand
@@ -45,7 +45,7 @@ def _cleared(stem: str, name: str) -> tuple[AdaptedMotion, AdaptedMotion, Adapte
     """The source, the motion on a character, and the same with its arms clear."""
     standing, source = _standing(stem, name)
     first = source.first_frame
-    return source, hold(standing, (), first), hold(standing, (CLEAR,), first)
+    return source, solve_constraints(standing, (), first), solve_constraints(standing, (CLEAR,), first)
 
 
 def _arm_peaks(motion: AdaptedMotion) -> np.ndarray:
@@ -59,8 +59,8 @@ def _arm_peaks(motion: AdaptedMotion) -> np.ndarray:
 @pytest.mark.parametrize("stem", ["punch", "dance", *outside(*SHOWN)])
 def test_arms_come_out_of_the_body_without_a_pop(stem: str, name: str) -> None:
     source, before, after = _cleared(stem, name)
-    assert clearances(before).min() < MAX_INHERITED_CLEARANCE
-    assert clearances(after).min() > max(clearances(before).min(), -DEEPEST)
+    assert arm_distances(before).min() < MAX_INHERITED_CLEARANCE
+    assert arm_distances(after).min() > max(arm_distances(before).min(), -DEEPEST)
     assert after.residuals.max() < 2e-3
     assert (_arm_peaks(after) / np.maximum(_arm_peaks(source), QUIET_PEAK)).max() < 3.0
 
@@ -68,7 +68,7 @@ def test_arms_come_out_of_the_body_without_a_pop(stem: str, name: str) -> None:
 @pytest.mark.parametrize("name", ["stocky_man", "giant"])
 def test_what_touches_on_the_actor_touches_and_does_not_fly_off(captures: Path, name: str) -> None:
     source, before, after = _cleared("accad_female1_D3_ConversationGestures", name)
-    own, sunk, now = (clearances(each)[..., 2:].min(axis=(1, 2)) for each in (source, before, after))
+    own, sunk, now = (arm_distances(each)[..., 2:].min(axis=(1, 2)) for each in (source, before, after))
     touching = (own < 0.02) & (sunk < -0.03)
     assert touching.sum() > 10
     assert now[touching].max() < 0.03
@@ -81,10 +81,13 @@ def test_wrists_that_are_to_be_in_the_body_stay_out_of_it_without_a_pop(captures
     wrist = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
     wish = PositionConstraint("motion", "Wrist", wrist, Chain(), 1, ALWAYS, target=within)
     first, last = source.first_frame + 200, source.first_frame + 500
-    alone, both = hold(standing, (CLEAR,), first, last), hold(standing, (wish, CLEAR), first, last)
+    alone, both = (
+        solve_constraints(standing, (CLEAR,), first, last),
+        solve_constraints(standing, (wish, CLEAR), first, last),
+    )
     assert both.residuals[1] == pytest.approx(alone.residuals[0], abs=2e-4)
     assert both.residuals[0].min() > 0.02
     assert (_arm_peaks(both) / np.maximum(_arm_peaks(source), QUIET_PEAK)).max() < 3.0
-    part = hold(standing, (CLEAR, wish), first + 100, first + 110)
+    part = solve_constraints(standing, (CLEAR, wish), first + 100, first + 110)
     assert np.array_equal(part.positions, both.positions[100:111])
     assert np.array_equal(part.residuals[::-1], both.residuals[:, 100:111])

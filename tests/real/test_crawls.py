@@ -12,8 +12,8 @@ from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactPoint
 from studio.core.grounds import Slope
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.normalize import capture_contacts, normalize
-from studio.core.quality.motion_quality import COMMON_LEG, motion_quality, rises
+from studio.core.normalized.normalize import capture_contacts, normalize_capture
+from studio.core.quality.motion_quality import COMMON_LEG, limb_elevations, motion_quality
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
@@ -53,7 +53,7 @@ def _path(kind: str) -> Path:
 def _adapted(kind: str) -> tuple[AdaptedMotion, dict[str, AdaptedMotion], float]:
     """The source, the adapted motions, and the greatest jump of them all."""
     capture = load_capture(_path(kind))
-    motion, actor = normalize(capture)
+    motion, actor = normalize_capture(capture)
     contacts, source = contacts_of(capture), source_motion(motion, actor)
     own = actor.morphology
     adapted = {name: adapt(AdaptRequest(motion, body or own, contacts, actor=own)) for name, body in BODIES.items()}
@@ -65,13 +65,13 @@ def _turned(kind: str, name: str) -> NDArray[np.float64]:
     """(F, 9) degrees by which trunk, arms and legs rise otherwise than the source's, in the frames of that kind."""
     source, adapted, _ = _adapted(kind)
     _, first, last = FILES[kind]
-    return np.asarray(np.degrees(np.abs(rises(adapted[name]) - rises(source)))[first : last + 1])
+    return np.asarray(np.degrees(np.abs(limb_elevations(adapted[name]) - limb_elevations(source)))[first : last + 1])
 
 
 def _hips(motion: AdaptedMotion) -> NDArray[np.float64]:
     """(F,) metres of the hips above the ground on legs of 85 cm."""
     layout = motion.morphology.layout
-    heights = motion.positions[:, [layout.hip(0), layout.hip(1)], 2].mean(axis=1)
+    heights = motion.positions[:, [layout.hip_point(0), layout.hip_point(1)], 2].mean(axis=1)
     return np.asarray(heights * COMMON_LEG / motion.morphology.leg_length)
 
 
@@ -119,7 +119,7 @@ def test_no_elbow_is_in_the_ground(kind: str, name: str) -> None:
     _, adapted, _ = _adapted(kind)
     positions, layout = adapted[name].positions, adapted[name].morphology.layout
     for side in range(2):
-        assert positions[:, layout.wrist(side) - 1, 2].min() > -0.005
+        assert positions[:, layout.wrist_point(side) - 1, 2].min() > -0.005
 
 
 SLOPES = {"up": 0.0, "across": np.pi / 2, "down": np.pi}
@@ -130,7 +130,7 @@ SLOPES = {"up": 0.0, "across": np.pi / 2, "down": np.pi}
 @pytest.mark.parametrize("kind", ALL_FOURS)
 def test_on_a_slope_hands_stand_and_lie_along_it_and_do_not_jolt(kind: str, way: str, name: str) -> None:
     capture = load_capture(_path(kind))
-    motion, actor = normalize(capture)
+    motion, actor = normalize_capture(capture)
     source = source_motion(motion, actor)
     ahead = source.positions[-1, 0] - source.positions[0, 0]
     direction = np.arctan2(ahead[1], ahead[0]) + SLOPES[way]
@@ -140,7 +140,7 @@ def test_on_a_slope_hands_stand_and_lie_along_it_and_do_not_jolt(kind: str, way:
     positions, rotations, layout = standing.positions[:], standing.rotations[:], body.layout
     for hold in standing.holds:
         if hold.point.member == "hand":
-            wrist, hand = layout.wrist(hold.point.side), layout.spine_count + 5 + 4 * hold.point.side
+            wrist, hand = layout.wrist_point(hold.point.side), layout.spine_count + 5 + 4 * hold.point.side
             on, normals = hold.standing, hold.normals[hold.standing]
             assert positions[on, wrist] == pytest.approx(hold.places[on], abs=1e-3)
             fingers = rotations[on, hand] @ body.hand[hold.point.side]

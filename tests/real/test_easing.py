@@ -12,7 +12,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration, contact_quality
-from studio.core.solver.adapt import hold, place_of
+from studio.core.solver.adapt import body_point_positions, solve_constraints
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import Standing, stand
@@ -46,8 +46,11 @@ def _sets(standing: Standing, before: AdaptedMotion) -> dict[str, tuple[tuple[Co
 
     found: dict[str, tuple[tuple[Constraint, ...], Tracks]] = {}
     for name, chain in (("trunk", TRUNK), ("root", WHOLE)):
-        near = [place_of(point, before)[frame] + forward @ [0.1, 0.0, 0.2] for point in points]
-        far = [before.positions[frame, layout.collar(side) + 1] + forward @ [1.6 * arm, 0.0, 0.0] for side in range(2)]
+        near = [body_point_positions(point, before)[frame] + forward @ [0.1, 0.0, 0.2] for point in points]
+        far = [
+            before.positions[frame, layout.collar_point(side) + 1] + forward @ [1.6 * arm, 0.0, 0.0]
+            for side in range(2)
+        ]
         found[f"past, {name}"] = (wish(1, tuple(near[1]), chain, 0),), {}
         found[f"two past, {name}"] = tuple(wish(side, tuple(near[side]), chain, side) for side in range(2)), {}
         found[f"two far, {name}"] = tuple(wish(side, tuple(far[side]), chain, side) for side in range(2)), {}
@@ -61,7 +64,7 @@ def _sets(standing: Standing, before: AdaptedMotion) -> dict[str, tuple[tuple[Co
                 for _ in range(3)
             )
             follow = FollowTracked(f"{side}")
-            shoulder = standing.positions[:, layout.collar(side) + 1]
+            shoulder = standing.positions[:, layout.collar_point(side) + 1]
             tracks[follow] = Track(shoulder + arm * (sway + forward @ [0.5, 0.0, 0.0]), np.eye(3)[None])
             wishes.append(wish(side, follow, chain, side))
         found[f"wandering, {name}"] = tuple(wishes), tracks
@@ -78,7 +81,7 @@ def _brings(before: AdaptedMotion, wishes: tuple[Constraint, ...], tracks: Track
             if isinstance(target, FollowTracked)
             else np.array(target)
         )
-        way = goal - place_of(wish.point, before)
+        way = goal - body_point_positions(wish.point, before)
         speed = np.linalg.norm(np.gradient(way, axis=0), axis=1) * before.frame_rate
         push = np.linalg.norm(np.gradient(np.gradient(way, axis=0), axis=0), axis=1) * before.frame_rate**2
         total += float(((push + speed**2 / LEVER) / LEVER).max())
@@ -97,10 +100,10 @@ def test_no_joint_jolts_and_no_foot_slides(stem: str, body: str) -> None:
     contacts = contacts_of(capture)
     standing: Standing = stand(motion, BODIES[body], contacts, Ground())
     window = capture.first_frame, capture.first_frame + LONGEST - 1
-    before, source = hold(standing, (), *window), _peak(hold(standing, ()))
+    before, source = solve_constraints(standing, (), *window), _peak(solve_constraints(standing, ()))
     for name, (wishes, tracks) in _sets(standing, before).items():
         allowed = max(QUIET_PEAK, source) + _brings(before, wishes, tracks)
-        eased = hold(standing, wishes, *window, tracks, eased=True)
+        eased = solve_constraints(standing, wishes, *window, tracks, eased=True)
         assert _peak(eased) < 3.0 * allowed, name
         assert contact_quality(eased, contacts, Ground()).slide < 2e-4, name
 
@@ -122,13 +125,13 @@ def test_hands_and_knees_stand_no_worse_for_being_eased(stem: str, body: str) ->
     capture, motion, _ = taken(named(stem))
     contacts = contacts_of(capture)
     standing = stand(motion, BODIES[body], contacts, Ground())
-    before, head = hold(standing, ()), BodyPoint(BodyPart.HEAD, at_end=True)
-    place = tuple(place_of(head, before)[before.frame_count // 2] + [0.0, 0.3, 0.2])
+    before, head = solve_constraints(standing, ()), BodyPoint(BodyPart.HEAD, at_end=True)
+    place = tuple(body_point_positions(head, before)[before.frame_count // 2] + [0.0, 0.3, 0.2])
     wrist = BodyPoint(WRISTS[0], at_end=True)
     wishes = tuple(
         PositionConstraint("motion", f"{priority}", point, WHOLE, priority, ALWAYS, target=place)
         for priority, point in enumerate((head, wrist))
     )
-    plain, eased = (hold(standing, wishes, eased=each) for each in (False, True))
+    plain, eased = (solve_constraints(standing, wishes, eased=each) for each in (False, True))
     slides = [contact_quality(each, contacts, Ground()).slide for each in (plain, eased)]
     assert slides[1] < slides[0] + 2e-4

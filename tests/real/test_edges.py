@@ -17,7 +17,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.solver.adapt import hold
+from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import Standing, stand
 from studio.io.project.character_file import bundled_characters
@@ -35,15 +35,15 @@ WRISTS = BodyPart.LEFT_FOREARM, BodyPart.RIGHT_FOREARM
 def _standing(stem: str, name: str, limited: bool) -> tuple[Standing, AdaptedMotion]:
     capture, motion, _ = taken(named(stem))
     standing = stand(motion, BODIES[name], contacts_of(capture), Ground(), limited=limited)
-    return standing, hold(standing, (), capture.first_frame, capture.first_frame + 599)
+    return standing, solve_constraints(standing, (), capture.first_frame, capture.first_frame + 599)
 
 
 def _sets(before: AdaptedMotion, times: ActivationCurve) -> Iterator[tuple[Constraint, ...]]:
     """Near and far, past the shoulder, for the trunk, two at once; where the body is halfway through."""
     layout, frame = before.morphology.layout, int(0.45 * before.frame_count)
     forward, arm = before.rotations[frame, 0], before.morphology.arm[1].sum()
-    shoulders = [before.positions[frame, layout.collar(side) + 1] for side in range(2)]
-    wrist = before.positions[frame, layout.wrist(1)]
+    shoulders = [before.positions[frame, layout.collar_point(side) + 1] for side in range(2)]
+    wrist = before.positions[frame, layout.wrist_point(1)]
 
     def place(origin: np.ndarray, *way: float) -> tuple[float, ...]:
         return tuple((origin + forward @ np.array(way)).tolist())
@@ -95,7 +95,7 @@ def test_edges_add_at_most_twice_the_peak_of_the_source(stem: str, name: str, li
     times = ActivationCurve(seconds[0], seconds[0] + RAMP, seconds[1], seconds[1] + RAMP)
     source = angular_acceleration(before.rotations, rate).max()
     for wishes in _sets(before, times):
-        solved = hold(standing, wishes, first, last, eased=True)
+        solved = solve_constraints(standing, wishes, first, last, eased=True)
         peaks = angular_acceleration(solved.rotations, rate).max(axis=1)
         for begin in seconds - first / rate:
             edge = peaks[int(begin * rate) - 1 : int((begin + RAMP) * rate) + 1]

@@ -12,7 +12,7 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.position import PositionConstraint
 from studio.core.quality.metrics import acceleration_ratio
-from studio.core.solver.adapt import hold
+from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.stand import Standing, standing_of
@@ -37,9 +37,9 @@ def _worst(path: Path, body: str) -> AdaptRequest:
 
 def _ratio_and_excess(standing: Standing, wishes: tuple[PositionConstraint, ...], tracks: Tracks) -> tuple[float, ...]:
     """(ratio, by how much limits are exceeded, ratio with limits off) of the greatest accelerations to the source's."""
-    before = hold(standing, ())
-    limited = hold(standing, wishes, tracks=tracks)
-    free = hold(replace(standing, limited=False), wishes, tracks=tracks)
+    before = solve_constraints(standing, ())
+    limited = solve_constraints(standing, wishes, tracks=tracks)
+    free = solve_constraints(replace(standing, limited=False), wishes, tracks=tracks)
     return (
         float(acceleration_ratio(limited, before)),
         _beyond(limited, before, {0, 1}),
@@ -67,7 +67,7 @@ def test_so_they_do_on_the_bundled_clips(name: str, body: str) -> None:
 
 def _wandering(standing: Standing, seed: int, chain: Chain) -> tuple[tuple[PositionConstraint, ...], Tracks]:
     """Places for both wrists that wander smoothly about their shoulders, in and out of reach, before and behind."""
-    random, body = np.random.default_rng(seed), standing.morphology.still
+    random, body = np.random.default_rng(seed), standing.morphology.first_frame_body
     times = np.arange(standing.motion.frame_count)[:, None] / standing.motion.frame_rate
     wishes, tracks = [], {}
     for side in range(2):
@@ -77,7 +77,7 @@ def _wandering(standing: Standing, seed: int, chain: Chain) -> tuple[tuple[Posit
             phases = random.uniform(0.1, 0.5) * times + random.uniform(size=3)
             place = place + 0.25 * random.normal(size=3) * np.sin(2.0 * np.pi * phases)
         follow = FollowTracked(f"place {side}")
-        tracks[follow] = Track(standing.positions[:, body.layout.collar(side) + 1] + arm * place, np.eye(3)[None])
+        tracks[follow] = Track(standing.positions[:, body.layout.collar_point(side) + 1] + arm * place, np.eye(3)[None])
         wrist = BodyPoint(BENCH_FOREARMS[side], at_end=True)
         wishes.append(PositionConstraint("motion", f"Wrist {side}", wrist, chain, 0, ALWAYS, target=follow))
     return tuple(wishes), tracks

@@ -15,7 +15,7 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.rotations import from_matrix
-from studio.core.solver.adapt import hold, place_of
+from studio.core.solver.adapt import body_point_positions, solve_constraints
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
@@ -64,7 +64,7 @@ class _Wishes:
     def near(self, point: BodyPoint) -> tuple[float, ...]:
         """A place 2 cm to 3 m from where a point is."""
         away = self.random.choice([0.02, 0.05, 0.1, 0.2, 0.4, 1.0, 3.0])
-        return tuple((place_of(point, self.before)[0] + away * self.random.normal(size=3)).tolist())
+        return tuple((body_point_positions(point, self.before)[0] + away * self.random.normal(size=3)).tolist())
 
     def position(self, motion: str, name: str, point: BodyPoint, *rest: object) -> Constraint:
         return PositionConstraint(motion, name, point, *rest, target=self.near(point))
@@ -124,13 +124,13 @@ def test_whatever_is_added_below_changes_nothing_of_what_stands_above(part: int,
     for seed in range(part, SETS, PARTED):
         random = np.random.default_rng([seed, *name.encode()])
         frame = int(random.integers(capture.first_frame, motion.frame_count))
-        wishes, levels = _drawn(hold(standing, (), frame, frame), random)
+        wishes, levels = _drawn(solve_constraints(standing, (), frame, frame), random)
         missed = np.full(len(wishes), np.nan)
         for count, added in enumerate(order := random.permutation(len(wishes))):
             now = missed.copy()
-            now[order[: count + 1]] = hold(standing, [wishes[c] for c in order[: count + 1]], frame, frame).residuals[
-                :, 0
-            ]
+            now[order[: count + 1]] = solve_constraints(
+                standing, [wishes[c] for c in order[: count + 1]], frame, frame
+            ).residuals[:, 0]
             change = np.abs(now - missed)[levels < levels[added]]
             assert not (change > CHANGE).any(), (seed, frame, wishes[added])
             missed = now
@@ -146,13 +146,15 @@ def test_nor_in_moments_that_are_eased_in_time(seed: int, stem: str, name: str) 
     standing = stand(motion, body.morphology, contacts, Ground(), body.volume, actor.morphology)
     random = np.random.default_rng([seed, *stem.encode(), *name.encode()])
     frame = int(random.integers(capture.first_frame, motion.frame_count))
-    wishes, levels = _drawn(hold(standing, (), frame, frame), random)
-    count = len(hold(standing, (), frame, frame + LENGTH - 1).positions)
+    wishes, levels = _drawn(solve_constraints(standing, (), frame, frame), random)
+    count = len(solve_constraints(standing, (), frame, frame + LENGTH - 1).positions)
     missed, order = np.full((len(wishes), count), np.nan), random.permutation(len(wishes))
     for place in range(0, len(order), 2):  # two at a time: what is eased takes long
         now = missed.copy()
         asked, added = order[: place + 2], order[place : place + 2]
-        now[asked] = hold(standing, [wishes[c] for c in asked], frame, frame + LENGTH - 1, eased=True).residuals
+        now[asked] = solve_constraints(
+            standing, [wishes[c] for c in asked], frame, frame + LENGTH - 1, eased=True
+        ).residuals
         change = np.abs(now - missed)[levels < levels[added].min()]
         assert not (change > CHANGE).any(), (seed, frame, [wishes[c] for c in added])
         missed = now

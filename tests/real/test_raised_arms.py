@@ -26,7 +26,7 @@ def test_no_hand_is_below_the_floor_and_none_snaps(stem: str, name: str) -> None
     body, first = BODIES[name].morphology, capture.first_frame
     adapted = adapt(AdaptRequest(motion, body, contacts_of(capture)), first)
     for side in range(2):
-        wrist = body.layout.wrist(side)
+        wrist = body.layout.wrist_point(side)
         assert adapted.positions[:, wrist : wrist + 2, 2].min() > -0.005
     assert acceleration_ratio(adapted, source_motion(motion, actor)) < 2.5
 
@@ -50,7 +50,7 @@ def test_hands_that_hang_into_the_ground_bend_back_rather_than_their_arms(stem: 
     capture, motion, _ = taken(named(stem))
     body = BODIES[name].morphology
     standing = standing_of(AdaptRequest(motion, body, contacts_of(capture)))
-    wrists = np.array([body.layout.wrist(side) for side in range(2)])
+    wrists = np.array([body.layout.wrist_point(side) for side in range(2)])
     before, rotations = np.asarray(standing.positions, dtype=np.float64).copy(), standing.rotations.copy()
     fingers = np.linalg.norm(before[:, wrists + 1] - before[:, wrists], axis=2).max()
     ground = Ground(float(before[:, wrists + 1, 2].min()) + 0.5 * fingers)

@@ -10,7 +10,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio, contact_quality
 from studio.core.quality.motion_quality import motion_quality
-from studio.core.solver.adapt import hold
+from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.source import source_motion
 from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
@@ -35,10 +35,10 @@ def test_free_limbs_help_to_balance(stem: str, name: str) -> None:
     first = capture.first_frame
     for chain in (WHOLE, ALONE):  # limbs alone are thrown out for much that is out of reach
         wish = BalanceConstraint("motion", "Balance", BodyPoint(BodyPart.PELVIS), chain, 0, ALWAYS, place=Support())
-        solved = hold(standing, (wish,), first)
+        solved = solve_constraints(standing, (wish,), first)
         assert chain is ALONE or np.nanmax(solved.residuals) < 5e-4
         assert contact_quality(solved, contacts, Ground()).slide < 1e-6
-        assert acceleration_ratio(solved, hold(standing, (), first)) < (3.0 if chain is WHOLE else 10.0)
+        assert acceleration_ratio(solved, solve_constraints(standing, (), first)) < (3.0 if chain is WHOLE else 10.0)
 
 
 @pytest.mark.parametrize("name", ["adult_woman", "tall_man", "giant", "stocky_man"])
@@ -53,7 +53,7 @@ def test_a_reach_with_balance_lets_no_joint_jump(stem: str, name: str, side: str
         PositionConstraint("motion", "Wrist", wrist, reach, 0, ALWAYS, target=(0.75, -0.2, 1.0)),
         BalanceConstraint("motion", "Balance", BodyPoint(BodyPart.PELVIS), WHOLE, 0, ALWAYS, place=Support()),
     )
-    solved = hold(stand(motion, BODIES[name], contacts, Ground()), wishes, eased=True)
+    solved = solve_constraints(stand(motion, BODIES[name], contacts, Ground()), wishes, eased=True)
     found = motion_quality(solved, source_motion(motion, actor), contacts, Ground(), capture.first_frame)
     assert found.jump < 2.0
     assert found.peak < 3.0
@@ -72,6 +72,6 @@ def test_a_level_that_is_given_up_lets_the_hips_down_by_degrees(stem: str, prior
         ),
     )
     standing = stand(motion, BODIES["stocky_man"], contacts_of(capture), Ground())
-    solved = hold(standing, wishes, eased=True)
+    solved = solve_constraints(standing, wishes, eased=True)
     steps = np.abs(np.diff(solved.positions[:, 0, 2]))
     assert steps.max() < 0.05

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from studio.core.kernels import layout as at
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.normalized.round_trip import round_trip
 from tests.builders import make_morphology
 from tests.captures import outside
@@ -46,7 +46,7 @@ def test_single_precision_is_enough_to_store_it(stem: str) -> None:
     """Channels rounded to 32 bits still put every point within a tenth of a millimetre."""
     _, motion, actor = taken(named(stem))
     rounded = replace(motion, channels=motion.channels.astype(np.float32))
-    apart = realize(rounded, actor.morphology)[0] - realize(motion, actor.morphology)[0]
+    apart = realize_motion(rounded, actor.morphology)[0] - realize_motion(motion, actor.morphology)[0]
     far = 1.0 + np.abs(motion.channels[:, at.HIPS : at.HIPS + 2]).max()
     assert np.linalg.norm(apart, axis=-1).max() < 1e-4 * far
 
@@ -60,8 +60,8 @@ def test_more_vertebrae_only_round_the_back(stem: str) -> None:
     necks, arms = [], []
     for count in (3, 4, 6, 12):
         layout = make_morphology(spine_count=count).layout
-        positions, _ = realize(motion, make_morphology(spine_count=count))
+        positions, _ = realize_motion(motion, make_morphology(spine_count=count))
         necks.append(positions[:, layout.neck_base] - positions[:, 0])
-        arms.append(positions[:, layout.collar(0) : layout.hip(0)] - positions[:, [layout.neck_base]])
+        arms.append(positions[:, layout.collar_point(0) : layout.hip_point(0)] - positions[:, [layout.neck_base]])
     assert np.allclose(arms, arms[0], atol=1e-12)
     assert np.linalg.norm(np.array(necks) - necks[0], axis=-1).max() < 0.03

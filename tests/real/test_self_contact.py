@@ -11,9 +11,9 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.normalized.normalize import detected_contacts
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.quality.motion_quality import rises
+from studio.core.quality.motion_quality import limb_elevations
 from studio.core.solver.adapt import adapt
-from studio.core.solver.asking.clearance import actor_clearances, clearances
+from studio.core.solver.asking.clearance import actor_clearances, arm_distances
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.stand import standing_of
 from studio.io.project.character_file import bundled_characters
@@ -44,7 +44,7 @@ def _adapted(stem: str, body: str, clears: bool):
 def test_arms_are_out_of_the_body_where_the_actors_are(stem, body):
     capture, motion, actor = taken(named(stem))
     own, _ = actor_clearances(motion, actor.morphology)
-    room = clearances(_adapted(stem, body, clears=True))
+    room = arm_distances(_adapted(stem, body, clears=True))
     deep = np.where(own >= 0.0, np.maximum(-room, 0.0), 0.0)[capture.first_frame :]
     assert deep.max() < 0.005
 
@@ -55,7 +55,7 @@ def test_a_hand_on_the_hip_does_not_sink_in_with_its_fingers(body):
     """Fingers that lie along the forearm in the capture go into the actor themselves; longer ones go no deeper."""
     capture, motion, actor = taken(named("bvh11_cmu131_metres"))
     own, _ = actor_clearances(motion, actor.morphology)
-    depth = -clearances(_adapted("bvh11_cmu131_metres", body, clears=True))[capture.first_frame :]
+    depth = -arm_distances(_adapted("bvh11_cmu131_metres", body, clears=True))[capture.first_frame :]
     deeper = depth.max(axis=(1, 2)) + own.min()
     assert (deeper > 0.02).mean() < 0.01
 
@@ -66,7 +66,7 @@ def test_the_actors_own_arms_stay_as_they_are(stem):
     capture, motion, actor = taken(named(stem))
     contacts = contacts_of(capture)
     kept, through = (
-        rises(adapt(AdaptRequest(motion, actor.morphology, contacts, actor=actor.morphology, clears=clears)))
+        limb_elevations(adapt(AdaptRequest(motion, actor.morphology, contacts, actor=actor.morphology, clears=clears)))
         for clears in (True, False)
     )
     assert np.degrees(np.abs(kept - through)).max() < 3.0
@@ -78,7 +78,7 @@ def test_the_actors_own_arms_stay_as_they_are(stem):
 )
 def test_a_guard_beside_wide_ribs_is_opened_and_not_lifted(stem, body):
     """An elbow that comes out takes the wrist along, instead of tipping the forearm over."""
-    kept, through = (rises(_adapted(stem, body, clears)) for clears in (True, False))
+    kept, through = (limb_elevations(_adapted(stem, body, clears)) for clears in (True, False))
     assert np.degrees(np.abs(kept - through)).max() < 30.0
 
 
@@ -114,7 +114,7 @@ def test_a_hand_on_the_ground_stays_there_whatever_is_asked_of_an_arm_around(ste
     known = {"volume": character.volume, "actor": actor.morphology, "clears": True}
     request = AdaptRequest(motion, character.morphology, contacts, **known)
     standing = standing_of(request)
-    wrist = character.morphology.layout.wrist(side)
+    wrist = character.morphology.layout.wrist_point(side)
     [stands] = [each.standing for each in standing.holds if each.point.value == f"{('left', 'right')[side]}_hand"]
     moment = motion.times[int(np.median(np.flatnonzero(stands)))]
     curve = ActivationCurve(moment - 0.5, moment - 0.25, moment + 0.25, moment + 0.5)
@@ -124,7 +124,7 @@ def test_a_hand_on_the_ground_stays_there_whatever_is_asked_of_an_arm_around(ste
     found = adapt(replace(request, constraints=(asked,), eased=True))
     for hold in standing.holds:
         if hold.point.member == "hand":
-            own = character.morphology.layout.wrist(hold.point.side)
+            own = character.morphology.layout.wrist_point(hold.point.side)
             moved = np.linalg.norm(found.positions[:, own] - standing.positions[:, own], axis=1)
             assert moved[hold.standing].max() < 1e-3
 
@@ -133,5 +133,7 @@ def test_a_hand_on_the_ground_stays_there_whatever_is_asked_of_an_arm_around(ste
 @pytest.mark.parametrize("body", ["adult_woman", "giant"])
 def test_arms_that_hang_straight_between_the_knees_swing_out_and_do_not_bend(body):
     """A straight arm comes a little nearer to its shoulder only by bending its elbow a lot."""
-    kept, through = (rises(_adapted("accad_female1_A08_CrouchToLie", body, clears=clears)) for clears in (True, False))
+    kept, through = (
+        limb_elevations(_adapted("accad_female1_A08_CrouchToLie", body, clears=clears)) for clears in (True, False)
+    )
     assert np.degrees(np.abs(kept - through)[:49].max()) < 30.0

@@ -5,9 +5,9 @@ import re
 import pytest
 
 from examples.keyed import front_kick, straight_punch
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.library.clip_labels import Limb
-from studio.library.proposed_strikes import propose
+from studio.library.proposed_strikes import proposed_labels
 from tests.captures import CAPTURES, outside
 from tests.real.taken import RECORDINGS, named, taken
 
@@ -24,8 +24,8 @@ NO_STRIKES = (
 
 def proposals(stem):
     capture, motion, actor = taken(named(stem))
-    posed = realize(motion, actor.morphology, play=True)
-    return propose(*posed, actor.morphology, motion.frame_rate, capture.first_frame), motion.frame_rate
+    posed = realize_motion(motion, actor.morphology, play=True)
+    return proposed_labels(*posed, actor.morphology, motion.frame_rate, capture.first_frame), motion.frame_rate
 
 
 def labelled_rows():
@@ -71,8 +71,8 @@ def test_what_is_no_strike_is_not_called_one(stem):
 )
 def test_a_motion_has_the_same_strikes_at_a_quarter_of_its_frame_rate(stem):
     _, motion, actor = taken(named(stem))
-    points, turns = realize(motion, actor.morphology, play=True)
-    whole = propose(points, turns, actor.morphology, motion.frame_rate)
-    quarter = propose(points[::4], turns[::4], actor.morphology, motion.frame_rate / 4)
+    points, turns = realize_motion(motion, actor.morphology, play=True)
+    whole = proposed_labels(points, turns, actor.morphology, motion.frame_rate)
+    quarter = proposed_labels(points[::4], turns[::4], actor.morphology, motion.frame_rate / 4)
     assert [clip.limb for clip in quarter] == [clip.limb for clip in whole]
     assert all(abs(4 * few.hit - many.hit) <= 8 for few, many in zip(quarter, whole, strict=True))

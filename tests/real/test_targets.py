@@ -13,7 +13,7 @@ from studio.core.curves.keyed import KeyedPlace
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio, centre_of_mass, contact_quality
 from studio.core.quality.report import report_of
-from studio.core.solver.adapt import adapt, hold, place_of
+from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
 from studio.core.solver.performers.followed_tracks import tracked_track
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
@@ -34,12 +34,12 @@ MOTIONS = [*KICKS, "walk", *outside("accad_female1_B03_Walk1")]
 def test_a_wrist_is_led_along_keys_without_a_jerk(stem: str, name: str) -> None:
     capture, motion, actor = taken(named(stem))
     request = AdaptRequest(motion, BODIES[name], contacts_of(capture))
-    path, rate = place_of(RIGHT, adapt(request)), motion.frame_rate
+    path, rate = body_point_positions(RIGHT, adapt(request)), motion.frame_rate
     frames = range(capture.first_frame, motion.frame_count, round(rate / 4))
     keys = KeyedPlace(tuple(k / rate for k in frames), tuple(tuple(path[k] + [0.0, 0.0, 0.04]) for k in frames))
     led = PositionConstraint("m", "Led", RIGHT, ARM, 0, ALWAYS, target=keys)
     adapted = adapt(AdaptRequest(motion, BODIES[name], request.contacts, (led,)), capture.first_frame)
-    reached = place_of(RIGHT, adapted)[[k - capture.first_frame for k in frames]]
+    reached = body_point_positions(RIGHT, adapted)[[k - capture.first_frame for k in frames]]
     assert np.linalg.norm(reached - keys.values, axis=1) == pytest.approx(0.0, abs=3e-4)
     assert contact_quality(adapted, request.contacts, Ground()).slide < 1e-3
     assert acceleration_ratio(adapted, source_motion(motion, actor)) < 3.0
@@ -73,6 +73,6 @@ def test_over_the_support_the_mass_moves_as_smoothly_as_in_the_motion(stem: str)
     balance = BalanceConstraint("m", "Balance", BodyPoint(BodyPart.PELVIS), WHOLE, 0, ALWAYS, place=Support())
     for body in BODIES.values():
         standing = stand(motion, body, contacts_of(capture), Ground())
-        paths = [centre_of_mass(hold(standing, asked, capture.first_frame)) for asked in ((), (balance,))]
+        paths = [centre_of_mass(solve_constraints(standing, asked, capture.first_frame)) for asked in ((), (balance,))]
         jerks = [np.linalg.norm(np.diff(path[:, :2], n=2, axis=0), axis=1).max() for path in paths]
         assert jerks[1] < 2.0 * jerks[0]

@@ -22,7 +22,7 @@ BODIES = ("child", "tall_man", "stocky_man", "giant")
 
 def _gaps(found) -> np.ndarray:
     layout = found.morphology.layout
-    return np.linalg.norm(found.positions[:, layout.wrist(1)] - found.positions[:, layout.wrist(0)], axis=1)
+    return np.linalg.norm(found.positions[:, layout.wrist_point(1)] - found.positions[:, layout.wrist_point(0)], axis=1)
 
 
 def _adapted(stem: str, body: str):

@@ -22,8 +22,8 @@ from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.skin import Blending, skin_vertices
 from studio.core.mesh.triangle_mesh import TriangleMesh
-from studio.core.normalized.normalize import detected_contacts, normalize
-from studio.core.normalized.realize import realize
+from studio.core.normalized.normalize import detected_contacts, normalize_capture
+from studio.core.normalized.realize import realize_motion
 from studio.core.normalized.round_trip import round_trip
 from studio.core.quality.report import report_of
 from studio.core.solver.adapt import adapt
@@ -32,10 +32,10 @@ from studio.core.solver.standing.stand import standing_of
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters
 from studio.library.catalogue import Catalogue
-from studio.library.indexing import index
+from studio.library.indexing import index_folders
 from studio.library.library import Library
-from studio.library.searching import StrikeQuery, find
-from studio.live.driving import ReceivedPose, driven
+from studio.library.searching import StrikeQuery, search_strikes
+from studio.live.driving import ReceivedPose, driven_frame
 from studio.live.planting import LiveGrounding
 from studio.live.streamer import packets_of
 from studio.live.tracker import Inbox
@@ -78,22 +78,22 @@ def do_everything() -> None:
 def search_library() -> None:
     """Index the examples and search them, as it is read from disk and as it stands in memory."""
     with TemporaryDirectory() as folder, Catalogue(Path(folder)) as catalogue:
-        index(catalogue, [example_captures_folder()])
+        index_folders(catalogue, [example_captures_folder()])
         library = Library.of(catalogue)
         for each in (library, Library.of_clips(list(library.clips))):
             motion = each.clips[0].take.motion
-            find(each, StrikeQuery(replace(motion, channels=motion.channels[:1]), STILL, (0.5, 0.0, 1.2)))
+            search_strikes(each, StrikeQuery(replace(motion, channels=motion.channels[:1]), STILL, (0.5, 0.0, 1.2)))
 
 
 def play_live() -> None:
     """A body comes in by VMC, and plays on another one that is asked something."""
-    inbox, (positions, rotations) = Inbox(), realize(WALK, STILL)
+    inbox, (positions, rotations) = Inbox(), realize_motion(WALK, STILL)
     for packet in packets_of(positions[0], rotations[0], STILL, 0.0):
-        inbox.feed(packet)
+        inbox.receive(packet)
     pose = ReceivedPose(inbox)()
     assert pose is not None
     for request in asking(AdaptRequest(WALK, STILL, FEET), [("position",)]):
-        driven(request, 20, pose, LiveGrounding(), 0.0)
+        driven_frame(request, 20, pose, LiveGrounding(), 0.0)
 
 
 def read_files() -> None:
@@ -101,8 +101,8 @@ def read_files() -> None:
     for path in (Path(__file__).parents[2] / "examples" / "captures").glob("*.bvh"):
         capture = load_capture(path)
         detected_contacts(capture, "motion")
-        round_trip(capture, *normalize(capture))
-    normalize(make_capture(frames=5))
+        round_trip(capture, *normalize_capture(capture))
+    normalize_capture(make_capture(frames=5))
 
 
 def scenes() -> Iterator[AdaptRequest]:

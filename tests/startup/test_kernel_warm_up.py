@@ -125,10 +125,10 @@ def test_a_verb_says_what_it_waits_for_and_how_far_that_is(cold, capsys):
 
 
 def test_who_only_reads_says_so_where_that_is_still_to_be_compiled_and_else_nothing(cold, tmp_path, capsys):
-    kernel_warm_up.tell_what_reading_waits_for()
+    kernel_warm_up.print_wait_reason()
     assert capsys.readouterr().err == "What reads motions is compiled, once on this machine: some ten seconds.\n"
     (tmp_path / kernel_warm_up.LAST_TO_READ.replace("*", "1")).touch()
-    kernel_warm_up.tell_what_reading_waits_for()
+    kernel_warm_up.print_wait_reason()
     assert capsys.readouterr().err == ""
 
 
@@ -169,7 +169,7 @@ def test_while_it_is_held_other_processes_compile_and_this_one_fetches_nothing(c
     warming = kernel_warm_up.WarmUp(held=True)
     warming.join_picture()
     assert cold == []
-    warming.go_on()
+    warming.release()
     warming.join()
     assert cold[0] == FETCHED[0]
 

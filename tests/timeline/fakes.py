@@ -21,7 +21,7 @@ def make_result(project, errors, motion_id="motion"):
     morphology = make_morphology()
     layout = morphology.layout
     positions = np.zeros((frames, layout.point_count, 3))
-    positions[:, layout.toe(0), 0] = 2.0 * times
+    positions[:, layout.toe_point(0), 0] = 2.0 * times
     rotations = np.broadcast_to(np.eye(3), (frames, layout.segment_count, 3, 3))
     return AdaptedMotion(morphology, capture.frame_rate, 0, positions, rotations, residuals)
 

@@ -8,7 +8,7 @@ from studio.timeline.axis import TimeAxis
 from studio.timeline.curves import foot_speed
 from studio.timeline.gestures.activation import time_of, with_time
 from studio.timeline.shown import HANDLES, ItemPart
-from studio.timeline.snapping import Snapped, snapped
+from studio.timeline.snapping import Snapped, snapped_time
 from tests.builders import make_project
 from tests.timeline.fakes import make_result
 
@@ -48,7 +48,7 @@ def make_axis():
     ],
 )
 def test_times_catch_on_magnets_within_six_pixels_and_else_on_frames(time, free, result):
-    assert snapped(make_axis(), time, (2.05, 7.0), free) == result
+    assert snapped_time(make_axis(), time, (2.05, 7.0), free) == result
 
 
 def test_foot_speed_is_that_of_the_faster_foot():

@@ -12,11 +12,11 @@ from PySide6.QtWidgets import QApplication
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Motion
 from studio.timeline.axis import TimeAxis
-from studio.timeline.curves import Curve, seen_curve
+from studio.timeline.curves import Curve, displayed_curve
 from studio.timeline.shown import RowContext
-from studio.timeline.subject import Subject
+from studio.timeline.subject import ActiveMotion
 from studio.timeline.tracks.brush import font
-from studio.timeline.tracks.clip import shortened
+from studio.timeline.tracks.clip import elided_text
 from studio.timeline.tracks.contacts import LEAST_BAR, seen_bars
 
 RATE = 60.0
@@ -27,7 +27,7 @@ def make_shown(frames: int, width: float = 1000.0) -> RowContext:
     axis = TimeAxis()
     axis.place(200.0, width)
     axis.set_extent(0.0, frames / RATE, RATE)
-    subject = Subject("", Clip("motion", 0, frames), Motion("", ""), RATE, frames + 1, ())
+    subject = ActiveMotion("", Clip("motion", 0, frames), Motion("", ""), RATE, frames + 1, ())
     return RowContext(None, None, axis, subject)  # type: ignore[arg-type]
 
 
@@ -78,7 +78,7 @@ def test_an_hour_of_contacts_is_as_many_bars_as_fit() -> None:
 @given(st.integers(2, 900), st.integers(0, 2**32 - 1))
 def test_a_short_curve_is_drawn_frame_by_frame(frames: int, seed: int) -> None:
     curve = make_curve(np.random.default_rng(seed).random(frames))
-    times, values = seen_curve(curve, make_shown(frames).axis)
+    times, values = displayed_curve(curve, make_shown(frames).axis)
     assert np.array_equal(times, curve.times)
     assert np.array_equal(values, curve.values)
 
@@ -88,7 +88,7 @@ def test_of_a_long_curve_every_peak_in_sight_is_drawn(frames: int, seed: int, zo
     curve = make_curve(np.random.default_rng(seed).random(frames))
     axis = make_shown(frames).axis
     axis.zoom(zoom, axis.left + place * axis.width)
-    times, values = seen_curve(curve, axis)
+    times, values = displayed_curve(curve, axis)
     seen = (curve.times >= axis.time_at(axis.left)) & (curve.times <= axis.time_at(axis.right))
     assert len(values) < 4 * axis.width + 10
     assert (np.diff(times) >= 0.0).all()
@@ -101,9 +101,9 @@ def test_of_a_long_curve_every_peak_in_sight_is_drawn(frames: int, seed: int, zo
     ("room", "seen"), [(400, WORDS), (230, "front_leg_low · 67 frames at 60 fps"), (110, "front_leg_low")]
 )
 def test_a_bar_says_as_many_of_its_words_as_it_has_room_for_whole(qapp: QApplication, room: int, seen: str) -> None:
-    assert shortened(WORDS, QFontMetrics(font()), room) == seen
+    assert elided_text(WORDS, QFontMetrics(font()), room) == seen
 
 
 def test_a_name_too_long_for_its_bar_ends_in_dots(qapp: QApplication) -> None:
-    assert shortened(WORDS, QFontMetrics(font()), 60).startswith("front")
-    assert shortened(WORDS, QFontMetrics(font()), 60).endswith("…")
+    assert elided_text(WORDS, QFontMetrics(font()), 60).startswith("front")
+    assert elided_text(WORDS, QFontMetrics(font()), 60).endswith("…")

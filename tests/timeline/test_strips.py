@@ -10,14 +10,14 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.curves.activation import ActivationCurve
 from studio.engine.residuals import Inactive, inactivity
 from studio.panels.constraint_editors.worst_residuals import residuals_of, words_of
-from studio.timeline.strip_states import Strip, StripState, strip_heights, strip_of
+from studio.timeline.strip_states import ErrorStrip, StripState, strip_heights, strip_of
 from tests.builders import make_constraint, make_contact, make_project
 from tests.timeline.fakes import make_result
 
 
 def make_strip(errors, activation=1.0):
     errors = np.asarray(errors, float)
-    return Strip(0, errors, np.broadcast_to(float(activation), errors.shape))
+    return ErrorStrip(0, errors, np.broadcast_to(float(activation), errors.shape))
 
 
 @pytest.mark.parametrize(

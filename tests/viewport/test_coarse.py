@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from studio.core.body.rest_pose import rest_pose
-from studio.core.mesh.skin import SkinnedMesh, gripping, skin_vertices
+from studio.core.mesh.skin import SkinnedMesh, skin_vertices, with_grip
 from studio.io.project.character_file import bundled_characters
 from studio.viewport import coarse as coarse_module
 from studio.viewport.bodies import BodyVisual
@@ -38,7 +38,7 @@ def test_a_coarse_skin_is_where_the_whole_one_is_its_hands_too(name: str, grip: 
     assert len(coarse.vertices) == len(kept) < LEFT * len(character.skin.vertices)
     for body in (build, other):
         some, whole = (
-            skin_vertices(gripping(skin, grip), build, body, *rest_pose(body), blending=character.blending)
+            skin_vertices(with_grip(skin, grip), build, body, *rest_pose(body), blending=character.blending)
             for skin in (coarse, character.skin)
         )
         np.testing.assert_allclose(some, np.array(whole)[:, kept], atol=1e-6)

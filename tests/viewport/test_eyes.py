@@ -9,7 +9,7 @@ from studio.core.stage.project import Project
 from studio.core.stage.prop import Prop
 from studio.engine.prop_places import props_at
 from studio.viewport.camera import OrbitCamera
-from studio.viewport.eyes import EYE_SEPARATION, Eye, Stereo, StereoScene, StereoView, anaglyph, side_by_side
+from studio.viewport.eyes import EYE_SEPARATION, EyePosition, Stereo, StereoScene, StereoView, anaglyph, side_by_side
 from studio.viewport.stage_picture import StageScene
 from studio.viewport.stills import AveragedPicture
 
@@ -36,15 +36,18 @@ def seen(scene, place, eye):
     return np.array([columns.mean(), rows.mean()])
 
 
-@pytest.mark.parametrize("eye", [Eye(right=0.2), Eye(up=0.3), Eye(right=-0.3, up=0.1, back=1.0), Eye(back=-1.5)])
+@pytest.mark.parametrize(
+    "eye",
+    [EyePosition(right=0.2), EyePosition(up=0.3), EyePosition(right=-0.3, up=0.1, back=1.0), EyePosition(back=-1.5)],
+)
 def test_what_lies_in_the_window_is_in_one_place_for_every_eye(scene, eye):
     there = seen(scene, (0.0, 0.2, 1.2), eye)
-    assert there == pytest.approx(seen(scene, (0.0, 0.2, 1.2), Eye()), abs=2.0)
+    assert there == pytest.approx(seen(scene, (0.0, 0.2, 1.2), EyePosition()), abs=2.0)
 
 
 def test_what_is_nearer_is_farther_to_the_right_for_the_left_eye(scene):
     near, far = (1.5, 0.0, 1.0), (-2.0, 0.0, 1.0)
-    left, right = Eye(right=-0.07), Eye(right=0.07)
+    left, right = EyePosition(right=-0.07), EyePosition(right=0.07)
     assert seen(scene, near, left)[0] > seen(scene, near, right)[0] + 1.0
     assert seen(scene, far, left)[0] < seen(scene, far, right)[0] - 1.0
 
@@ -79,7 +82,7 @@ def test_an_anaglyph_has_the_left_eye_in_red_and_the_right_one_in_green_and_blue
 
 def test_a_head_that_moves_moves_the_eye_as_far_as_the_window_is_larger_than_the_screen():
     scene = Painted()
-    StereoView(head=Eye(0.1, 0.05, -100.0)).render(scene, CAMERA, SIZE)
+    StereoView(head=EyePosition(0.1, 0.05, -100.0)).render(scene, CAMERA, SIZE)
     [(_, eye)] = scene.looked
     tall = 2.0 * CAMERA.distance * math.tan(math.radians(15.0))
     assert eye.right == pytest.approx(0.1 * tall / 0.34)

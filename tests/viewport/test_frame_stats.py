@@ -31,7 +31,7 @@ def test_an_answer_seen_again_is_no_older_for_that_playback_has_no_age_and_at_re
         clock.now += 0.1
         pace.picture(None)
     assert pace.words == "10 fps"
-    pace.rest()
+    pace.note_rest()
     assert pace.words == ""
 
 

@@ -27,10 +27,10 @@ def stage():
 def test_a_trail_passes_through_the_point_of_each_body_now_and_is_strongest_there(stage):
     project, posed = stage
     for path, pose in zip(trails(project, posed, WRIST), posed.values(), strict=True):
-        now = pose.points[pose.motion.morphology.layout.wrist(1)]
+        now = pose.points[pose.motion.morphology.layout.wrist_point(1)]
         nearest = np.linalg.norm(path.points - now, axis=1).argmin()
         assert path.points[nearest] == pytest.approx(now, abs=1e-9)
-        assert path.strength.argmax() == nearest
+        assert path.opacity.argmax() == nearest
     assert trails(project, posed, None) == []
 
 
@@ -57,7 +57,7 @@ def test_a_mark_lies_on_the_ground_under_a_foot_only_while_it_is_in_contact(stag
     marks = contact_marks(touching, posed)
     assert contact_marks(later, posed) == []
     for mark, pose in zip(marks, posed.values(), strict=True):
-        ankle = pose.points[pose.motion.morphology.layout.ankle(0)]
+        ankle = pose.points[pose.motion.morphology.layout.ankle_point(0)]
         assert mark.points[:-1, :2].mean(axis=0) == pytest.approx(ankle[:2], abs=1e-9)
         assert mark.points[:, 2] == pytest.approx(0.0, abs=0.01)
 

@@ -52,7 +52,7 @@ def test_a_click_on_a_joint_of_a_body_far_away_finds_it_and_not_a_nearer_body_ab
 
 def test_a_click_beside_every_joint_finds_none_but_may_find_the_body(posed):
     pose = posed["performer 0"]
-    knee, ankle = pose.motion.morphology.layout.hip(0) + 1, pose.motion.morphology.layout.ankle(0)
+    knee, ankle = pose.motion.morphology.layout.hip_point(0) + 1, pose.motion.morphology.layout.ankle_point(0)
     pixel = CAMERA.project((pose.points[knee] + pose.points[ankle]) / 2, SIZE)[0][0]
     assert joint_at(posed, CAMERA, SIZE, *pixel) is None
     assert body_at(posed, CAMERA, SIZE, *pixel) == "performer 0"

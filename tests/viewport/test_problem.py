@@ -27,7 +27,7 @@ def test_no_problem_is_told_when_every_constraint_holds_or_none_is_asked():
     project = make_project(characters=1, constraints=0)
     assert worst_problem(project, results_of(project).get) is None
     motion = standing(project, "performer 0")
-    target = tuple(motion.positions[12, motion.morphology.layout.wrist(1)].tolist())
+    target = tuple(motion.positions[12, motion.morphology.layout.wrist_point(1)].tolist())
     held = make_constraint(target=target)
     project = project.with_entity("constraints", "held", held)
     residuals = np.full((1, 30), 0.0004)

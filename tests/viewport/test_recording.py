@@ -8,12 +8,12 @@ import pytest
 
 from studio.core.body.canonical import BodyLayout
 from studio.core.markers.take import MarkerTake
-from studio.core.normalized.normalize import motion_origin, normalize
-from studio.core.normalized.realize import realize
+from studio.core.normalized.normalize import motion_origin, normalize_capture
+from studio.core.normalized.realize import realize_motion
 from studio.core.stage.placement import Placement
 from studio.io.importing import GUESS_ALL, load_capture
 from studio.io.markers.capture import capture_of_take
-from studio.viewport.optical_recording import METRES_A_NEWTON, RecordedBy
+from studio.viewport.optical_recording import METRES_A_NEWTON, RecordingOfPerformer
 from tests.core.markers.made import made_trial
 
 
@@ -24,10 +24,10 @@ def joint_of(body, layout: BodyLayout, name: str, frame: int):
 @pytest.mark.parametrize("name", ["btk_PiG_FullBody_walk", "sample09_PlugInC3D", "btk_Gait_dec_int"])
 def test_markers_lie_on_the_body_that_was_found_from_them(captures: Path, name: str) -> None:
     capture = load_capture(captures / "c3d" / f"{name}.c3d")
-    motion, actor = normalize(capture)
+    motion, actor = normalize_capture(capture)
     assert np.allclose(motion_origin(capture), actor.origin, atol=1e-12)
-    body = realize(motion, actor.morphology, play=True)[0]
-    drawn = RecordedBy(capture)
+    body = realize_motion(motion, actor.morphology, play=True)[0]
+    drawn = RecordingOfPerformer(capture)
     place = Placement((2.0, -1.0), 0.7)
     for frame in range(capture.first_frame, capture.frame_count, 40):
         now = drawn.at(frame, place)
@@ -44,7 +44,7 @@ def test_a_marker_that_no_camera_saw_is_not_drawn_and_one_of_no_place_is_told_ap
     points[10:20, 0] = np.nan
     roles = {role: tuple(label for label in own if label != stray) for role, own in marker_map.markers.items()}
     take = MarkerTake(replace(trial, points=points), replace(marker_map, markers=roles))
-    drawn = RecordedBy(capture_of_take(take, GUESS_ALL))
+    drawn = RecordingOfPerformer(capture_of_take(take, GUESS_ALL))
     before, inside = (drawn.at(frame, Placement()) for frame in (9, 10))
     assert hidden in before.labels
     assert set(before.labels) - set(inside.labels) == {hidden}
@@ -56,7 +56,7 @@ def test_a_foot_on_a_plate_is_pushed_up_where_it_stands(captures: Path) -> None:
     capture = load_capture(captures / "c3d" / "btk_Gait_dec_int.c3d")
     assert capture.markers is not None
     plates = len(capture.markers.trial.plates)
-    drawn = RecordedBy(capture)
+    drawn = RecordingOfPerformer(capture)
     standing = 0
     for frame in range(capture.first_frame, capture.frame_count):
         now = drawn.at(frame, Placement())
@@ -76,7 +76,7 @@ def test_eight_points_of_nobody_and_a_plate_are_shown_as_such(captures: Path) ->
     capture = load_capture(captures / "c3d" / "sample15_FP1_metres.c3d")
     assert capture.body_map is None
     assert "The file holds 8 markers, 1 force plate, 12 signals." in capture.guesses[0].reason
-    now = RecordedBy(capture).at(250, Placement())
+    now = RecordingOfPerformer(capture).at(250, Placement())
     assert len(now.points) == 8
     assert not now.used.any()
     plate, force = now.paths

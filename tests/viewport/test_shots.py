@@ -9,7 +9,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.document.journal import StateHash
 from studio.viewport.camera import OrbitCamera
-from studio.viewport.shots import Shots, View, receive, send
+from studio.viewport.shots import Shots, View, receive_shots, send_shots
 from tests.architecture.sources import ROOT
 from tests.builders import make_project
 
@@ -19,9 +19,9 @@ def test_what_is_sent_is_received_to_the_bit(stem: Path | None) -> None:
     view = View(OrbitCamera((0.1, 0.2, 0.3), parallel=True), 640.0, True, BodyPoint(BodyPart.LEFT_HAND), "performer 0")
     shots = Shots(make_project(), view, (0.0, 1 / 3, 2 / 3), (320, 200), stem)
     stream = BytesIO()
-    send(shots, stream)
+    send_shots(shots, stream)
     stream.seek(0)
-    got = receive(stream)
+    got = receive_shots(stream)
     assert (got.view, got.times, got.size, got.stem) == (shots.view, shots.times, shots.size, shots.stem)
     assert StateHash().of(got.project) == StateHash().of(shots.project)
 

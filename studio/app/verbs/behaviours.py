@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import partial
 
 from studio.app.workbench import Workbench
-from studio.core.captures.reaching import farthest_frame
+from studio.core.captures.reaching import farthest_reach_frame
 from studio.core.curves.activation import ActivationCurve, EaseShape
 from studio.core.errors import StudioError
 from studio.core.stage import ready_made
@@ -13,7 +13,7 @@ from studio.core.stage.behaviour import Behaviour
 from studio.core.stage.clip import Clip
 from studio.core.stage.manners import WHOLE_CLIP
 from studio.core.stage.project import Project, new_id
-from studio.document.behaviour_commands import add_behaviour, edit_behaviour, let_play, state_key
+from studio.document.behaviour_commands import add_behaviour, edit_behaviour, set_cast, state_key
 
 STRIKE_KEY = "X"
 WARD_EASE, WARD_HOLD = 0.2, 1 / 120
@@ -24,36 +24,36 @@ WARD_WORDS = ("ward", "block", "parry", "guard")
 Ready = Callable[[Behaviour], Behaviour]
 
 
-def show(bench: Workbench) -> None:
+def show_behaviour(bench: Workbench) -> None:
     """Show the diagram of the active body's behaviour."""
     bench.window.show_dock("Behaviour")
 
 
 def keep_distance(bench: Workbench) -> None:
     """Add keeping at striking distance of the partner."""
-    _make(bench, "Keep striking distance", ready_made.keeping_distance)
+    _make(bench, "Keep striking distance", ready_made.with_distance_kept)
 
 
-def ward_off(bench: Workbench) -> None:
+def add_ward_off(bench: Workbench) -> None:
     """Add a parry of attacks, with a motion of the project."""
     _with_motion(
         bench, "Block with clip", WARD_WORDS,
         lambda clip: _make(
-            bench, "Block when attacked", lambda old: ready_made.warding_off(old, clip, _when_hit(bench, clip))
+            bench, "Block when attacked", lambda old: ready_made.with_parry(old, clip, _when_hit(bench, clip))
         ),
     )  # fmt: skip
 
 
-def lean_away(bench: Workbench) -> None:
+def add_lean_away(bench: Workbench) -> None:
     """Add leaning away from the partner's fist."""
-    _make(bench, "Lean away from the fist", ready_made.leaning_away)
+    _make(bench, "Lean away from the fist", ready_made.with_lean_away)
 
 
-def strike(bench: Workbench) -> None:
+def add_strike(bench: Workbench) -> None:
     """Add a strike on a key, with a motion of the project."""
     _with_motion(
         bench, "Strike with clip", STRIKES,
-        lambda clip: _make(bench, "Strike on key press", lambda old: ready_made.striking(old, clip, STRIKE_KEY)),
+        lambda clip: _make(bench, "Strike on key press", lambda old: ready_made.with_strike(old, clip, STRIKE_KEY)),
     )  # fmt: skip
 
 
@@ -62,13 +62,13 @@ READY_MADE: dict[str, tuple[str, str, Callable[[Workbench], None]]] = {
         "Keep striking distance", "Steps towards and away from its partner, and faces it", keep_distance,
     ),
     "ward_off": (
-        "Block when attacked", "The forearm meets the fist of a partner that strikes", ward_off,
+        "Block when attacked", "The forearm meets the fist of a partner that strikes", add_ward_off,
     ),
     "lean_away": (
-        "Lean away from the fist", "The torso leans back while the partner's fist is near the head", lean_away,
+        "Lean away from the fist", "The torso leans back while the partner's fist is near the head", add_lean_away,
     ),
     "strike_on_key": (
-        "Strike on key press", f"During live play, {STRIKE_KEY} strikes and sends an event to the partner", strike,
+        "Strike on key press", f"During live play, {STRIKE_KEY} strikes and sends an event to the partner", add_strike,
     ),
 }  # fmt: skip
 """By their id: text, tooltip, and what makes it."""
@@ -105,15 +105,15 @@ def _make(bench: Workbench, text: str, ready: Ready) -> None:
                 raise StudioError(
                     f"{name} has no clip yet. Give it one first: it is the guard that the character returns to."
                 )
-            begun = ready_made.on_guard(replace(clips[0], start=0.0))
+            begun = ready_made.guard_behaviour(replace(clips[0], start=0.0))
             behaviour_id = add_behaviour(document, performer_id, begun, partner_id)
         elif partner_id:
-            let_play(document, performer_id, behaviour_id, partner_id)
+            set_cast(document, performer_id, behaviour_id, partner_id)
         before = {each.name for each in document.project.behaviours[behaviour_id].states}
         edit_behaviour(document, behaviour_id, ready, text)
     behaviour = document.project.behaviours[behaviour_id]
     made = next((each.name for each in behaviour.states if each.name not in before), behaviour.start)
-    show(bench)
+    show_behaviour(bench)
     document.selection.set(("performers", performer_id), ("states", state_key(behaviour_id, made)))
     bench.window.behaviour.diagram.fit()
 
@@ -150,7 +150,7 @@ def _when_hit(bench: Workbench, clip: Clip) -> ActivationCurve:
         return WHOLE_CLIP
     blow = blows[0]
     capture = project.captures[project.motions[blow.motion_id].capture_id]
-    rate, hit_frame = capture.frame_rate, farthest_frame(capture, blow.first, blow.last)
+    rate, hit_frame = capture.frame_rate, farthest_reach_frame(capture, blow.first, blow.last)
     struck = float(blow.stage_seconds(hit_frame / rate, rate)) - blow.start
     hit = float(clip.motion_seconds(clip.start + struck, project.frame_rate_of(clip)))
     return ActivationCurve(

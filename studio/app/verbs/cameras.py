@@ -8,7 +8,7 @@ from studio.document.stored_cameras import camera_in_slot, store_camera
 from studio.panels.message_strip import Lifetime
 
 
-def recall(slot: int) -> Callable[[Workbench], None]:
+def slot_recaller(slot: int) -> Callable[[Workbench], None]:
     """Function that looks through the camera of a slot. It raises StudioError if there is none."""
 
     def run(bench: Workbench) -> None:
@@ -20,7 +20,7 @@ def recall(slot: int) -> Callable[[Workbench], None]:
     return run
 
 
-def store(slot: int) -> Callable[[Workbench], None]:
+def slot_storer(slot: int) -> Callable[[Workbench], None]:
     """Function that stores the view in a slot."""
 
     def run(bench: Workbench) -> None:

@@ -57,7 +57,7 @@ def split(bench: Workbench) -> None:
     _select(bench, clip_edits.split_clip(bench.document, clip_id, bench.document.playhead.time))
 
 
-def mirror(bench: Workbench) -> None:
+def toggle_mirrored(bench: Workbench) -> None:
     """Toggle the mirroring of the selected clips."""
     document = bench.document
     keys = document.selection.of("clips") or (_clip(bench),)
@@ -78,7 +78,7 @@ def make_own(bench: Workbench) -> None:
     """Make the active body's clip its own, to be edited alone."""
     performer_id, clip_id = bench.document.active_performer_id, _clip(bench)
     if performer_id is not None:
-        _select(bench, clip_edits.make_own(bench.document, performer_id, clip_id))
+        _select(bench, clip_edits.detach_clip(bench.document, performer_id, clip_id))
 
 
 def _clip(bench: Workbench) -> str:

@@ -16,7 +16,7 @@ from studio.panels.message_strip import Lifetime
 NO_JOINT = "Click a joint in the 3D view first, or press Shift+J to choose one: the constraint will hold it."
 
 
-def adder(kind: str) -> Callable[[Workbench], None]:
+def constraint_adder(kind: str) -> Callable[[Workbench], None]:
     """Function that adds a constraint of ``kind`` at the joint picked in the viewport, or to the active body."""
 
     def add(bench: Workbench) -> None:
@@ -77,7 +77,7 @@ def selected_area(bench: Workbench) -> str | None:
     return next((key for key in selected if isinstance(constraints.get(key), AreaConstraint)), None)
 
 
-def shift(step: int) -> Callable[[Workbench], None]:
+def priority_shifter(step: int) -> Callable[[Workbench], None]:
     """Function that moves the selected constraints together up (-1) or down (1) in their motion's order."""
 
     def run(bench: Workbench) -> None:

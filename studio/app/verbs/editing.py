@@ -16,7 +16,7 @@ from studio.core.stage.project import GROUND_ID
 from studio.core.stage.staging import lined_up, path_heading
 from studio.document.behaviour_commands import duplicate_states, remove_parts
 from studio.document.clip_edits import name_of, remove_clips
-from studio.document.clipboard import copied, paste
+from studio.document.clipboard import paste_json, selection_as_json
 from studio.document.correction_edits import set_key as set_correction_key
 from studio.document.key_edits import delete_keys, set_keys
 from studio.engine.performance import root_paths
@@ -85,7 +85,7 @@ def delete(bench: Workbench) -> None:
 
 def copy(bench: Workbench) -> None:
     """Copy the selected keys, constraints, contacts and corrections to the system's clipboard, as JSON."""
-    text = copied(bench.document)
+    text = selection_as_json(bench.document)
     if not text:
         raise StudioError("Select constraints, contacts, corrections or keys to copy first.")
     QGuiApplication.clipboard().setText(text)
@@ -93,12 +93,12 @@ def copy(bench: Workbench) -> None:
 
 def paste_copied(bench: Workbench) -> None:
     """Paste from the clipboard, also from another window."""
-    paste(bench.document, QGuiApplication.clipboard().text())
+    paste_json(bench.document, QGuiApplication.clipboard().text())
 
 
 def paste_mirrored(bench: Workbench) -> None:
     """Paste with left and right exchanged."""
-    paste(bench.document, QGuiApplication.clipboard().text(), mirrored=True)
+    paste_json(bench.document, QGuiApplication.clipboard().text(), mirrored=True)
 
 
 def set_key(bench: Workbench) -> None:

@@ -22,17 +22,17 @@ NUMBERED = re.compile(r"^(.*?)[_ .-]?(\d+)$")
 
 def new(bench: Workbench) -> None:
     """Open a new project with the bundled characters and no capture."""
-    bench.window.when_saved(lambda: bench.document.new(sample.empty_project()))
+    bench.window.run_when_saved(lambda: bench.document.new(sample.empty_project()))
 
 
 def open_sample(bench: Workbench) -> None:
     """Open the bundled motion on five bodies."""
-    bench.window.when_saved(lambda: sample.open_sample(bench))
+    bench.window.run_when_saved(lambda: sample.open_sample(bench))
 
 
 def scene_opener(scene: BundledScene) -> Callable[[Workbench], None]:
     """Function that opens a scene."""
-    return lambda bench: bench.window.when_saved(lambda: sample.open_scene(bench, scene))
+    return lambda bench: bench.window.run_when_saved(lambda: sample.open_scene(bench, scene))
 
 
 def open_project(bench: Workbench) -> None:
@@ -44,7 +44,7 @@ def open_path(bench: Workbench, path: Path) -> None:
     """Open a project in place of this one; import captures, characters, footage and sounds into this one."""
     suffix = path.suffix.lower()
     if suffix == ".studio":
-        bench.window.when_saved(lambda: _open(bench, path))
+        bench.window.run_when_saved(lambda: _open(bench, path))
     elif suffix in (*FILM_SUFFIXES, *PICTURE_SUFFIXES):
         media.add_footage(bench, path)
     elif suffix in SOUND_SUFFIXES:
@@ -58,7 +58,7 @@ def _import(bench: Workbench, path: Path) -> None:
     known = bench.settings.corrections
 
     def read(progress: Progress) -> capture_import.ReadMotion | ReadCharacter:
-        return capture_import.read_either(path, progress, known, bench.live.expect)
+        return capture_import.read_capture_or_character(path, progress, known, bench.live.prefetch_capture)
 
     def show(held: capture_import.ReadMotion | ReadCharacter) -> None:
         if isinstance(held, ReadCharacter):

@@ -90,7 +90,7 @@ def shuttle_back(bench: Workbench) -> None:
     _shuttle(bench, -1.0)
 
 
-def shuttle_on(bench: Workbench) -> None:
+def shuttle_forward(bench: Workbench) -> None:
     """Play forwards; again, twice as fast."""
     _shuttle(bench, 1.0)
 

@@ -16,18 +16,18 @@ from studio.core.constraints.target import follows_of
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
-from studio.core.names import free_name, readable
-from studio.core.stage.holding import HAND_REACH_SECONDS, THIN, grips, quarters, reaching_time
+from studio.core.names import free_name, readable_name
+from studio.core.stage.holding import HAND_REACH_SECONDS, THIN, grip_constraints, quarter_turns, reaching_time
 from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.document.length_units import length_text, shown_unit
 from studio.engine.grasps import Grasp, captured_grasp, chest_heading, grasp_at, grasp_near
-from studio.engine.performance import Posed, motion_time, posed_performers
+from studio.engine.performance import PosedPerformer, motion_time, posed_performers
 from studio.engine.prop_places import (
-    between_hands,
     elevation_of_hands,
     heading_of,
+    hold_between_hands,
     prop_at,
     takes_lower,
     wrists_from,
@@ -100,7 +100,7 @@ def _add(bench: Workbench, prop: Prop) -> None:
         bench.inform(hint, until=Lifetime.EDITED)
 
 
-def _ahead(document: Document, prop: Prop, pose: Posed | None) -> Prop:
+def _ahead(document: Document, prop: Prop, pose: PosedPerformer | None) -> Prop:
     """Prop on the ground ahead of a body, or in the middle of the stage; to the right of others there."""
     x, y, heading = 0.0, 0.0, 0.0
     if pose is not None:
@@ -130,12 +130,12 @@ def _grasped(prop: Prop, grasp: Grasp) -> Prop:
     return replace(prop, position=(x, y, z + grasp.lift(prop)), heading=chest_heading(grasp.holder))
 
 
-def _as_broad(prop: Prop, holder: Posed) -> Prop:
+def _as_broad(prop: Prop, holder: PosedPerformer) -> Prop:
     """Box as broad as the gap between the hands."""
     if prop.shape is not PropShape.BOX:
         return prop
     layout = holder.motion.morphology.layout
-    gap = float(np.linalg.norm(holder.points[layout.wrist(0)] - holder.points[layout.wrist(1)]))
+    gap = float(np.linalg.norm(holder.points[layout.wrist_point(0)] - holder.points[layout.wrist_point(1)]))
     length, _, height = prop.size
     return replace(prop, size=(length, round(max(gap - 2 * HAND_THICKNESS, THIN), 2), height))
 
@@ -150,13 +150,13 @@ def add_mesh(bench: Workbench, path: Path) -> None:
     """Read a mesh in the background, then add it to the stage in its own size; one undo step."""
 
     def done(file: MeshFile) -> None:
-        _add(bench, Prop(readable(path.stem), extent(file.mesh), shape=PropShape.MESH, mesh=file.mesh))
+        _add(bench, Prop(readable_name(path.stem), mesh_extent(file.mesh), shape=PropShape.MESH, mesh=file.mesh))
         bench.inform(f"{path.name}: {file.guesses}.", until=Lifetime.EDITED)
 
     bench.runner.run(f"Reading {path.name}", lambda progress: read_mesh(path), done)
 
 
-def extent(mesh: TriangleMesh) -> tuple[float, float, float]:
+def mesh_extent(mesh: TriangleMesh) -> tuple[float, float, float]:
     """Extent of a mesh in each direction, metres; a millimetre where it is flat."""
     x, y, z = np.maximum(mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0), 0.001).tolist()
     return x, y, z
@@ -258,7 +258,7 @@ def _hold(bench: Workbench, begin: float | None) -> None:
             prop, moved = _in_reach(bench, prop, holder, begin, grasp, posed)
             pose = prop_at(document.project.with_entity("props", prop_id, prop), posed, prop_id, begin)
             heading, reaching = heading_of(pose), reaching_time(wrists_from(pose, holder))
-        hold = between_hands(prop, performer_id, holder, heading=heading, lift=grasp.lift(prop) if grasp else None)
+        hold = hold_between_hands(prop, performer_id, holder, heading=heading, lift=grasp.lift(prop) if grasp else None)
         held = prop.with_holds([hold]) if begin is None else prop.taken(hold, begin)
         taken = prop_at(document.project.with_entity("props", prop_id, held), posed, prop_id, document.playhead.time)
         elevation = elevation_of_hands(taken, holder)
@@ -281,9 +281,9 @@ def _hold(bench: Workbench, begin: float | None) -> None:
                     document.remove("constraints", key, text)
             others = document.project.constraints_of(motion_id)
             last = max((each.priority for each in others.values()), default=-1) + 1
-            made = grips(
+            made = grip_constraints(
                 motion_id, performer_id, prop_id, prop, seconds, last,
-                turned=quarters(hold.heading), lower=lower, reaching=reaching, elevation=elevation,
+                turned=quarter_turns(hold.heading), lower=lower, reaching=reaching, elevation=elevation,
             )  # fmt: skip
             document.add_all("constraints", made, text)
     if moved:
@@ -291,7 +291,12 @@ def _hold(bench: Workbench, begin: float | None) -> None:
 
 
 def _in_reach(
-    bench: Workbench, prop: Prop, holder: Posed, begin: float, grasp: Grasp | None, posed: Mapping[str, Posed]
+    bench: Workbench,
+    prop: Prop,
+    holder: PosedPerformer,
+    begin: float,
+    grasp: Grasp | None,
+    posed: Mapping[str, PosedPerformer],
 ) -> tuple[Prop, str]:
     """Prop where the motion holds a thing, or, if it is beyond the arms' reach, ahead of the body; and a sentence about
     that, empty if nothing was moved and hands reach it.

@@ -74,7 +74,7 @@ def toggle_stereo(stereo: Stereo) -> Callable[[Workbench], None]:
 
     def toggle(bench: Workbench) -> None:
         now = bench.viewport.sight
-        bench.viewport.set_sight(replace(now, stereo=Stereo.OFF if now.stereo is stereo else stereo))
+        bench.viewport.set_stereo_view(replace(now, stereo=Stereo.OFF if now.stereo is stereo else stereo))
 
     return toggle
 
@@ -179,7 +179,7 @@ def plug_ins(bench: Workbench) -> None:
     }
     rows: list[tuple[str, str]] = []
     for group, accepted in groups.items():
-        for offer in plug_in_groups.offers(group):
+        for offer in plug_in_groups.plug_in_entries(group):
             try:
                 offer.load(accepted)
                 rows.append((f"{offer.name}  {offer.words}", offer.package))
@@ -206,7 +206,7 @@ def problems(bench: Workbench) -> None:
 
 def arrange(bench: Workbench) -> None:
     """Show or hide the title bars by which panels are moved."""
-    bench.window.arrange(not bench.window.arranging)
+    bench.window.set_dock_titles_shown(not bench.window.arranging)
 
 
 def reset_layout(bench: Workbench) -> None:

@@ -50,7 +50,7 @@ class BodySearch:
         self.positions = positions
         self.most_variation = most_variation
 
-    def match(self, candidates: Candidates) -> BodyMatch:
+    def best_match(self, candidates: Candidates) -> BodyMatch:
         """Best body whose joints are among ``candidates``; each list begins with the likeliest joint."""
         arms = self._pair(candidates, "left arm", "right arm")
         legs = self._pair(candidates, "left leg", "right leg")
@@ -61,7 +61,7 @@ class BodySearch:
         parts |= dict(zip(LIMB_PARTS["left leg"] + LIMB_PARTS["right leg"], legs, strict=True))
         return self._whole(candidates, parts)
 
-    def around(self, limbs: Mapping[BodyPart, int], candidates: Candidates) -> BodyMatch:
+    def match_around_limbs(self, limbs: Mapping[BodyPart, int], candidates: Candidates) -> BodyMatch:
         """Body with the given ``limbs``, whose bones may have any length but must be connected.
 
         Trunk, head and toes are taken from ``candidates``.

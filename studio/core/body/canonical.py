@@ -82,42 +82,42 @@ class BodyLayout:
     def head_end(self) -> int:
         return self.spine_count + 2
 
-    def collar(self, side: int) -> int:
+    def collar_point(self, side: int) -> int:
         """Index of the inner end of the clavicle; shoulder, elbow, wrist and hand end follow it."""
         return self.spine_count + 3 + 5 * side
 
-    def hip(self, side: int) -> int:
+    def hip_point(self, side: int) -> int:
         """Index of the hip's point on one side (0 left, 1 right); knee, ankle, toe and toe end follow it."""
         return self.spine_count + 13 + 5 * side
 
-    def ankle(self, side: int) -> int:
-        return self.hip(side) + 2
+    def ankle_point(self, side: int) -> int:
+        return self.hip_point(side) + 2
 
-    def toe(self, side: int) -> int:
-        return self.hip(side) + 3
+    def toe_point(self, side: int) -> int:
+        return self.hip_point(side) + 3
 
-    def wrist(self, side: int) -> int:
-        return self.collar(side) + 3
+    def wrist_point(self, side: int) -> int:
+        return self.collar_point(side) + 3
 
-    def clavicle(self, side: int) -> int:
+    def clavicle_segment(self, side: int) -> int:
         """Index of the clavicle's segment; upper arm, forearm and hand follow it."""
         return self.spine_count + 2 + 4 * side
 
-    def upper_arm(self, side: int) -> int:
-        return self.clavicle(side) + 1
+    def upper_arm_segment(self, side: int) -> int:
+        return self.clavicle_segment(side) + 1
 
-    def hand(self, side: int) -> int:
-        return self.clavicle(side) + 3
+    def hand_segment(self, side: int) -> int:
+        return self.clavicle_segment(side) + 3
 
-    def thigh(self, side: int) -> int:
+    def thigh_segment(self, side: int) -> int:
         """Index of the thigh's segment; shank, foot and toes follow it."""
         return self.spine_count + 10 + 4 * side
 
-    def foot(self, side: int) -> int:
-        return self.thigh(side) + 2
+    def foot_segment(self, side: int) -> int:
+        return self.thigh_segment(side) + 2
 
-    def toes(self, side: int) -> int:
-        return self.thigh(side) + 3
+    def toe_segment(self, side: int) -> int:
+        return self.thigh_segment(side) + 3
 
     def segment(self, part: BodyPart) -> int:
         """Index of the segment of a ``part``."""
@@ -141,8 +141,8 @@ class BodyLayout:
     def proximal_points(self) -> tuple[int, ...]:
         """Index of each segment's proximal point, about which it rotates."""
         spine = self.spine_count
-        arms = tuple(self.collar(side) + bone for side in (0, 1) for bone in range(4))
-        legs = tuple(self.hip(side) + bone for side in (0, 1) for bone in range(4))
+        arms = tuple(self.collar_point(side) + bone for side in (0, 1) for bone in range(4))
+        legs = tuple(self.hip_point(side) + bone for side in (0, 1) for bone in range(4))
         return (*range(spine), self.neck_base, self.head_joint, *arms, *legs)
 
     def distal_points(self) -> tuple[int, ...]:

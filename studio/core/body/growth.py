@@ -43,7 +43,7 @@ class KeyedProportions(Line):
 
 
 @project_cache(maxsize=64)
-def grown(
+def animated_morphology(
     build: Morphology, keyed: KeyedProportions, begin: float, frame_rate: float, count: int
 ) -> AnimatedMorphology:
     """``build`` animated over ``count`` frames from ``begin`` seconds on; cached, so that equal arguments give the same

@@ -19,7 +19,7 @@ def hand_reach(skeleton: Skeleton, wrist: int, positions: FloatArray) -> FloatAr
     return np.asarray(positions[:, list(ends)].mean(axis=1) - positions[:, wrist])
 
 
-def could_be_hand(reach: FloatArray, forearm: FloatArray) -> NDArray[np.bool_]:
+def has_hand_length(reach: FloatArray, forearm: FloatArray) -> NDArray[np.bool_]:
     """(F,) true if a hand of the offset ``reach`` (F, 3) has a plausible length for a forearm (F, 3)."""
     lengths = np.linalg.norm(reach, axis=1)
     return np.asarray((lengths >= SHORTEST_HAND) & (lengths <= LONGEST_HAND * np.linalg.norm(forearm, axis=1)))

@@ -72,7 +72,7 @@ class BodyMap:
     @classmethod
     def from_json(cls, skeleton: Skeleton, names: Mapping[str, str]) -> "BodyMap":
         """Inverse of ``to_json``; raises StudioError for unknown parts or joints."""
-        parts = {part_called(key): skeleton.index(name) for key, name in names.items() if not is_spine(key)}
+        parts = {part_named(key): skeleton.index(name) for key, name in names.items() if not is_spine(key)}
         spine = sorted((int(key[6:]), skeleton.index(name)) for key, name in names.items() if is_spine(key))
         pelvis = (parts[BodyPart.PELVIS],) if BodyPart.PELVIS in parts else ()
         return cls(parts, pelvis + tuple(joint for _, joint in spine))
@@ -83,7 +83,7 @@ def is_spine(key: str) -> bool:
     return key.startswith("spine_") and key[6:].isdecimal()
 
 
-def part_called(key: str) -> BodyPart:
+def part_named(key: str) -> BodyPart:
     """Part named ``key``; raises StudioError with the names that exist."""
     try:
         return BodyPart(key)

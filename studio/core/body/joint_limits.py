@@ -74,7 +74,7 @@ HINGE_MIRROR, UPRIGHT_MIRROR = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, 
 """Signs that mirror the axes of a segment with a hinge, and of a segment whose y axis points left."""
 
 
-def limits_of(body: Morphology) -> NDArray[np.void]:
+def limb_limit_records(body: Morphology) -> NDArray[np.void]:
     """Writable (4,) records of ``kernels.limits.limb_joint_limits``, one for each limb."""
     return np.frombuffer(bytearray(_limits_of(body)), dtype=LIMB_LIMITS)  # whole: NumPy copies records field by field
 

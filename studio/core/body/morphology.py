@@ -123,7 +123,7 @@ class Morphology:
         return row
 
     @property
-    def still(self) -> Self:
+    def first_frame_body(self) -> Self:
         """The morphology itself, so that it can stand for an animated one."""
         return self
 
@@ -191,7 +191,7 @@ class AnimatedMorphology:
         return BodyLayout((self.rows.shape[1] - at.M_SPINE) // 3)
 
     @cached_property
-    def still(self) -> Morphology:
+    def first_frame_body(self) -> Morphology:
         """Body of the first frame."""
         return self.at(0)
 

@@ -23,7 +23,7 @@ _SWING = np.radians(0.5)
 _BONES = ("CLAVICLE", "UPPER_ARM", "FOREARM", "HAND"), ("THIGH", "SHANK", "FOOT", "TOE")
 
 
-def with_seen_offsets(skeleton: Skeleton, poses: PoseSequence) -> Skeleton:
+def with_measured_offsets(skeleton: Skeleton, poses: PoseSequence) -> Skeleton:
     """Skeleton with the bone lengths of ``poses`` for bones whose offsets are constant there or zero in the file."""
     seen = np.median(poses.local_translations, axis=0)
     stray = np.abs(poses.local_translations - seen).max(axis=(0, 2))
@@ -34,7 +34,7 @@ def with_seen_offsets(skeleton: Skeleton, poses: PoseSequence) -> Skeleton:
     return replace(skeleton, offsets=np.where(taken[:, None], seen, skeleton.offsets)) if taken.any() else skeleton
 
 
-def with_bones_followed(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap) -> tuple[PoseSequence, float]:
+def with_rigid_bones(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap) -> tuple[PoseSequence, float]:
     """Poses with the same joint positions by rotations of limbs and neck, and the greatest of these rotations."""
     local, moves = poses.local_rotations, poses.local_translations
     greatest = 0.0

@@ -12,7 +12,7 @@ from itertools import permutations, product
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.hand_end import could_be_hand, hand_reach
+from studio.core.body.hand_end import hand_reach, has_hand_length
 from studio.core.body.humanoid import BodyMap, BodyPart
 from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.body.pose import PoseSequence
@@ -156,7 +156,7 @@ class _Pose:
             points = self._world()[0]
             along = points[wrist] - points[elbow]
             reach = hand_reach(self.skeleton, wrist, points[None])
-            if could_be_hand(reach, along[None])[0]:
+            if has_hand_length(reach, along[None])[0]:
                 self._turn(wrist, shortest_arc(normalized(reach[0]), normalized(along)))
 
     def face_forward(self, mean_axes: FloatArray) -> float:

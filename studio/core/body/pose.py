@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.frozen_array import unwritten
+from studio.core.frozen_array import frozen_array
 
 FloatArray = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ class PoseSequence:
         from studio.core.kernels.body.poses import normalize_quaternions  # late: numba takes longer than a window
 
         rotations = np.array(self.local_rotations, dtype=np.float64, order="C")
-        translations = unwritten(self.local_translations)
+        translations = frozen_array(self.local_translations)
         if rotations.ndim != 3 or rotations.shape[2] != 4 or translations.shape != (*rotations.shape[:2], 3):
             raise StudioError(
                 f"Poses need rotations (F, J, 4) and translations (F, J, 3), "

@@ -20,14 +20,14 @@ _APART = 0.1
 
 
 @dataclass(frozen=True)
-class Rehanging:
+class JointOrder:
     """New order of joints: ``order`` (J,) has old indices, ``parents`` (J,) new ones."""
 
     order: IntArray
     parents: IntArray
 
 
-def rehang(parents: IntArray, moved: Mapping[int, int]) -> Rehanging:
+def reparented_order(parents: IntArray, moved: Mapping[int, int]) -> JointOrder:
     """Joint order with every parent before its children, after the joints of ``moved`` (joint: parent) change parents.
 
     The new parent of a joint must not be one of its descendants.
@@ -39,10 +39,10 @@ def rehang(parents: IntArray, moved: Mapping[int, int]) -> Rehanging:
 
     order = np.array(sorted(range(len(above)), key=lambda joint: (depth(joint), joint)))
     place = {int(old): new for new, old in enumerate(order)}
-    return Rehanging(order, np.array([place.get(above[old], -1) for old in order.tolist()]))
+    return JointOrder(order, np.array([place.get(above[old], -1) for old in order.tolist()]))
 
 
-def over_feet(skeleton: Skeleton, poses: PoseSequence, feet: Mapping[int, int]) -> tuple[PoseSequence, float]:
+def with_body_over_feet(skeleton: Skeleton, poses: PoseSequence, feet: Mapping[int, int]) -> tuple[PoseSequence, float]:
     """Motion with the body moved over ``feet`` (foot: shank) that are not its descendants, and its former distance from
     them. Some files move the feet through the world and leave the body behind, or fixed. The rotations of the legs
     give its position: the one at which the ends of both shanks meet the feet. Raises StudioError if there is none.
@@ -73,7 +73,7 @@ def over_feet(skeleton: Skeleton, poses: PoseSequence, feet: Mapping[int, int]) 
     return PoseSequence(poses.local_rotations, moves), farthest
 
 
-def rehung(skeleton: Skeleton, poses: PoseSequence, new: Rehanging) -> tuple[Skeleton, PoseSequence]:
+def reparented_motion(skeleton: Skeleton, poses: PoseSequence, new: JointOrder) -> tuple[Skeleton, PoseSequence]:
     """The same motion on a skeleton with the parents of ``new``; the zero pose keeps its positions too."""
     still = PoseSequence(np.tile([0.0, 0.0, 0.0, 1.0], (1, skeleton.joint_count, 1)), skeleton.offsets[None])
     offsets = _local(*joint_world(skeleton, still), new)[1][0]
@@ -82,7 +82,7 @@ def rehung(skeleton: Skeleton, poses: PoseSequence, new: Rehanging) -> tuple[Ske
     return Skeleton(names, new.parents, offsets, skeleton.end_sites[new.order]), PoseSequence(from_matrix(turns), moves)
 
 
-def _local(positions: FloatArray, turns: FloatArray, new: Rehanging) -> tuple[FloatArray, FloatArray]:
+def _local(positions: FloatArray, turns: FloatArray, new: JointOrder) -> tuple[FloatArray, FloatArray]:
     """Rotations (F, J, 3, 3) and translations (F, J, 3) relative to the parents of ``new``, from world ones."""
     positions, turns = positions[:, new.order], turns[:, new.order]
     below = new.parents >= 0

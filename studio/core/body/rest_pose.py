@@ -42,7 +42,7 @@ def _computed(morphology: Morphology) -> tuple[FloatArray, FloatArray]:
     return positions, rotations
 
 
-def flexed(frame: FloatArray, flexion: float) -> FloatArray:
+def flexed_frame(frame: FloatArray, flexion: float) -> FloatArray:
     """``frame`` turned by ``flexion`` radians about its own x axis, the hinge."""
     c, s = np.cos(flexion), np.sin(flexion)
     return np.asarray(frame @ np.array([[1, 0, 0], [0, c, -s], [0, s, c]]))
@@ -53,9 +53,9 @@ def _hang_arm(morphology: Morphology, side: int, positions: FloatArray, rotation
     clavicle = frame_along(morphology.clavicle_rest[side], REST_FORWARD)
     bone = UPPER_ARM * outward
     upper = frame_along(bone, cross(bone, REST_FORWARD))
-    forearm = flexed(upper, ELBOW_FLEXION)
+    forearm = flexed_frame(upper, ELBOW_FLEXION)
     lengths = (morphology.clavicle[side], *morphology.arm[side])
-    first = morphology.layout.collar(side)
+    first = morphology.layout.collar_point(side)
     segment = morphology.layout.segment(BodyPart.RIGHT_CLAVICLE if side else BodyPart.LEFT_CLAVICLE)
     rotations[segment : segment + 4] = clavicle, upper, forearm, forearm
     positions[first] = positions[morphology.layout.neck_base] + morphology.collar_base[side]
@@ -67,14 +67,14 @@ def _hang_arm(morphology: Morphology, side: int, positions: FloatArray, rotation
 
 def _stand_leg(morphology: Morphology, side: int, positions: FloatArray, rotations: FloatArray) -> None:
     thigh, shank = morphology.leg[side]
-    hip = morphology.layout.hip(side)
+    hip = morphology.layout.hip_point(side)
     positions[hip] = positions[0] + morphology.hip_offset[side]
     height = positions[hip, 2] - morphology.ankle_height[side]
     straight = frame_along(np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0]))
     forward = np.arccos(np.clip((height**2 + thigh**2 - shank**2) / (2 * height * thigh), -1, 1))
     back = np.arccos(np.clip((height**2 + shank**2 - thigh**2) / (2 * height * shank), -1, 1))
     segment = morphology.layout.segment(BodyPart.RIGHT_THIGH if side else BodyPart.LEFT_THIGH)
-    rotations[segment : segment + 2] = flexed(straight, -forward), flexed(straight, back)
+    rotations[segment : segment + 2] = flexed_frame(straight, -forward), flexed_frame(straight, back)
     positions[hip + 1] = positions[hip] + rotations[segment][:, 2] * thigh
     positions[hip + 2] = positions[hip + 1] + rotations[segment + 1][:, 2] * shank
     positions[hip + 3] = positions[hip + 2] + morphology.foot[side]

@@ -15,14 +15,14 @@ def standing_points(morphology: Morphology, rotations: FloatArray) -> FloatArray
     points[1 : neck + 1] = np.cumsum(bones[: layout.spine_count], axis=0)
     points[neck + 1 : neck + 3] = points[neck] + np.cumsum(bones[neck : neck + 2], axis=0)
     for side in range(2):
-        arm, leg = layout.clavicle(side), layout.thigh(side)
+        arm, leg = layout.clavicle_segment(side), layout.thigh_segment(side)
         for start, base, first in (
-            (layout.collar(side), points[neck] + rotations[thorax] @ morphology.collar_base[side], arm),
-            (layout.hip(side), rotations[0] @ morphology.hip_offset[side], leg),
+            (layout.collar_point(side), points[neck] + rotations[thorax] @ morphology.collar_base[side], arm),
+            (layout.hip_point(side), rotations[0] @ morphology.hip_offset[side], leg),
         ):
             points[start] = base
             points[start + 1 : start + 5] = base + np.cumsum(bones[first : first + 4], axis=0)
-    soles = [points[layout.ankle(side), 2] - morphology.ankle_height[side] for side in range(2)]
+    soles = [points[layout.ankle_point(side), 2] - morphology.ankle_height[side] for side in range(2)]
     points[:, 2] -= min(soles)
     return points
 
@@ -35,7 +35,7 @@ def bone_vectors(morphology: Morphology) -> FloatArray:
     vectors[layout.segment(BodyPart.NECK), 2] = morphology.neck
     vectors[layout.segment(BodyPart.HEAD), 2] = morphology.head
     for side in range(2):
-        arm, leg = layout.clavicle(side), layout.thigh(side)
+        arm, leg = layout.clavicle_segment(side), layout.thigh_segment(side)
         vectors[arm : arm + 3, 2] = morphology.clavicle[side], *morphology.arm[side]
         vectors[arm + 3] = morphology.hand[side]
         vectors[leg : leg + 2, 2] = morphology.leg[side]

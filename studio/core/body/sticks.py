@@ -12,6 +12,6 @@ from studio.core.body.canonical import BodyLayout
 def bone_pairs(layout: BodyLayout) -> NDArray[np.intp]:
     """(B, 2) proximal and distal point of every bone, with those that join collars and hips to the spine."""
     segments = list(zip(layout.proximal_points(), layout.distal_points(), strict=True))
-    joins = [(layout.neck_base, layout.collar(side)) for side in (0, 1)]
-    joins += [(0, layout.hip(side)) for side in (0, 1)]
+    joins = [(layout.neck_base, layout.collar_point(side)) for side in (0, 1)]
+    joins += [(0, layout.hip_point(side)) for side in (0, 1)]
     return np.array(segments + joins)

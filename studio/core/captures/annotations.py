@@ -22,7 +22,7 @@ class Label:
             raise ValueError(f"A label runs from a frame to a later one, not from {self.first} to {self.last}.")
 
 
-def within(labels: Iterable[Label], first: int, last: int) -> tuple[Label, ...]:
+def labels_in_range(labels: Iterable[Label], first: int, last: int) -> tuple[Label, ...]:
     """Labels clipped to the frames ``first`` to ``last``, counted from ``first``."""
     return tuple(
         replace(each, first=max(each.first, first) - first, last=min(each.last, last) - first)

@@ -73,10 +73,10 @@ def touching_points(point: ContactPoint, layout: BodyLayout) -> list[int]:
     """Canonical points whose mean is the position of a contact point: one joint, or both hips for the seat."""
     match point.member:
         case "seat":
-            return [layout.hip(0), layout.hip(1)]
+            return [layout.hip_point(0), layout.hip_point(1)]
         case "hand":
-            return [layout.wrist(point.side)]
-    return [layout.hip(point.side) + {"knee": 1, "heel": 2, "toe": 3}[point.member]]
+            return [layout.wrist_point(point.side)]
+    return [layout.hip_point(point.side) + {"knee": 1, "heel": 2, "toe": 3}[point.member]]
 
 
 class Touch(_SidedName):
@@ -144,12 +144,12 @@ class ContactInterval:
             raise ValueError(f"A contact runs from a frame to a later one, not from {self.first} to {self.last}.")
 
 
-def on_ground(contacts: Iterable[ContactInterval]) -> tuple[ContactInterval, ...]:
+def ground_contacts(contacts: Iterable[ContactInterval]) -> tuple[ContactInterval, ...]:
     """Contacts with the ground, without touches."""
     return tuple(each for each in contacts if isinstance(each.point, ContactPoint))
 
 
-def standing_at(contacts: Iterable[ContactInterval], frame: int) -> tuple[ContactPoint, ...]:
+def points_on_ground(contacts: Iterable[ContactInterval], frame: int) -> tuple[ContactPoint, ...]:
     """Points that are in contact with the ground in a frame."""
     there = (each.point for each in contacts if each.first <= frame <= each.last)
     return tuple(point for point in there if isinstance(point, ContactPoint))
@@ -320,7 +320,7 @@ def _without_pivots(
     return heel, toe
 
 
-def through_still_gaps(spans: list[Span], middle: FloatArray) -> list[Span]:
+def joined_over_still_gaps(spans: list[Span], middle: FloatArray) -> list[Span]:
     """The ``spans`` of toe contacts, joined over gaps in which the ``middle`` (F, 3) of the foot hardly moves.
 
     In marker captures the soles of standing feet rise and sink by centimetres, because skin moves over bones.
@@ -332,7 +332,9 @@ def through_still_gaps(spans: list[Span], middle: FloatArray) -> list[Span]:
     return spans_of(standing)
 
 
-def close_steps(heel: list[Span], toe: list[Span], middle: FloatArray, longest: int) -> tuple[list[Span], list[Span]]:
+def with_step_gaps_closed(
+    heel: list[Span], toe: list[Span], middle: FloatArray, longest: int
+) -> tuple[list[Span], list[Span]]:
     """Contacts of a foot's ``heel`` and ``toe``, with gaps of up to ``longest`` frames from one to the other closed.
 
     The later contact is extended to the end of the earlier one. ``middle`` (F, 3) is the middle of the foot, metres.
@@ -369,7 +371,7 @@ def detect_body_contacts(
     for knee in (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE):
         seats, room = found[ContactPoint.SEAT], round(SEAT_TO_KNEES_SECONDS * frame_rate)
         seated = contact_mask([(max(first - room, 0), last + room) for first, last in seats], len(tracks[knee]))
-        found[knee] = spans_without(found[knee], seated, round(2 * SHORTEST_CONTACT * frame_rate))
+        found[knee] = spans_outside_mask(found[knee], seated, round(2 * SHORTEST_CONTACT * frame_rate))
     return found
 
 
@@ -386,13 +388,13 @@ def _until_it_leaves(standing: NDArray[np.bool_], still: NDArray[np.bool_], heig
     return cut
 
 
-def faces_down(hips: FloatArray, shoulders: FloatArray) -> NDArray[np.bool_]:
+def prone_mask(hips: FloatArray, shoulders: FloatArray) -> NDArray[np.bool_]:
     """(F,) true where a body is prone: it lies, crawls or is stretched face down. Hips and shoulders (F, 2, 3)."""
     front = np.cross(hips[:, 0] - hips[:, 1], shoulders.mean(axis=1) - hips.mean(axis=1))
     return np.asarray(front[:, 2] < -PRONE * np.linalg.norm(front, axis=1))
 
 
-def tipped_over(hip: FloatArray, ankle: FloatArray, toe: FloatArray) -> NDArray[np.bool_]:
+def plank_leg_mask(hip: FloatArray, ankle: FloatArray, toe: FloatArray) -> NDArray[np.bool_]:
     """(F,) true where a leg leans over its toes as in a plank, so that its heel cannot be on the
     ground; points (F, 3).
     """
@@ -401,13 +403,13 @@ def tipped_over(hip: FloatArray, ankle: FloatArray, toe: FloatArray) -> NDArray[
     return np.asarray(over > np.tan(FARTHEST_OVER) * (hip - ankle)[:, 2])
 
 
-def lying(knee: FloatArray, ankle: FloatArray) -> NDArray[np.bool_]:
+def lying_shank_mask(knee: FloatArray, ankle: FloatArray) -> NDArray[np.bool_]:
     """(F,) true where a shank lies, so that its foot cannot be flat on the ground; points (F, 3)."""
     shank = knee - ankle
     return np.asarray(shank[:, 2] < np.sin(FLATTEST_SHANK) * np.linalg.norm(shank, axis=1))
 
 
-def staying(track: FloatArray, first: int, last: int, wander: float = WANDER) -> Span:
+def longest_still_span(track: FloatArray, first: int, last: int, wander: float = WANDER) -> Span:
     """Longest part of a span in which the track (F, 3) stays within ``wander`` metres of its middle."""
     from studio.core.kernels.algebra.medians import geometric_median  # not before it is needed: it loads kernels
 
@@ -423,16 +425,18 @@ def staying(track: FloatArray, first: int, last: int, wander: float = WANDER) ->
 
 
 def _stays(track: FloatArray, first: int, last: int, rest: int) -> list[Span]:
-    """Span of ``staying``, if the track also stays for ``rest`` frames before and after it, a quarter of that while it
-    travels.
+    """Span of ``longest_still_span``, if the track also stays for ``rest`` frames before and after it, a quarter of
+    that while it travels.
     """
-    begin, end = staying(track, first, last)
+    begin, end = longest_still_span(track, first, last)
     sides = (first, begin - 1 - rest // 4), (end + 1 + rest // 4, last)
     others = [stay for a, b in sides if b - a >= rest for stay in _stays(track, a, b, rest)]
     return sorted([(begin, end), *((a, b) for a, b in others if b - a >= rest)])
 
 
-def trailed(spans: list[Span], toes: FloatArray, down: NDArray[np.bool_], frame_rate: float) -> list[Span]:
+def trailing_toe_contacts(
+    spans: list[Span], toes: FloatArray, down: NDArray[np.bool_], frame_rate: float
+) -> list[Span]:
     """The parts of the ``spans`` of toes (F, 3) that are contacts.
 
     While their leg lies ``down`` (F,), toes that move farther than ``TRAILING``, or rest only for a moment, are dragged
@@ -443,7 +447,7 @@ def trailed(spans: list[Span], toes: FloatArray, down: NDArray[np.bool_], frame_
     for span in spans:
         standing = contact_mask([span], len(down))
         for first, last in spans_of(standing & down):
-            begin, end = staying(toes, first, last, TRAILING)
+            begin, end = longest_still_span(toes, first, last, TRAILING)
             standing[first:begin] = standing[end + 1 : last + 1] = False
         rest = spans_of(standing)
         least = whole if rest == [span] and not down[span[0] : span[1] + 1].any() else trail
@@ -485,7 +489,7 @@ def contact_mask(spans: Iterable[Span], frame_count: int) -> NDArray[np.bool_]:
     return mask
 
 
-def spans_without(spans: list[Span], mask: NDArray[np.bool_], shortest: int) -> list[Span]:
+def spans_outside_mask(spans: list[Span], mask: NDArray[np.bool_], shortest: int) -> list[Span]:
     """``spans`` cut where ``mask`` (F,) is true, without remainders of at most ``shortest`` frames.
 
     Spans outside the mask are returned unchanged.

@@ -18,7 +18,7 @@ UNLOADED_SECONDS = 0.2
 """Seconds before or after a load for which a foot rests on the plate at most without loading it."""
 
 
-def fit_to_plates(
+def contacts_fitted_to_plates(
     feet: Mapping[ContactPoint, list[Span]], soles: FloatArray, loads: Sequence[PlateLoad], frame_rate: float
 ) -> dict[ContactPoint, list[Span]]:
     """Contacts of ``feet``, with each step on a plate set to the first and last frame of its load.

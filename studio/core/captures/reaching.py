@@ -10,7 +10,7 @@ from studio.core.captures.capture import Capture
 ENDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND, BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT)
 
 
-def farthest_frame(capture: Capture, first: int, last: int) -> int:
+def farthest_reach_frame(capture: Capture, first: int, last: int) -> int:
     """Frame between ``first`` and ``last`` in which a wrist or an ankle is horizontally farthest from the hips;
     ``first`` for a capture without a body.
     """

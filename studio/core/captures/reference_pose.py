@@ -38,10 +38,10 @@ class ReferencePose:
 def find_reference_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap) -> ReferencePose:
     """Zero pose, stood up if it lies, if it is human; else the neutral pose of all frames."""
     zero = np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))
-    standing = stand_up(skeleton, zero, body_map)
+    standing = upright_pose(skeleton, zero, body_map)
     if standing is not None:
         points = joint_positions(skeleton, rest_poses(skeleton, standing))
-        worst = float(faults(points, body_map).max())
+        worst = float(stance_deviations(points, body_map).max())
         if worst <= 1.0:
             turned = "" if np.array_equal(standing, zero) else "; it was turned upright"
             return ReferencePose(
@@ -50,7 +50,7 @@ def find_reference_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyM
                 f"With all rotations zero the body stands like a human{turned}.",
                 Confidence.SURE if worst <= _HARDLY_HUMAN else Confidence.LIKELY,
             )
-    wrong = faults(joint_positions(skeleton, poses), body_map)
+    wrong = stance_deviations(joint_positions(skeleton, poses), body_map)
     neutral = find_neutral_pose(skeleton, poses, body_map, 1.0 / (1.0 + (wrong**2).sum(axis=1)) ** 2)
     doubt = f"The head may be turned by {neutral.head_doubt:.0f} degrees" if neutral.head_doubt else "It has no head"
     stood = wrong.max(axis=1).min() <= _NEVER_STOOD
@@ -61,7 +61,7 @@ def find_reference_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyM
     return ReferencePose(neutral.rotations, "all frames", f"{reason} {doubt}.", confidence)
 
 
-def stand_up(skeleton: Skeleton, local_rotations: FloatArray, body_map: BodyMap) -> FloatArray | None:
+def upright_pose(skeleton: Skeleton, local_rotations: FloatArray, body_map: BodyMap) -> FloatArray | None:
     """Pose (J, 4) with the root rotated so that the trunk points to +Z; None if the trunk is not along a world axis."""
     points = joint_positions(skeleton, rest_poses(skeleton, local_rotations))[0]
     trunk = normalized(_middle(points, body_map, "UPPER_ARM") - _middle(points, body_map, "THIGH"))
@@ -77,7 +77,7 @@ def stand_up(skeleton: Skeleton, local_rotations: FloatArray, body_map: BodyMap)
     return stood
 
 
-def faults(points: FloatArray, body_map: BodyMap) -> FloatArray:
+def stance_deviations(points: FloatArray, body_map: BodyMap) -> FloatArray:
     """Deviations of each frame of ``points`` (F, J, 3) from a relaxed human stance: (F, n), 1 at the tolerable limit.
 
     Lean of trunk and head, splay and bend of legs, twist of shoulders against hips, narrow shoulders, and arms that

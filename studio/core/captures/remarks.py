@@ -7,15 +7,15 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.hand_end import SHORTEST_HAND, could_be_hand, hand_reach
+from studio.core.body.hand_end import SHORTEST_HAND, hand_reach, has_hand_length
 from studio.core.body.humanoid import LIMB_PARTS, BodyMap, BodyPart
 from studio.core.body.kinematics import joint_positions
 from studio.core.body.morphology import Morphology
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import spans_of
-from studio.core.markers.jumps import jumps
-from studio.core.markers.trial import bare_label
+from studio.core.markers.jumps import marker_jumps
+from studio.core.markers.trial import label_without_subject
 from studio.core.rotations import normalized
 from studio.core.sharing import Shared
 
@@ -88,7 +88,7 @@ remarks_on: Shared[Capture, tuple[Remark, ...]] = Shared(_remarks_on)
 """Warnings about a capture; without a body map only those about impossible markers and bones."""
 
 
-def remarks_on_body(body: Morphology) -> tuple[Remark, ...]:
+def body_remarks(body: Morphology) -> tuple[Remark, ...]:
     """Warnings about a body's measures in a character's file."""
     found = []
     longest = float(np.abs(body.packed).max())
@@ -110,13 +110,16 @@ def _leaps(capture: Capture) -> list[Remark]:
     """Warning about markers that jump, the worst by name."""
     if capture.markers is None:
         return []
-    found = sorted(jumps(capture.markers.trial).items(), key=lambda item: -item[1][1])
+    found = sorted(marker_jumps(capture.markers.trial).items(), key=lambda item: -item[1][1])
     remarks = [
-        Remark(f"The marker {bare_label(label)} jumps by up to {100.0 * worst:.0f} cm in a frame.", _frames(far, 0))
+        Remark(
+            f"The marker {label_without_subject(label)} jumps by up to {100.0 * worst:.0f} cm in a frame.",
+            _frames(far, 0),
+        )
         for label, (far, worst) in found[:_NAMED]
     ]
     if len(found) > _NAMED:
-        names = ", ".join(bare_label(label) for label, _ in found[_NAMED:])
+        names = ", ".join(label_without_subject(label) for label, _ in found[_NAMED:])
         remarks.append(Remark(f"So do {names}.", _frames(np.any([far for _, (far, _) in found[_NAMED:]], axis=0), 0)))
     return remarks
 
@@ -173,7 +176,7 @@ def _far_hand(capture: Capture, body: BodyMap, side: str, positions: FloatArray)
     reach = hand_reach(capture.skeleton, wrist, positions)
     far = float(np.median(np.linalg.norm(reach, axis=1)))
     forearm = positions[:, wrist] - positions[:, body[BodyPart(f"{side}_forearm")]]
-    if far < SHORTEST_HAND or could_be_hand(reach, forearm).any():
+    if far < SHORTEST_HAND or has_hand_length(reach, forearm).any():
         return []
     return [f"The {side} hand ends {100.0 * far:.0f} cm from its wrist: a hand of usual length takes its place."]
 

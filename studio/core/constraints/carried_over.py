@@ -62,7 +62,7 @@ class ClipTransform:
         """Seconds on the stage for seconds of the motion."""
         return self.begin + playing_seconds(self.speed, times)
 
-    def retimed(self, keyed: KeysKind, change: Callable[[FloatArray], FloatArray]) -> KeysKind:
+    def retimed_keys(self, keyed: KeysKind, change: Callable[[FloatArray], FloatArray]) -> KeysKind:
         """``keyed`` with its free tangents transformed by ``change``, and steepened by the playing speed."""
 
         def changed(tangents: Tangents | None, speed: float) -> Tangents | None:
@@ -79,7 +79,7 @@ class ClipTransform:
         first, last = motion_seconds(self.speed, (self.first - self.begin, self.last - self.begin)).tolist()
         return float((last - first) / (self.last - self.first)) if self.last > self.first else 1.0
 
-    def ways(self, vectors: ArrayLike) -> FloatArray:
+    def directions(self, vectors: ArrayLike) -> FloatArray:
         """Vectors (..., 3), rotated and mirrored."""
         c, s = np.cos(self.turn), np.sin(self.turn)
         seen = np.asarray(vectors, dtype=np.float64) * [1.0, -1.0 if self.mirrored else 1.0, 1.0]
@@ -87,7 +87,7 @@ class ClipTransform:
 
     def places(self, places: ArrayLike) -> FloatArray:
         """Positions (..., 3) in metres."""
-        return np.asarray(self.ways(places) + np.array([*self.shift, 0.0]))
+        return np.asarray(self.directions(places) + np.array([*self.shift, 0.0]))
 
     def turns(self, turns: ArrayLike, part: BodyPart) -> FloatArray:
         """Rotations (..., 4) of a segment."""
@@ -126,7 +126,7 @@ def other_side(part: BodyPart) -> BodyPart:
     return BodyPart(f"{swaps[side]}_{rest}") if side in swaps else part
 
 
-def carried_over(constraint: Constraint, carry: ClipTransform) -> Constraint:
+def constraint_on_clip(constraint: Constraint, carry: ClipTransform) -> Constraint:
     """``constraint`` transformed to where a clip of its motion plays; it still follows other performers and props."""
     changes: dict[str, Any] = {
         "point": carry.point(constraint.point),
@@ -149,7 +149,7 @@ _SIDE_WORD = re.compile(rf"\b({'|'.join(_SIDE_WORDS)})\b")
 
 def mirrored_constraint(constraint: Constraint) -> Constraint:
     """``constraint`` in the mirror image of its motion; its name says the other side where it says one."""
-    return replace(carried_over(constraint, MIRROR), name=swapped_sides(constraint.name))
+    return replace(constraint_on_clip(constraint, MIRROR), name=swapped_sides(constraint.name))
 
 
 def swapped_sides(name: str) -> str:
@@ -160,26 +160,28 @@ def swapped_sides(name: str) -> str:
 def _value(name: str, value: Any, constraint: Constraint, carry: ClipTransform) -> Any:
     match value:
         case KeyedPlace():
-            places = carry.retimed(value, carry.ways)
+            places = carry.retimed_keys(value, carry.directions)
             return replace(places, times=_keys(value, carry), values=_tuples(carry.places(value.values)))
         case KeyedOwnPlace():
-            offsets = carry.retimed(value, carry.ways)
+            offsets = carry.retimed_keys(value, carry.directions)
             origin = _own_place(value.origin, carry)
-            return replace(offsets, times=_keys(value, carry), values=_tuples(carry.ways(value.values)), origin=origin)
+            return replace(
+                offsets, times=_keys(value, carry), values=_tuples(carry.directions(value.values)), origin=origin
+            )
         case KeyedTurn():
             quaternions = carry.turns(value.values, constraint.point.part)
-            turned = carry.retimed(value, lambda rate: carry.own_rates(rate, constraint.point.part))
+            turned = carry.retimed_keys(value, lambda rate: carry.own_rates(rate, constraint.point.part))
             return replace(turned, times=_keys(value, carry), values=_tuples(quaternions))
         case KeyedNumber():
             turns = name == "heading"
             numbers = tuple(_heading(each, constraint, carry) for each in value.values) if turns else value.values
             sign = -1.0 if turns and _is_heading_mirrored(constraint, carry) else 1.0
-            scalars = carry.retimed(value, lambda rate: sign * rate)
+            scalars = carry.retimed_keys(value, lambda rate: sign * rate)
             return replace(scalars, times=_keys(value, carry), values=numbers)
         case CirclePlace() | PendulumPlace() | NoisePlace():
             (x, y, z), seen = carry.places(value.centre).tolist(), value.mirrored() if carry.mirrored else value
             if value.origin is not None:
-                x, y, z = carry.ways(value.centre).tolist()
+                x, y, z = carry.directions(value.centre).tolist()
             return replace(
                 seen,
                 centre=(x, y, z),
@@ -202,13 +204,13 @@ def _value(name: str, value: Any, constraint: Constraint, carry: ClipTransform) 
 
 
 def _own_place(place: OwnPlace, carry: ClipTransform) -> OwnPlace:
-    x, y, z = carry.ways(place.offset).tolist()
+    x, y, z = carry.directions(place.offset).tolist()
     return replace(
         place,
         point=carry.point(place.point),
         time=float(carry.times(place.time)),
         offset=(x, y, z),
-        own=tuple((key, tuple(carry.ways(each).tolist())) for key, each in place.own),
+        own=tuple((key, tuple(carry.directions(each).tolist())) for key, each in place.own),
     )
 
 

@@ -65,7 +65,7 @@ def _built_in(
 BUILT_IN_KINDS = (
     _built_in(PositionConstraint, drawn=True),
     _built_in(OrientationConstraint, drawn=True, target="RotatedSegment"),
-    _built_in(LookAtConstraint, drawn=True, target="LookedAt"),
+    _built_in(LookAtConstraint, drawn=True, target="RotatedLookAt"),
     _built_in(UprightConstraint, target="RotatedDirection"),
     _built_in(ParallelConstraint, drawn=True),
     _built_in(DistanceConstraint, drawn=True),

@@ -10,7 +10,7 @@ from studio.core.constraints.target import Place, checked_place
 
 @dataclass(frozen=True)
 class LookAtConstraint(Constraint):
-    """The x axis of the segment of ``point``, through the point, passes through ``target``, which is like that of a
+    """The x axis of the segment of ``point``, through the point, passes through ``target``, given as for a
     position. The default point is between the eyes. The residual is an angle.
     """
 

@@ -52,7 +52,7 @@ class OwnPlace:
         return self.with_own(performer_id, _sum(own, further))
 
     def keyed(self, seconds: float) -> "KeyedOwnPlace":
-        """Key at ``seconds`` that leaves every body its own position."""
+        """Keyed copy with one key at ``seconds`` and no offset: every body keeps its own position."""
         return KeyedOwnPlace((seconds,), ((0.0, 0.0, 0.0),), origin=self)
 
 

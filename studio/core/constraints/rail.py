@@ -66,7 +66,7 @@ class RailConstraint(Constraint):
         if isinstance(self.centre, FollowPerformer | FollowProp):
             return {}
         seen = replace(carry, turn=0.0) if isinstance(self.centre, FOLLOWS) else carry
-        return {"direction": tuple(seen.ways(self.direction).tolist())}
+        return {"direction": tuple(seen.directions(self.direction).tolist())}
 
     def nearest(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
         """Nearest positions (..., 3) on a fixed rail to ``places`` (..., 3), in metres."""

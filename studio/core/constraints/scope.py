@@ -49,12 +49,12 @@ class Scoped(Protocol):
 Item = TypeVar("Item", bound=Scoped)
 
 
-def meant_for(items: Mapping[str, Item], performer_id: str, clip_id: str) -> dict[str, Item]:
+def in_scope_of(items: Mapping[str, Item], performer_id: str, clip_id: str) -> dict[str, Item]:
     """Those of ``items``, by id, whose scope includes a performer and a clip."""
     return {key: item for key, item in items.items() if item.scope.includes(performer_id, clip_id)}
 
 
-def narrowest(items: Mapping[str, Item]) -> dict[str, Item]:
+def narrowest_scoped(items: Mapping[str, Item]) -> dict[str, Item]:
     """Items of the narrowest scope about each subject: a clip's before a performer's before everyone's."""
     ranks = {key: (bool(item.scope.clip_id), bool(item.scope.performer_id)) for key, item in items.items()}
     best = max(ranks.values(), default=None)

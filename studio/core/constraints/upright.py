@@ -49,7 +49,7 @@ class UprightConstraint(Constraint):
     def carried(self, carry: "ClipTransform") -> dict[str, Any]:
         """Axis and direction where a clip plays, rotated and mirrored."""
         axis = carry.point(BodyPoint(self.point.part, self.axis)).offset
-        return {"axis": axis, "direction": tuple(carry.ways(self.direction).tolist())}
+        return {"axis": axis, "direction": tuple(carry.directions(self.direction).tolist())}
 
     def sketch(self, place: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
         """Lines of the axis, and of its cone."""

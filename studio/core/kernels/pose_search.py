@@ -71,7 +71,7 @@ class SearchHits(NamedTuple):
 
 
 @kernel
-def judge_blocks(blocks, rows, paths, clips, middles, out_radii, out_rings):
+def write_block_bounds(blocks, rows, paths, clips, middles, out_radii, out_rings):
     """Write bounds of each block's frames: ``radii`` and ``rings`` of a ``FrameTable``."""
     for block in range(blocks.shape[0]):
         start, count = clips[blocks[block, 0], 2], clips[blocks[block, 0], 3]
@@ -100,7 +100,7 @@ def judge_blocks(blocks, rows, paths, clips, middles, out_radii, out_rings):
 
 
 @summing_kernel
-def bound_blocks(table, allowed, query, out_bounds):
+def write_block_cost_bounds(table, allowed, query, out_bounds):
     """Write a lower bound (B,) of the cost of each block's frames; inf where its clip is not ``allowed`` (C,)."""
     clips, blocks = table.clips, table.blocks
     for block in range(blocks.shape[0]):
@@ -110,18 +110,18 @@ def bound_blocks(table, allowed, query, out_bounds):
             continue
         pose, target = query.poses[clips[clip, 0]], query.targets[clips[clip, 0], clips[clip, 1]]
         posture = max(math.sqrt(least_square(pose, table.middles[block])) - table.radii[block], 0.0)
-        reach = beyond(target, table.rings[block])
+        reach = distance_to_ring(target, table.rings[block])
         out_bounds[block] = query.posture_weight * posture + query.reach_weight * reach
 
 
 @small_kernel
 def least_square(query, pose):
     """Lower bound of D² of two rows (64,) in float32."""
-    return turned_square(query, pose)[2]
+    return rotated_distance_terms(query, pose)[2]
 
 
 @summing_kernel
-def turned_square(query, pose):
+def rotated_distance_terms(query, pose):
     """Terms A and B of the squared distance of two rows (64,) as a function of their relative rotation, and a lower
     bound of it, in float32.
     """
@@ -135,7 +135,7 @@ def turned_square(query, pose):
 
 
 @small_kernel
-def beyond(target, ring):
+def distance_to_ring(target, ring):
     """Distance in metres from ``target`` (3,) to the ``ring`` of a path, all positions to which rotations about the
     vertical bring it.
     """
@@ -175,9 +175,9 @@ def search_block(block, table, query, found):
     actor, limb, path = table.clips[clip, 0], table.clips[clip, 1], table.clips[clip, 2]
     pose, target = query.poses[actor], query.targets[actor, limb]
     ring, count = table.rings[block], table.clips[clip, 3]
-    least = query.reach_weight * beyond(target, ring)
+    least = query.reach_weight * distance_to_ring(target, ring)
     for frame in range(begin, begin + table.blocks[block, 2]):
-        a, b, square = turned_square(pose, rows[frame])
+        a, b, square = rotated_distance_terms(pose, rows[frame])
         near, planar = query.posture_weight * math.sqrt(square), math.sqrt(np.float64(a) * a + np.float64(b) * b)
         if near + least >= costs[last, COST_COLUMN]:
             continue
@@ -193,7 +193,7 @@ def search_block(block, table, query, found):
         reach, contact = hit_distance(rows[frame], facing, target, table.paths, path, count)
         cost = query.posture_weight * posture + query.reach_weight * reach
         if cost < costs[last, COST_COLUMN]:
-            note((cost, posture, reach, rotation), (clip, frame, contact), found)
+            insert_hit((cost, posture, reach, rotation), (clip, frame, contact), found)
 
 
 @small_kernel
@@ -227,7 +227,7 @@ def hit_distance(pose, facing, target, paths, start, count):
 
 
 @kernel
-def note(costs, index, found):
+def insert_hit(costs, index, found):
     """Insert a frame in order of cost, at most one per clip, and drop the last."""
     row = found.costs.shape[0] - 1
     for n in range(found.costs.shape[0]):

@@ -145,7 +145,7 @@ class FrameBody(NamedTuple):
     """(4, 3) plane z = a + b x + c y of the ground under the unsolved end of each limb, metres."""
 
 
-class RedundancyGroups(NamedTuple):
+class BalanceJoints(NamedTuple):
     """Joints of limbs that may rotate to help a balance constraint."""
 
     joints: Array
@@ -186,7 +186,7 @@ class TaskRows(NamedTuple):
     """(R,) margin of an inequality in metres."""
 
 
-class FlatRows(NamedTuple):
+class FlattenedTaskRows(NamedTuple):
     """``TaskRows`` with the Jacobians of all joints in one row, (R, 3 N): the same memory."""
 
     jacobian: Array
@@ -216,7 +216,7 @@ class Equations(NamedTuple):
     """
     scratch: Array
     """(R, R + 12) scratch."""
-    flat: FlatRows
+    flat: FlattenedTaskRows
 
 
 class FullNewtonScratch(NamedTuple):
@@ -294,7 +294,7 @@ class ConstraintSet(NamedTuple):
     areas: Array
     """(C, n) of ``kernels.tasks.area_shapes``."""
     chain: JointWeights
-    redundancy: RedundancyGroups
+    redundancy: BalanceJoints
     targets: TargetArrays
     activations: Array
     """(K, C, F) of the tasks down to each of K tiers of ``kernels.limits.clearance_tiers``, all tasks in the last."""
@@ -372,7 +372,7 @@ class ClearanceScratch(NamedTuple):
     """(5, 3) outward directions."""
 
 
-class KeptTier(NamedTuple):
+class SavedTier(NamedTuple):
     """Result of the tiers above one (``kernels.limits.clearance_tiers``)."""
 
     state: Array
@@ -434,7 +434,7 @@ class ClipProblem(NamedTuple):
     motion: MotionArrays
     clearance: ClearanceArrays
     clearing: ClearanceScratch
-    kept: KeptTier
+    kept: SavedTier
     easing: SmoothingRun
     residuals: Array
     """(C, F) residual of each task, written by kernels: metres or radians, NaN where inactive."""
@@ -445,7 +445,7 @@ class SolverScratch(NamedTuple):
 
     search: SearchState
     clearing: ClearanceScratch
-    kept: KeptTier
+    kept: SavedTier
 
 
 SEARCH_JOINT = np.dtype([(name, np.int64) for name in ("segment", "pivot", "first", "past", "parent")], align=True)

@@ -16,7 +16,7 @@ from studio.core.kernels.records import (
     ClipProblem,
     ConstraintSet,
     Equations,
-    FlatRows,
+    FlattenedTaskRows,
     FrameBody,
     FrameProblem,
     FullNewtonScratch,
@@ -30,8 +30,8 @@ from studio.core.kernels.search.backtracking import BACKTRACKING
 from studio.core.kernels.search.levels import reset_rotations, solve_frame
 from studio.core.kernels.search.redundancy import update_joint_weights
 from studio.core.kernels.tasks.targets import set_goals, update_relative_weights
-from studio.core.kernels.tasks.task import IN_TRANSITION, INACTIVE
 from studio.core.kernels.tasks.task_kinds import update_goals
+from studio.core.kernels.tasks.task_status import INACTIVE, begin_transition
 from studio.core.kernels.time.acceleration_peaks import update_acceleration_peaks
 from studio.core.kernels.time.activation_blend import next_activation, pose_blend, save_solution, write_residuals
 from studio.core.kernels.time.smoothed_frames import pose_smoothed
@@ -64,11 +64,11 @@ def solve_frames(request, body, motion, clearance, easing, out_residuals):
     count, joints = request.tasks.shape[0], request.chain.joints.shape[0]
     search = make_search(count, joints, motion.positions.shape[1])
     scratch = SolverScratch(search, make_clearance_scratch(clearance.volume), make_kept_tier(clearance, count, joints))
-    solve_each(request, body, motion, clearance, easing, scratch, out_residuals)
+    solve_run(request, body, motion, clearance, easing, scratch, out_residuals)
 
 
 @kernel
-def solve_each(request, body, motion, clearance, easing, scratch, out_residuals):
+def solve_run(request, body, motion, clearance, easing, scratch, out_residuals):
     """Solve all frames with the given scratch."""
     chain, made = pack(request.chain), scratch.search
     search = pack(pack_search(pack(made.rows), pack(made.equations), pack(made.damped), made))
@@ -175,7 +175,8 @@ def solve_activations(frame, tier, clip, problem):
         least = more
     if least > 0.0:
         for c in range(tasks.shape[0]):
-            tasks[c].status = IN_TRANSITION if tasks[c].status != INACTIVE else 0
+            if tasks[c].status != INACTIVE:
+                begin_transition(tasks[c])
     write_residuals(frame, problem, clip.residuals)
     return any_acts
 
@@ -245,7 +246,7 @@ def make_search(task_count, joint_count, point_count):
         np.empty(rows),
         steps.reshape((rows + 2, joint_count, 3)),
         np.empty((rows, rows + 12)),
-        FlatRows(jacobian, weighted, steps),
+        FlattenedTaskRows(jacobian, weighted, steps),
     )
     damped = FullNewtonScratch(
         np.empty((unknowns, unknowns + 1)), np.empty(unknowns), np.empty(unknowns), np.empty((joint_count, 3))

@@ -9,7 +9,7 @@ from studio.core.body.morphology import FloatArray, Morphology
 from studio.core.body.rest_pose import rest_pose
 from studio.core.mesh.character import Character
 from studio.core.mesh.skin import SkinnedMesh, fit_skin
-from studio.core.rigs.embodiment import strongest
+from studio.core.rigs.embodiment import strongest_influences
 
 _STEP = 0.045
 """Half the height over which one vertebra hands over to the next, as a fraction of stature."""
@@ -31,7 +31,7 @@ def _with_spine_of(body: Morphology, pattern: Character) -> tuple[Morphology, Sk
     points = np.stack([np.interp(places, np.arange(len(knots)), knots[:, axis]) for axis in range(3)], axis=1)
     build = replace(pattern.build, spine=np.diff(points, axis=0))
     weights = _rebound(pattern, build)
-    segments, shares = strongest(weights)
+    segments, shares = strongest_influences(weights)
     return build, replace(pattern.skin, segments=segments.astype(np.int32), weights=shares.astype(np.float32))
 
 

@@ -33,7 +33,7 @@ class Trunk:
     neck: FloatArray
 
 
-def upright(axes: FloatArray) -> FloatArray:
+def upright_axes(axes: FloatArray) -> FloatArray:
     """Axes (F, 3, 3) with the same heading and z up."""
     left = axes[..., 1] - axes[..., 1] @ WORLD_UP[:, None] * WORLD_UP
     left = np.where(np.linalg.norm(left, axis=-1, keepdims=True) > 1e-6, left, [0.0, 1.0, 0.0])
@@ -47,9 +47,9 @@ def find_trunk(tracks: Tracks, joints: Tracks, stature: float, radius: float) ->
     pelvis = _pelvis(tracks, joints) if legs or has_pelvis(tracks) else None
     thorax = _thorax(tracks, joints, radius) if arms else None
     if pelvis is None and thorax is not None:
-        pelvis = upright(thorax)
+        pelvis = upright_axes(thorax)
     elif thorax is None and pelvis is not None:
-        thorax = upright(pelvis)
+        thorax = upright_axes(pelvis)
     assert pelvis is not None
     assert thorax is not None
     neck = _neck(tracks, joints) if arms else None

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.markers.gaps import Gap, find_gaps, pattern_through, spline_through, stiffness
-from studio.core.markers.swaps import find_swaps, swapped
-from studio.core.markers.trial import MARKER_KIND, Trial, whole
-from studio.core.names import counted
+from studio.core.markers.swaps import find_swaps, with_swaps_undone
+from studio.core.markers.trial import MARKER_KIND, Trial, seen_mask
+from studio.core.names import counted_noun
 from studio.core.runs import runs_of
 
 FloatArray = NDArray[np.float64]
@@ -59,8 +59,8 @@ class UndoSwaps:
         ]
         if not swaps:
             return trial, StepReport(self.title, "No two markers took each other's name.")
-        return trial.with_points(swapped(trial.points, swaps)), _report(
-            self.title, f"{counted(len(swaps), 'swap')} undone.", details
+        return trial.with_points(with_swaps_undone(trial.points, swaps)), _report(
+            self.title, f"{counted_noun(len(swaps), 'swap')} undone.", details
         )
 
 
@@ -138,7 +138,7 @@ class LowPass:
         least = 3 * (2 * _ORDER + 1)
         moved, skipped = 0.0, 0
         for place in _places(trial):
-            for first, end in runs_of(whole(points[:, place])):
+            for first, end in runs_of(seen_mask(points[:, place])):
                 if end - first <= least:
                     skipped += 1
                     continue
@@ -147,7 +147,7 @@ class LowPass:
                 points[first:end, place] = smooth
         summary = f"Smoothed at {self.cutoff:g} Hz; no marker moved more than {1000 * moved * trial.metres:.1f} mm."
         details = (
-            (f"{counted(skipped, 'stretch', 'stretches')} of less than {least + 1} frames left as they were.",)
+            (f"{counted_noun(skipped, 'stretch', 'stretches')} of less than {least + 1} frames left as they were.",)
             if skipped
             else ()
         )
@@ -160,7 +160,7 @@ USUAL_STEPS: tuple[Step, ...] = (FillShortGaps(), FillLongGaps())
 """Steps applied to a trial by default: gaps are filled, places that were seen are kept."""
 
 
-def clean(trial: Trial, steps: Sequence[Step]) -> tuple[Trial, tuple[StepReport, ...]]:
+def cleaned_trial(trial: Trial, steps: Sequence[Step]) -> tuple[Trial, tuple[StepReport, ...]]:
     """Trial after all steps, in order, and the report of each; ``trial`` itself is unchanged."""
     reports = []
     for step in steps:
@@ -179,11 +179,11 @@ def _filled(trial: Trial, title: str, gaps: list[Gap], fill: Fill, how: str) -> 
             done.append(gap)
             details.append(f"{trial.labels[gap.place]} frames {gap.first} to {gap.last}")
     left = len(gaps) - len(done)
-    open_words = f" {counted(left, 'gap')} left open." if left else ""
+    open_words = f" {counted_noun(left, 'gap')} left open." if left else ""
     if not done:
         return trial, StepReport(title, f"Nothing filled.{open_words}", told=bool(left))
     frames = sum(gap.frames for gap in done)
-    summary = f"{counted(len(done), 'gap')} filled {how}, {counted(frames, 'frame')} in all.{open_words}"
+    summary = f"{counted_noun(len(done), 'gap')} filled {how}, {counted_noun(frames, 'frame')} in all.{open_words}"
     return trial.with_points(points), _report(title, summary, details)
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from studio.core.markers.feet import TOES
 from studio.core.markers.joint_centres import joint_centres
-from studio.core.markers.marker_map import MarkerMap, middles, role_markers
+from studio.core.markers.marker_map import MarkerMap, role_markers, role_middles
 from studio.core.markers.measures import find_measures
 from studio.core.markers.roles import SIDE_WORDS
 from studio.core.markers.sides import high_and_low, middle_of
@@ -117,7 +117,7 @@ def exchanged_on_limbs(trial: Trial, marker_map: MarkerMap, subject: str = "") -
         if not found.keys() & roles and len(places) == 3 and _is_beyond(*places):
             found |= {roles[1]: roles[2], roles[2]: roles[1]}
     markers = role_markers(trial, with_roles(marker_map, found), subject)
-    tracks = middles(markers)
+    tracks = role_middles(markers)
     joints = joint_centres(markers, find_measures(trial.measures, trial.metres, tracks, {}))
     forward = _agreed(_fronts(tracks), "")
     for side in SIDE_WORDS:

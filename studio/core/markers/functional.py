@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.markers.trial import whole
+from studio.core.markers.trial import seen_mask
 
 FloatArray = NDArray[np.float64]
 
@@ -24,7 +24,7 @@ def cluster_axes(markers: FloatArray) -> tuple[FloatArray, FloatArray]:
 
     The mean shape is found by aligning all frames with the first complete one (Kabsch 1976).
     """
-    seen = whole(markers).all(axis=1)
+    seen = seen_mask(markers).all(axis=1)
     if not seen.any():
         return np.full((len(markers), 3), np.nan), np.full((len(markers), 3, 3), np.nan)
     shape = markers[seen][0] - markers[seen][0].mean(axis=0)
@@ -43,7 +43,7 @@ def centre_of_rotation(upper: FloatArray, lower: FloatArray, usual: FloatArray) 
     ``usual`` (F, 3), the joint by the markers alone. NaN where a cluster is not seen.
     """
     (t1, r1), (t2, r2) = cluster_axes(upper), cluster_axes(lower)
-    seen = whole(t1) & whole(t2) & whole(usual)
+    seen = seen_mask(t1) & seen_mask(t2) & seen_mask(usual)
     if not seen.any():
         return np.full_like(usual, np.nan)
     rows = np.concatenate([r1[seen], -r2[seen]], axis=2).reshape(-1, 6)
@@ -65,7 +65,7 @@ def shift_of_centres(tracks: Sequence[FloatArray], centres: Sequence[FloatArray]
     for _ in range(_STEPS):
         slope, curvature = shift / _OF_A_REGRESSION**2, 1.0 / _OF_A_REGRESSION**2
         for track, centre in zip(tracks, centres, strict=True):
-            apart = track[whole(track)] - centre - shift * direction
+            apart = track[seen_mask(track)] - centre - shift * direction
             if len(apart):
                 lengths = np.maximum(np.linalg.norm(apart, axis=1), 1e-6)
                 change = -(apart @ direction) / lengths

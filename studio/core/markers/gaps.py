@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.markers.trial import whole
+from studio.core.markers.trial import seen_mask
 from studio.core.runs import runs_of
 
 FloatArray = NDArray[np.float64]
@@ -43,7 +43,7 @@ def find_gaps(points: FloatArray, places: tuple[int, ...]) -> Iterator[Gap]:
     seen.
     """
     for place in places:
-        unseen = ~whole(points[:, place])
+        unseen = ~seen_mask(points[:, place])
         if unseen.all():
             continue
         for first, end in runs_of(unseen):
@@ -58,7 +58,7 @@ def spline_through(points: FloatArray, gap: Gap) -> FloatArray | None:
     from scipy.interpolate import CubicSpline  # slow to import, and most files have no markers
 
     start = max(0, gap.first - _WITHIN)
-    seen = start + np.flatnonzero(whole(points[start : gap.last + 1 + _WITHIN, gap.place]))
+    seen = start + np.flatnonzero(seen_mask(points[start : gap.last + 1 + _WITHIN, gap.place]))
     before, after = seen[seen < gap.first][-_NEIGHBOURS:], seen[seen > gap.last][:_NEIGHBOURS]
     if len(before) < 2 or len(after) < 2:
         return None
@@ -117,7 +117,7 @@ def _donors(points: FloatArray, gap: Gap, known: Stiffness) -> list[int]:
     mean, spread = known.mean[gap.place], known.spread[gap.place]
     stiff = np.flatnonzero((mean > 0.01) & (spread < _STIFF))
     around = points[max(gap.first - 1, 0) : gap.last + 2, stiff]
-    stiff = stiff[whole(around).all(axis=0)]
+    stiff = stiff[seen_mask(around).all(axis=0)]
     order = np.argsort(spread[stiff] + 0.02 * mean[stiff])  # of two that are as stiff the nearer one
     return _spread_out(points[gap.first - 1 if gap.first else gap.last + 1], stiff[order].tolist())
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.markers.functional import centre_of_rotation, shift_of_centres
-from studio.core.markers.marker_map import middles
+from studio.core.markers.marker_map import role_middles
 from studio.core.markers.measures import Measures, SideMeasures, has_pelvis, pelvis_frame
 from studio.core.markers.roles import SIDE_WORDS
 from studio.core.rotations import normalized
@@ -28,7 +28,7 @@ def joint_centres(markers: Mapping[str, FloatArray], measures: Measures) -> dict
     """``left_hip, left_knee, left_ankle, left_shoulder, left_elbow, left_wrist`` and those of the right, (F, 3), from
     each role's markers (F, n, 3), as far as they suffice; several markers of a role count as their mean.
     """
-    tracks = middles(markers)
+    tracks = role_middles(markers)
     joints: dict[str, FloatArray] = {}
     for place, side in enumerate(SIDE_WORDS):
         _leg(markers, tracks, measures.sides[place], side, 1 - 2 * place, joints)
@@ -42,7 +42,7 @@ def with_hips_of_thighs(markers: Mapping[str, FloatArray], measures: Measures) -
     The depth of a hip is the least certain result of its regression, and the one that walking shows best; height and
     width are left to the regression.
     """
-    tracks, joints = middles(markers), joint_centres(markers, measures)
+    tracks, joints = role_middles(markers), joint_centres(markers, measures)
     if not has_pelvis(tracks) or any(f"{side}_knee" not in joints for side in SIDE_WORDS):
         return measures
     origin, pelvis = pelvis_frame(tracks)

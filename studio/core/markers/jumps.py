@@ -11,7 +11,7 @@ JUMP_DISTANCE, JUMP_ACCELERATION = 0.04, 200.0
 """Metres by which a step may lie off all between the one before and the one after it, and metres a second squared."""
 
 
-def jumps(trial: Trial) -> dict[str, tuple[NDArray[np.bool_], float]]:
+def marker_jumps(trial: Trial) -> dict[str, tuple[NDArray[np.bool_], float]]:
     """Label of each marker that jumps: (F,) true for frames into which it jumps, and the greatest jump in metres.
 
     A body that accelerates or strikes takes steps between those before and after; a jump is off both. Without one of

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from studio.core.errors import StudioError
 from studio.core.markers.feet import TOES, feet_axes
 from studio.core.markers.roles import JOINTS, ROLE, SIDE_WORDS
-from studio.core.markers.trial import MARKER_KIND, VIRTUAL_KIND, Trial, bare_label
+from studio.core.markers.trial import MARKER_KIND, VIRTUAL_KIND, Trial, label_without_subject
 
 FloatArray = NDArray[np.float64]
 Tracks = Mapping[str, FloatArray]
@@ -52,7 +52,7 @@ class MarkerMap:
         """Copy with other markers, or none, for one role."""
         return replace(self, markers={**self.markers, role: tuple(labels)})
 
-    def among(self, labels: Iterable[str]) -> "MarkerMap":
+    def restricted_to(self, labels: Iterable[str]) -> "MarkerMap":
         """The map restricted to ``labels``: a role keeps those of its markers that are among them."""
         there = set(labels)
         kept = {role: tuple(label for label in own if label in there) for role, own in self.markers.items()}
@@ -71,7 +71,7 @@ class MarkerMap:
         """True if both arms can be tracked: shoulders, elbows, wrists."""
         return all(self._has(part) for part in _ARM) or self._has_centres(*_ARM)
 
-    def lacking(self) -> tuple[str, ...]:
+    def missing_positions(self) -> tuple[str, ...]:
         """Names of the positions without which not even half a body can be tracked."""
         if self.has_legs() or self.has_arms():
             return ()
@@ -94,7 +94,7 @@ def seen_labels(trial: Trial, subject: str = "", kinds: tuple[str, ...] = (MARKE
     found: dict[str, str] = {}
     for label, kind, ever in zip(trial.labels, trial.kinds, trial.ever_seen, strict=True):
         if kind in kinds and ever and (not subject or label.startswith(f"{subject}:")):
-            found.setdefault(bare_label(label), label)
+            found.setdefault(label_without_subject(label), label)
     return {label: bare for bare, label in found.items()}
 
 
@@ -103,11 +103,11 @@ def role_markers(trial: Trial, marker_map: MarkerMap, subject: str = "") -> dict
     by_bare = _by_bare(trial, subject)
     return {
         role: trial.metres * np.stack([trial.track(by_bare[bare]) for bare in labels], axis=1)
-        for role, labels in marker_map.among(by_bare).markers.items()
+        for role, labels in marker_map.restricted_to(by_bare).markers.items()
     }
 
 
-def middles(markers: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+def role_middles(markers: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
     """Mean (F, 3) of each role's markers, with the toes moved to the long axis of each foot.
 
     NaN where one of them is not seen.
@@ -119,7 +119,7 @@ def middles(markers: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
 def stored_centres(trial: Trial, marker_map: MarkerMap, subject: str = "") -> dict[str, FloatArray]:
     """Joint centres (F, 3) that are among the points, in metres and the file's axes."""
     by_bare = _by_bare(trial, subject)
-    centres = marker_map.among(by_bare).centres
+    centres = marker_map.restricted_to(by_bare).centres
     return {joint: trial.metres * trial.track(by_bare[bare]) for joint, bare in centres.items()}
 
 

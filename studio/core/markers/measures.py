@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.markers.trial import whole
+from studio.core.markers.trial import seen_mask
 from studio.core.rotations import normalized
 
 FloatArray = NDArray[np.float64]
@@ -124,7 +124,7 @@ def frame_of(left: FloatArray, forward: FloatArray) -> FloatArray:
     return np.stack([x, y, np.cross(x, y)], axis=-1)
 
 
-def median(values: FloatArray, usual: float) -> float:
+def known_median(values: FloatArray, usual: float) -> float:
     """Median of the known values; ``usual`` if there are none."""
     seen = values[np.isfinite(values)]
     return float(np.median(seen)) if len(seen) else usual
@@ -135,14 +135,14 @@ def _stored_hip(tracks: Tracks, centres: Tracks, side: str, usual: FloatArray) -
         return usual
     origin, pelvis = pelvis_frame(tracks)
     local = np.einsum("fji,fj->fi", pelvis, centres[f"{side}_hip"] - origin)
-    seen = local[whole(local)]
+    seen = local[seen_mask(local)]
     return np.asarray(np.median(seen, axis=0)) if len(seen) else usual
 
 
 def _beside(tracks: Tracks, centres: Tracks, role: str, usual: float) -> float:
     if role not in tracks or role not in centres:
         return usual
-    return median(np.linalg.norm(tracks[role] - centres[role], axis=-1), usual)
+    return known_median(np.linalg.norm(tracks[role] - centres[role], axis=-1), usual)
 
 
 def wand_turn(tracks: Tracks, centres: Tracks, side: str, above: str, joint: str, wand: str) -> float:
@@ -154,7 +154,7 @@ def wand_turn(tracks: Tracks, centres: Tracks, side: str, above: str, joint: str
     along = normalized(marker - near)
     to_wand, to_joint = np.cross(along, beside - near), np.cross(along, near - far)
     sine = np.sum(np.cross(to_wand, to_joint) * along, axis=-1)
-    turn = median(np.arctan2(sine, np.sum(to_wand * to_joint, axis=-1)), 0.0)
+    turn = known_median(np.arctan2(sine, np.sum(to_wand * to_joint, axis=-1)), 0.0)
     return turn if abs(turn) > _PUT_ON_EXACTLY else 0.0
 
 
@@ -177,10 +177,10 @@ def _leg_of(tracks: Tracks, side: str) -> float:
     if hip is None or knee is None or ankle is None:
         return 0.9
     lengths = np.linalg.norm(knee - hip, axis=-1) + np.linalg.norm(ankle - knee, axis=-1)
-    return median(lengths, 0.9)
+    return known_median(lengths, 0.9)
 
 
 def _inter_asis(tracks: Tracks, legs: list[float]) -> float:
     if "left_front_hip" not in tracks or "right_front_hip" not in tracks:
         return 0.27 * sum(legs) / 2
-    return median(np.linalg.norm(tracks["left_front_hip"] - tracks["right_front_hip"], axis=-1), 0.24)
+    return known_median(np.linalg.norm(tracks["left_front_hip"] - tracks["right_front_hip"], axis=-1), 0.24)

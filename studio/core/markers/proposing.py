@@ -10,8 +10,8 @@ from studio.core.markers.label_words import initials_of, side_and_part, with_eng
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.roles import ROLE, SIDE_WORDS
 from studio.core.markers.subjects import shared_beginning
-from studio.core.markers.told_centres import pelvis_width, told_centres, without_side
-from studio.core.markers.trial import Trial, whole
+from studio.core.markers.told_centres import label_without_side, measured_centre_labels, pelvis_width
+from studio.core.markers.trial import Trial, seen_mask
 from studio.core.rotations import normalized
 
 FloatArray = NDArray[np.float64]
@@ -80,7 +80,7 @@ def _by_words(trial: Trial, subject: str) -> _Found:
     if not labels:
         return {}
     points = trial.points[:, [trial.labels.index(label) for label in labels]]
-    seen = whole(points)
+    seen = seen_mask(points)
     well_seen = np.flatnonzero(seen.sum(axis=1) >= _WELL_SEEN * seen.sum(axis=1).max())
     spread = well_seen[np.linspace(0, len(well_seen) - 1, _MOST_FRAMES).astype(int)]
     frames = np.union1d(spread, seen.argmax(axis=0))
@@ -109,7 +109,7 @@ def _apart_from_centres(found: _Found) -> tuple[dict[str, str], _Found]:
     there.
     """
     named = {(s, part.removesuffix(" centre")): own for (s, part), own in found.items() if part.endswith(" centre")}
-    told = told_centres(*_labelled(found))
+    told = measured_centre_labels(*_labelled(found))
     names = {joint.partition("_")[2] for joint in told}
     left = {place: [marker for marker in own if marker.label not in told.values()] for place, own in found.items()}
     if not (
@@ -136,7 +136,7 @@ def _leftward(found: _Found) -> FloatArray:
 
 def _mean(tracks: list[FloatArray]) -> FloatArray:
     """Mean (F, 3) of the tracks that are seen; NaN if none is."""
-    seen = np.array([whole(track) for track in tracks])[..., None]
+    seen = np.array([seen_mask(track) for track in tracks])[..., None]
     count = seen.sum(axis=0)
     return np.asarray(np.where(seen, tracks, 0.0).sum(axis=0) / np.where(count, count, np.nan))
 
@@ -229,11 +229,11 @@ def _sort_foot_clusters(found: _Found, forward: FloatArray) -> None:
         heights = [float(np.nanpercentile(marker.track @ up, 10)) for marker in foot]
         middle = _mean([marker.track for marker in foot])
         for marker, height in zip(foot, heights, strict=True):
-            name = without_side(marker.label, side)
+            name = label_without_side(marker.label, side)
             ahead.setdefault(name, []).append(_along(marker.track - middle, forward))
             high.setdefault(name, []).append(height - min(heights))
     for side, foot in feet.items():
-        names = {marker.label: without_side(marker.label, side) for marker in foot}
+        names = {marker.label: label_without_side(marker.label, side) for marker in foot}
         low = [marker for marker in foot if not width or np.mean(high[names[marker.label]]) < _LOW * width]
         if len(low) > 1 and not {(side, part) for part in TOES} & found.keys():
             low.sort(key=lambda marker: float(np.mean(ahead[names[marker.label]])))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from studio.core.markers.feet import TOES
 from studio.core.markers.joint_centres import joint_centres
-from studio.core.markers.marker_map import MarkerMap, middles, role_markers, stored_centres
+from studio.core.markers.marker_map import MarkerMap, role_markers, role_middles, stored_centres
 from studio.core.markers.measures import find_measures
 from studio.core.markers.roles import SIDE_WORDS
 from studio.core.markers.trial import Trial
@@ -60,7 +60,7 @@ def exchanged_places(trial: Trial, marker_map: MarkerMap, subject: str = "") -> 
     frames = np.unique(np.linspace(0, trial.frame_count - 1, _MOST_FRAMES).astype(int))
     few = replace(trial, points=trial.points[frames], residuals=trial.residuals[frames])
     markers, centres = role_markers(few, marker_map, subject), stored_centres(few, marker_map, subject)
-    leftward = _leftward(middles(markers) | centres)
+    leftward = _leftward(role_middles(markers) | centres)
     found: list[str] = []
 
     def exchange(name: str) -> None:
@@ -72,21 +72,21 @@ def exchanged_places(trial: Trial, marker_map: MarkerMap, subject: str = "") -> 
             }
 
     for name in _GIRDLES:
-        if _is_mirrored(middles(markers) | centres, name, leftward):
+        if _is_mirrored(role_middles(markers) | centres, name, leftward):
             exchange(name)
     for joint, names in _LINKS:
-        tracks = middles(markers)
+        tracks = role_middles(markers)
         measures = find_measures(few.measures, few.metres, tracks, centres)
         joints = tracks | joint_centres(markers, measures) | centres
         for name in names:
-            ends = middles(markers) | centres
+            ends = role_middles(markers) | centres
             along = joint in found or names[0] in found
             if _is_mirrored(ends, name, leftward) and (along or _is_crossed(joints, joint, ends, name)):
                 exchange(name)
     return tuple(found)
 
 
-def with_exchanged(marker_map: MarkerMap, names: tuple[str, ...]) -> MarkerMap:
+def with_sides_exchanged(marker_map: MarkerMap, names: tuple[str, ...]) -> MarkerMap:
     """Map with the markers and centres of left and right exchanged at positions without their side."""
     other = {f"{one}_{name}": f"{two}_{name}" for one, two in (SIDE_WORDS, SIDE_WORDS[::-1]) for name in names}
     markers = {other.get(role, role): labels for role, labels in marker_map.markers.items()}

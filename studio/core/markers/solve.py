@@ -24,7 +24,7 @@ from studio.core.markers.body_axes import (
     hand_axes,
     head_axes,
     leg_axes,
-    upright,
+    upright_axes,
 )
 from studio.core.markers.roles import SIDE_WORDS
 from studio.core.rotations import from_matrix, normalized, shortest_arc
@@ -231,7 +231,7 @@ class _Body:
     def _rest_leg(self, side: str) -> None:
         """Add a leg straight down from an upright pelvis."""
         name, out = side.capitalize(), 1.0 if side == "left" else -1.0
-        still = upright(self.trunk.pelvis)
+        still = upright_axes(self.trunk.pelvis)
         self.axes |= {f"{name}{bone}": still for bone in ("UpLeg", "Leg", "Foot", "Toe")}
         self.offsets |= {
             f"{name}UpLeg": np.array([0.0, out * _HIP * self.stature, 0.0]),

@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.markers.trial import whole
+from studio.core.markers.trial import seen_mask
 
 FloatArray = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ def find_swaps(points: FloatArray, places: tuple[int, ...], frame_rate: float, m
     return swaps
 
 
-def swapped(points: FloatArray, swaps: list[Swap]) -> FloatArray:
+def with_swaps_undone(points: FloatArray, swaps: list[Swap]) -> FloatArray:
     """Points with the swaps undone."""
     mended = points.copy()
     for swap in swaps:
@@ -59,7 +59,7 @@ def swapped(points: FloatArray, swaps: list[Swap]) -> FloatArray:
 
 def _suspects(track: FloatArray) -> list[int]:
     """Frames in which at least two markers are off their expected positions, or return from a gap."""
-    seen = whole(track)
+    seen = seen_mask(track)
     heading = 2.0 * track[1:-1] - track[:-2]
     off = np.linalg.norm(track[2:] - heading, axis=-1) > _JUMP
     back = seen[2:] & ~seen[1:-1]
@@ -74,7 +74,7 @@ def _expected(track: FloatArray, frame: int, frame_rate: float) -> FloatArray:
     start = max(0, frame - int(_LONGEST * frame_rate) - 2)
     window = track[start:frame]
     for place in range(track.shape[1]):
-        seen = np.flatnonzero(whole(window[:, place]))
+        seen = np.flatnonzero(seen_mask(window[:, place]))
         if len(seen) > 1 and seen[-1] - seen[-2] == 1:
             last, step = window[seen[-1], place], window[seen[-1], place] - window[seen[-2], place]
             expected[place] = last + step * (frame - start - seen[-1])

@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.markers.cleaning import USUAL_STEPS, Step, StepReport, clean
+from studio.core.markers.cleaning import USUAL_STEPS, Step, StepReport, cleaned_trial
 from studio.core.markers.joint_centres import joint_centres, with_hips_of_thighs
-from studio.core.markers.marker_map import MarkerMap, middles, role_markers, seen_labels, stored_centres
+from studio.core.markers.marker_map import MarkerMap, role_markers, role_middles, seen_labels, stored_centres
 from studio.core.markers.measures import Measures, find_measures, pelvis_frame
 from studio.core.markers.roles import SIDE_WORDS
-from studio.core.markers.trial import MARKER_KIND, VIRTUAL_KIND, Trial, whole
+from studio.core.markers.trial import MARKER_KIND, VIRTUAL_KIND, Trial, seen_mask
 
 FloatArray = NDArray[np.float64]
 
@@ -45,8 +45,8 @@ class MarkerTake:
 
 
 @dataclass(frozen=True)
-class FollowedBody:
-    """Joint centres (F, 3) and positions by role: no gaps, metres, file axes, from frame 0 to the last
+class TrackedBody:
+    """Joint centres (F, 3) and positions by role, without gaps, in metres and file axes, from frame 0 to the last
     one with a body.
     """
 
@@ -64,19 +64,19 @@ class FollowedBody:
     """Frames (F,) in which each joint or place of a role is seen and not held."""
 
 
-def follow(take: MarkerTake) -> FollowedBody:
+def track_body(take: MarkerTake) -> TrackedBody:
     """Tracked body: points cleaned, joint centres found, remaining gaps closed. Raises StudioError if
     there is no body.
     """
-    trial, reports = clean(take.trial.only(mapped_labels(take)), take.steps)
+    trial, reports = cleaned_trial(take.trial.with_labels(mapped_labels(take)), take.steps)
     markers = role_markers(trial, take.marker_map, take.subject)
     stored = stored_centres(trial, take.marker_map, take.subject)
-    tracks = middles(markers)
+    tracks = role_middles(markers)
     seen, carrier = _seen(tracks | stored)
     if not seen.any():
         raise StudioError(f"'{trial.name}' has no frame in which its body is seen. Choose other markers for it.")
     first, end = int(np.argmax(seen)), len(seen) - int(np.argmax(seen[::-1]))
-    open_frames = ~np.all([whole(track) for track in tracks.values()], axis=0) if tracks else ~seen
+    open_frames = ~np.all([seen_mask(track) for track in tracks.values()], axis=0) if tracks else ~seen
     axes = _carrier_axes(tracks | stored, carrier)
     filled = {role: _closed_cluster(own[:end], axes[0][:end], axes[1][:end]) for role, own in markers.items()}
     measures = find_measures(trial.measures, trial.metres, tracks, stored)
@@ -93,16 +93,16 @@ def follow(take: MarkerTake) -> FollowedBody:
         else computed[joint] + _closed(own - computed[joint], np.zeros_like(origin), turns)
         for joint, own in given.items()
     }
-    return FollowedBody(
+    return TrackedBody(
         joints=_whole_pairs(joints),
-        tracks=middles(filled),
+        tracks=role_middles(filled),
         measures=measures,
         first_frame=first,
         reports=reports,
         unseen=int(open_frames[first:end].sum()),
         stored=given,
-        seen={role: whole(track[:end]) for role, track in tracks.items()}
-        | {joint: whole(track) for joint, track in shown.items()},
+        seen={role: seen_mask(track[:end]) for role, track in tracks.items()}
+        | {joint: seen_mask(track) for joint, track in shown.items()},
     )
 
 
@@ -112,7 +112,7 @@ def centre_errors(take: MarkerTake) -> dict[str, float]:
     """
     markers = role_markers(take.trial, take.marker_map, take.subject)
     stored = stored_centres(take.trial, take.marker_map, take.subject)
-    tracks = middles(markers)
+    tracks = role_middles(markers)
     joints = joint_centres(markers, find_measures(take.trial.measures, take.trial.metres, tracks, stored))
     errors = {}
     for joint in stored.keys() & joints.keys():
@@ -134,7 +134,7 @@ def _seen(tracks: Mapping[str, FloatArray]) -> tuple[NDArray[np.bool_], tuple[st
     best: tuple[NDArray[np.bool_], tuple[str, ...]] = (np.zeros(1, dtype=bool), ())
     for roles in _CARRIERS:
         if all(role in tracks for role in roles):
-            seen = np.all([whole(tracks[role]) for role in roles], axis=0)
+            seen = np.all([seen_mask(tracks[role]) for role in roles], axis=0)
             if seen.any():
                 return np.asarray(seen), roles
     return best
@@ -166,14 +166,14 @@ def _closed_cluster(markers: FloatArray, origin: FloatArray, axes: FloatArray) -
 
 def _closed(track: FloatArray, origin: FloatArray, axes: FloatArray) -> FloatArray:
     """Track (F, 3) without gaps, relative to the pelvis: interpolated linearly, constant at both ends."""
-    if whole(track).all():
+    if seen_mask(track).all():
         return track
     local = np.einsum("fji,fj->fi", axes, track - origin)
     return np.asarray(origin + np.einsum("fij,fj->fi", axes, _held(local)))
 
 
 def _held(track: FloatArray) -> FloatArray:
-    seen = np.flatnonzero(whole(track))
+    seen = np.flatnonzero(seen_mask(track))
     if len(seen) in (0, len(track)):
         return track
     frames = np.arange(len(track))

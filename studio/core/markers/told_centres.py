@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.markers.roles import SIDE_WORDS
-from studio.core.markers.trial import whole
+from studio.core.markers.trial import seen_mask
 
 FloatArray = NDArray[np.float64]
 Labels = Mapping[tuple[str, str], Sequence[str]]
@@ -26,7 +26,7 @@ DEEP = {"hip": 1.0, "knee": 0.4, "ankle": 0.27}
 """Parts of the pelvis' width from an outer marker to a joint's centre, at most; an inner marker lies farther away."""
 
 
-def told_centres(labels: Labels, tracks: Mapping[str, FloatArray]) -> dict[str, str]:
+def measured_centre_labels(labels: Labels, tracks: Mapping[str, FloatArray]) -> dict[str, str]:
     """Label of each joint's centre (``left_knee``) as far as it can be measured; ``tracks`` (F, 3) by label, metres."""
     keypoints = _are_keypoints(labels, tracks)
     width = pelvis_width(labels, tracks) * (PELVIS_OF_HIPS if keypoints else 1.0)
@@ -79,12 +79,12 @@ def pelvis_width(labels: Labels, tracks: Mapping[str, FloatArray]) -> float:
 
 def _pairs(labels: Labels, part: str) -> list[tuple[str, str]]:
     """Left and right labels that differ only in their side."""
-    right = {without_side(label, "right"): label for label in labels.get(("right", part), ())}
-    left = ((without_side(label, "left"), label) for label in labels.get(("left", part), ()))
+    right = {label_without_side(label, "right"): label for label in labels.get(("right", part), ())}
+    left = ((label_without_side(label, "left"), label) for label in labels.get(("left", part), ()))
     return [(label, right[plain]) for plain, label in left if plain in right]
 
 
-def without_side(label: str, side: str) -> str:
+def label_without_side(label: str, side: str) -> str:
     """Label without its side: ``knee`` of ``L.Knee``, whatever sign is between."""
     return re.sub(rf"^({side}|{side[0]})|({side}|{side[0]})$", "", label.lower(), count=1).strip(" ._-")
 
@@ -93,5 +93,5 @@ def _nearest(one: FloatArray, other: FloatArray) -> float:
     """Distance in metres of two tracks in the twentieth of the frames in which they are nearest; 0 if never seen
     together.
     """
-    seen = whole(one) & whole(other)
+    seen = seen_mask(one) & seen_mask(other)
     return float(np.percentile(np.linalg.norm(one[seen] - other[seen], axis=1), 5)) if seen.any() else 0.0

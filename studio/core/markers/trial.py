@@ -137,7 +137,7 @@ class Trial:
     @cached_property
     def ever_seen(self) -> tuple[bool, ...]:
         """(P,) true if a point is seen in any frame."""
-        return tuple(np.asarray(whole(self.points).any(axis=0)).tolist())
+        return tuple(np.asarray(seen_mask(self.points).any(axis=0)).tolist())
 
     @property
     def metres(self) -> float:
@@ -166,7 +166,7 @@ class Trial:
         """Frame of an event, with a fraction, from frame 0 of this trial."""
         return event.time * self.frame_rate - (self.first_frame - 1)
 
-    def only(self, labels: Iterable[str]) -> "Trial":
+    def with_labels(self, labels: Iterable[str]) -> "Trial":
         """Copy with some of its points, in their order."""
         wanted = set(labels)
         kept = [place for place, label in enumerate(self.labels) if label in wanted]
@@ -183,12 +183,12 @@ class Trial:
         return replace(self, points=points)
 
 
-def whole(points: FloatArray) -> BoolArray:
+def seen_mask(points: FloatArray) -> BoolArray:
     """True (...) for each of points (..., 3) that was seen; one sum is several times faster than three tests."""
     return np.asarray(np.isfinite(points[..., 0] + points[..., 1] + points[..., 2]))
 
 
-def bare_label(label: str) -> str:
+def label_without_subject(label: str) -> str:
     """Label without its subject: ``LASI`` of ``Anna:LASI``."""
     return label.rpartition(":")[2].strip()
 

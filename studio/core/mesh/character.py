@@ -4,10 +4,10 @@ import re
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from studio.core.body.growth import KeyedProportions, grown
+from studio.core.body.growth import KeyedProportions, animated_morphology
 from studio.core.body.morphology import AnyMorphology, Morphology, Proportions
 from studio.core.curves.tangents import SPARSE
-from studio.core.mesh.skin import Blending, SkinnedMesh, gripping
+from studio.core.mesh.skin import Blending, SkinnedMesh, with_grip
 from studio.core.mesh.volume import BodyVolume, fitted_volume
 
 
@@ -36,7 +36,7 @@ class Character:
             raise ValueError(f"colour: #RRGGBB expected, not '{self.colour[:40]}'.")
         if not -1.0 <= self.grip <= 1.0:
             raise ValueError(f"grip: a number from -1 to 1 expected, not {self.grip}.")
-        if not self.skin.fits(self.build.layout.segment_count):
+        if not self.skin.fits_body(self.build.layout.segment_count):
             raise ValueError("skin: it is bound to segments that the build does not have.")
 
     @cached_property
@@ -49,7 +49,7 @@ class Character:
     def body_over(self, begin: float, frame_rate: float, count: int) -> AnyMorphology:
         """Measures in ``count`` frames, the first at ``begin`` seconds of the stage."""
         if isinstance(self.proportions, KeyedProportions):
-            return grown(self.build, self.proportions, begin, frame_rate, count)
+            return animated_morphology(self.build, self.proportions, begin, frame_rate, count)
         return self.morphology
 
     def proportions_at(self, time: float) -> Proportions:
@@ -60,7 +60,7 @@ class Character:
     @property
     def shown_skin(self) -> SkinnedMesh:
         """Skin with the hands shaped by ``grip``."""
-        return gripping(self.skin, self.grip)
+        return with_grip(self.skin, self.grip)
 
     @cached_property
     def volume(self) -> BodyVolume:

@@ -39,7 +39,7 @@ class HandShapes:
     def count(self) -> int:
         return len(self.vertices[0])
 
-    def shaped(
+    def shaped_vertices(
         self, vertices: NDArray[np.float32], normals: NDArray[np.float32], grip: float
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Vertices and normals (V, 3) of the mesh with its hands shaped by ``grip``: -1 open, 0 at ease, 1 fists."""

@@ -96,7 +96,7 @@ class SkinnedMesh:
         if self.rig is not None and len(self.rig.joints) != len(self.vertices):
             raise ValueError("rig: does not fit the mesh.")
 
-    def fits(self, segment_count: int) -> bool:
+    def fits_body(self, segment_count: int) -> bool:
         """True if a body with ``segment_count`` segments can wear the skin."""
         stands = self.stance is None or len(self.stance) == segment_count
         hangs = self.rig is None or int(self.rig.segments.max()) < segment_count
@@ -148,13 +148,13 @@ def skin_vertices(
 
 
 @project_cache(maxsize=64)
-def gripping(mesh: SkinnedMesh, grip: float) -> SkinnedMesh:
+def with_grip(mesh: SkinnedMesh, grip: float) -> SkinnedMesh:
     """``mesh`` with its hands from open (-1) over at ease (0) to fists (1); unchanged if its hands
     have only one shape.
     """
     if mesh.hands is None or grip == 0.0:
         return mesh
-    vertices, normals = mesh.hands.shaped(mesh.vertices, mesh.normals, grip)
+    vertices, normals = mesh.hands.shaped_vertices(mesh.vertices, mesh.normals, grip)
     return replace(mesh, vertices=vertices, normals=normals, hands=None)
 
 

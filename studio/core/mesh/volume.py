@@ -227,7 +227,7 @@ def _assembled(
     ``positions`` and ``rotations`` are those in which the trunk's sections were measured.
     """
     layout = morphology.layout
-    spine, hips = positions[: layout.neck_base + 1], positions[layout.hip(0), 2]
+    spine, hips = positions[: layout.neck_base + 1], positions[layout.hip_point(0), 2]
     ends = []
     for level, share in enumerate(LEVELS):
         height = hips + share * (spine[-1, 2] - hips)

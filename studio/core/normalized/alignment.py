@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.normalized.landmarks import Landmarks, spread
+from studio.core.normalized.landmarks import Landmarks, measured_frames
 from studio.core.rotations import frame_along, from_euler, normalized, rotate, shortest_arc
 
 FloatArray = NDArray[np.float64]
@@ -29,10 +29,10 @@ def find_alignments(marks: Landmarks) -> FloatArray:
     """A (S, 3, 3) for every segment, such that R_canonical = R_joint A (METHOD 2)."""
     layout, reference = marks.layout, marks.reference
     desired = np.empty((layout.segment_count, 3, 3))
-    body = anatomical_frame(reference[layout.hip(0)] - reference[layout.hip(1)])
+    body = anatomical_frame(reference[layout.hip_point(0)] - reference[layout.hip_point(1)])
     proximal, distal = layout.proximal_points(), layout.distal_points()
     bones = normalized(reference[list(distal)] - reference[list(proximal)])
-    left, right = (layout.clavicle(side) for side in (0, 1))
+    left, right = (layout.clavicle_segment(side) for side in (0, 1))
     for segment, usual in ((layout.neck_base, ALIGNED_UP), (left, body[:, 1]), (right, -body[:, 1])):
         if not bones[segment].any():  # a neck or clavicle without length
             bones[segment] = usual
@@ -41,7 +41,7 @@ def find_alignments(marks: Landmarks) -> FloatArray:
     desired[layout.head_joint] = body
     for limb in range(4):
         side, is_leg = limb % 2, limb >= 2
-        upper = layout.thigh(side) if is_leg else layout.upper_arm(side)
+        upper = layout.thigh_segment(side) if is_leg else layout.upper_arm_segment(side)
         hinge = limb_hinge(marks, upper, is_leg, body)
         desired[upper] = frame_along(bones[upper], hinge)
         carried = shortest_arc(bones[upper], bones[upper + 1]) @ hinge
@@ -61,7 +61,7 @@ def trunk_lean(marks: Landmarks) -> FloatArray:
     A reference taken from the motion is seldom upright: a fighter's guard leans, and so does its reference.
     """
     layout, reference = marks.layout, marks.reference
-    line = reference[layout.neck_base] - 0.5 * (reference[layout.hip(0)] + reference[layout.hip(1)])
+    line = reference[layout.neck_base] - 0.5 * (reference[layout.hip_point(0)] + reference[layout.hip_point(1)])
     return shortest_arc(ALIGNED_UP, normalized(line))
 
 
@@ -85,7 +85,7 @@ def limb_hinge(marks: Landmarks, upper: int, is_leg: bool, body: FloatArray) -> 
     sign is right, so samples are not flipped towards a guess. Anatomy decides if no frame is bent.
     """
     root = marks.layout.proximal_points()[upper]
-    seen = spread(len(marks.points))
+    seen = measured_frames(len(marks.points))
     points = marks.points[seen, root : root + 3]
     u, f = normalized(points[:, 1] - points[:, 0]), normalized(points[:, 2] - points[:, 1])
     bend = np.einsum("fji,fj->fi", marks.rotations[seen, upper], np.cross(u, f))
@@ -106,7 +106,7 @@ def align_soles(marks: Landmarks, alignments: FloatArray, standing: BoolArray) -
     foot.
     """
     layout = marks.layout
-    feet = [layout.foot(side) for side in (0, 1)]
+    feet = [layout.foot_segment(side) for side in (0, 1)]
     proximal, distal = layout.proximal_points(), layout.distal_points()
     bones = np.stack([marks.reference[distal[foot]] - marks.reference[proximal[foot]] for foot in feet])
     slopes = np.arctan2(-bones[:, 2], np.linalg.norm(bones[:, :2], axis=1))

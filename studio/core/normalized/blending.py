@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from studio.core.captures.contacts import spans_of
 from studio.core.curves.activation import EaseShape, ease
 from studio.core.kernels import layout as at
-from studio.core.normalized.differences import blended, difference, moved
+from studio.core.normalized.differences import blended_channels, channel_difference, with_difference
 from studio.core.normalized.joining import ClipAlignment, FootStep
 from studio.core.normalized.pieces import PIECE_CONTACT_POINTS, ChannelSource, HeldPose, Mask, PieceSource
 from studio.core.normalized.row import AssembledRow
@@ -46,7 +46,7 @@ class BlendedRow(AssembledRow):
         self.measured = 0 if self.peaks is None else last + 2
 
     def _hold(self, until: int) -> None:
-        held = HeldPose(self.channels[self.end - 1], self.stands[:, self.end - 1])
+        held = HeldPose(self.channels[self.end - 1], self.contact_mask[:, self.end - 1])
         transition = self._transition(held, self.end, until - 1)
         self._take_over(held, self.end, until - 1, transition, ClipAlignment(self.placement))
 
@@ -68,8 +68,8 @@ class BlendedRow(AssembledRow):
         frames = np.arange(first, last + 1)
         channels, over = source.channels(frames), stop - first
         shares = ease(np.arange(1, over + 1) / (over + 1.0), EaseShape.QUINTIC)
-        channels[:over] = blended(self.channels[first:stop], channels[:over], shares)
-        self._go_on(channels, source.stands(frames), first, over, found)
+        channels[:over] = blended_channels(self.channels[first:stop], channels[:over], shares)
+        self._go_on(channels, source.contact_mask(frames), first, over, found)
 
     def _take_over(
         self,
@@ -88,13 +88,13 @@ class BlendedRow(AssembledRow):
         transition = replace(transition, seconds=seconds)
         channels = source.channels(frames)
         fading = min(round(seconds * rate), len(frames))
-        channels[:fading] = moved(channels[:fading], transition.left(np.arange(1, fading + 1) / rate))
-        self._go_on(channels, source.stands(frames), first, fading, found)
+        channels[:fading] = with_difference(channels[:fading], transition.left(np.arange(1, fading + 1) / rate))
+        self._go_on(channels, source.contact_mask(frames), first, fading, found)
 
     def _transition(self, source: ChannelSource, first: int, last: int) -> Inertialisation:
         """Inertialisation from the assembled frames to a piece that begins at ``first``."""
         rate, before = self.timing.frame_rate, np.arange(max(first - 2, 0), first)
-        gaps = difference(source.channels(before), self.channels[before])
+        gaps = channel_difference(source.channels(before), self.channels[before])
         new = joint_peaks(self.channels[max(self.measured - 2, 0) : first], rate)
         self.peaks, self.measured = (
             (new if self.peaks is None else np.maximum(self.peaks, new)),
@@ -125,21 +125,21 @@ class BlendedRow(AssembledRow):
         A stepping foot is in contact until it is lifted, and again once it has landed.
         """
         flying = {each.step.side: each for each in flights}
-        new, old = np.zeros_like(self.stands), np.array(self.stands)
+        new, old = np.zeros_like(self.contact_mask), np.array(self.contact_mask)
         new[:, first : first + stands.shape[1]] = stands
         old[:, self.end :] = False
-        self.stands[:, first:] = False
+        self.contact_mask[:, first:] = False
         for row, point in enumerate(PIECE_CONTACT_POINTS):
             olds, news = spans_of(old[row]), spans_of(new[row])
             flight = flying.get(point.side) if point.is_foot else None
-            leaves, lands = (flight.leaves, flight.lands) if flight else (old_until, new_from)
+            leaves, lands = (flight.leaves, flight.next_contact) if flight else (old_until, new_from)
             for a, b in olds:
                 meets = any(c <= b + 1 and d >= a for c, d in news)
                 until = leaves if flight and meets else min(b, leaves)
-                self.stands[row, a : (b if meets and not flight else max(until, a)) + 1] = True
+                self.contact_mask[row, a : (b if meets and not flight else max(until, a)) + 1] = True
             for c, d in news:
                 meets = not flight and any(c <= b + 1 and d >= a for a, b in olds)
-                self.stands[row, (c if meets else max(c, lands)) : d + 1] = True
+                self.contact_mask[row, (c if meets else max(c, lands)) : d + 1] = True
 
 
 def step_seconds(found: ClipAlignment) -> float:
@@ -149,11 +149,11 @@ def step_seconds(found: ClipAlignment) -> float:
 
 @dataclass(frozen=True)
 class Flight:
-    """Step whose last frame of contact is ``leaves``, and whose next one is ``lands``."""
+    """Step whose last frame of contact is ``leaves``, and whose next one is ``next_contact``."""
 
     step: FootStep
     leaves: int
-    lands: int
+    next_contact: int
 
 
 def planned_steps(steps: Sequence[FootStep], first: int, last: int) -> list[Flight]:
@@ -165,7 +165,7 @@ def planned_steps(steps: Sequence[FootStep], first: int, last: int) -> list[Flig
 def raise_feet(channels: FloatArray, flights: Sequence[Flight], first: int) -> None:
     """Lift feet for their steps, in place, in ``channels`` that begin with frame ``first``."""
     for each in flights:
-        frames = np.arange(each.leaves, each.lands + 1)
+        frames = np.arange(each.leaves, each.next_contact + 1)
         height = np.clip(STEP_HEIGHT * each.step.way, *STEP_HEIGHTS)
         rise = height * np.sin(np.pi * (frames - each.leaves) / max(len(frames) - 1, 1)) ** 2
         inside = frames - first < len(channels)

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from studio.core.captures.contacts import ContactInterval
 from studio.core.errors import StudioError
 from studio.core.normalized.blending import BlendedRow
-from studio.core.normalized.joining import Planar
+from studio.core.normalized.joining import PlanarTransform
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.pieces import MotionPiece, Played
-from studio.core.normalized.resample import Resampled, common_spine
+from studio.core.normalized.pieces import MotionPiece, PlayedPiece
+from studio.core.normalized.resample import ResampledMotion, common_spine
 from studio.core.normalized.row import AssembledRow
 from studio.core.normalized.transition import joint_peaks
 from studio.core.project_cache import project_cache
@@ -35,7 +35,7 @@ class Composite:
     motion: NormalizedMotion
     contacts: tuple[ContactInterval, ...]
     timing: Timing
-    played: tuple[Played, ...]
+    played: tuple[PlayedPiece, ...]
 
     @property
     def is_plain(self) -> bool:
@@ -51,7 +51,7 @@ class Composite:
         played = tuple(replace(each, first=each.first - frame, last=each.last - frame) for each in self.played)
         return Composite(still, (), Timing(timing.stage_time(frame), timing.frame_rate, 0, 0), played)
 
-    def playing(self, frame: int) -> Played:
+    def playing(self, frame: int) -> PlayedPiece:
         """Piece that plays in a frame; of two the later one."""
         begun = [each for each in self.played if each.first <= frame]
         return begun[-1] if begun else self.played[0]
@@ -69,29 +69,29 @@ def compose_pieces(pieces: tuple[MotionPiece, ...], blends: bool = False) -> Com
     if len(ordered) == 1 and first.is_plain:
         rate = first.motion.frame_rate
         timing = Timing(first.start - first.first / rate, rate, first.first, first.last)
-        whole = Played(first, 0, first.motion.frame_count - 1, Planar())
+        whole = PlayedPiece(first, 0, first.motion.frame_count - 1, PlanarTransform())
         return Composite(first.motion, first.contacts, timing, (whole,))
     kind = BlendedRow if blends or any(piece.is_carried for piece in ordered) else AssembledRow
     return _filled(kind(*_empty(ordered)), ordered)
 
 
-def go_on(shown: MotionPiece, played: NormalizedMotion, pieces: Sequence[MotionPiece]) -> Composite:
+def blended_continuation(shown: MotionPiece, played: NormalizedMotion, pieces: Sequence[MotionPiece]) -> Composite:
     """Row of ``pieces`` blended from ``shown``, a short piece of the latest frames.
 
     The allowed acceleration is that of the recent motion ``played``.
     """
     ordered = [shown, *pieces]
     row = BlendedRow(*_empty(ordered))
-    channels = Resampled(played, row.spine_places).at(np.arange(played.frame_count, dtype=np.float64))
+    channels = ResampledMotion(played, row.spine_places).at(np.arange(played.frame_count, dtype=np.float64))
     row.peaks = joint_peaks(channels, played.frame_rate)
     return _filled(row, ordered)
 
 
-def continued_by(shown: MotionPiece, pieces: Sequence[MotionPiece]) -> Composite:
+def pieces_after(shown: MotionPiece, pieces: Sequence[MotionPiece]) -> Composite:
     """``pieces`` placed to follow ``shown``, whose own frames are replaced by earlier ones of the first piece."""
     row = AssembledRow(*_empty([shown, *pieces]))
     row.add(shown)
-    row.lead(pieces[0])
+    row.add_lead_in(pieces[0])
     return _filled(row, pieces[1:])
 
 

@@ -25,17 +25,17 @@ def turn_columns(width: int) -> NDArray[np.int64]:
     return np.array([*at.QUATERNION_COLUMNS, *range(at.SPINE, width, 4)])
 
 
-def turns_of(channels: FloatArray) -> FloatArray:
+def channel_quaternions(channels: FloatArray) -> FloatArray:
     """(..., T, 4) quaternions of channels (..., C)."""
     return np.asarray(channels[..., turn_columns(channels.shape[-1])[:, None] + np.arange(4)])
 
 
-def put_turns(channels: FloatArray, turns: FloatArray) -> None:
+def write_quaternions(channels: FloatArray, turns: FloatArray) -> None:
     """Write quaternions (..., T, 4) into their columns of channels (..., C)."""
     channels[..., turn_columns(channels.shape[-1])[:, None] + np.arange(4)] = turns
 
 
-def difference(start: FloatArray, end: FloatArray) -> FloatArray:
+def channel_difference(start: FloatArray, end: FloatArray) -> FloatArray:
     """(..., C) difference from channels ``start`` to ``end``: ``moved(start, difference(start, end))`` is ``end``.
 
     Rotation vectors are in the first three columns of their quaternions, folds in those of slacks and off-planes,
@@ -47,16 +47,16 @@ def difference(start: FloatArray, end: FloatArray) -> FloatArray:
         between[..., columns] = b - a
     angles = np.array(ANGLE_CHANNELS)
     between[..., angles] = _continuous((between[..., angles] + np.pi) % (2 * np.pi) - np.pi)
-    turn = multiply(turns_of(end), inverse(turns_of(start)))
+    turn = multiply(channel_quaternions(end), inverse(channel_quaternions(start)))
     nearest = turn[:1] if turn.ndim == 3 else turn
     nearest *= np.where(nearest[..., 3:] < 0.0, -1.0, 1.0)
     vectors = rotation_vectors(sign_continuous(turn) if turn.ndim == 3 else turn)
-    put_turns(between, np.concatenate([vectors, np.zeros_like(vectors[..., :1])], axis=-1))
+    write_quaternions(between, np.concatenate([vectors, np.zeros_like(vectors[..., :1])], axis=-1))
     return np.asarray(between)
 
 
-def moved(channels: FloatArray, by: FloatArray) -> FloatArray:
-    """(..., C) channels with a ``difference`` added."""
+def with_difference(channels: FloatArray, by: FloatArray) -> FloatArray:
+    """(..., C) channels with a ``channel_difference`` added."""
     from scipy.spatial.transform import Rotation  # late: it takes longer than a window
 
     summed = channels + by
@@ -65,15 +65,15 @@ def moved(channels: FloatArray, by: FloatArray) -> FloatArray:
     summed[..., SLACKS] = 2.0 * np.sin(fold / 2.0) ** 2 + beyond
     summed[..., OFF_PLANES] = 0.5 * np.sin(fold) * aside / np.maximum(fold, 1e-12)
     summed[..., BENDS] = np.where(along < 0.0, -1.0, np.where(along > 0.0, 1.0, channels[..., BENDS]))
-    vectors = turns_of(by)[..., :3]
+    vectors = channel_quaternions(by)[..., :3]
     turn = Rotation.from_rotvec(vectors.reshape(-1, 3)).as_quat().reshape(*vectors.shape[:-1], 4)
-    put_turns(summed, normalized(multiply(turn, turns_of(channels))))
+    write_quaternions(summed, normalized(multiply(turn, channel_quaternions(channels))))
     return np.asarray(summed)
 
 
-def blended(first: FloatArray, second: FloatArray, shares: FloatArray) -> FloatArray:
+def blended_channels(first: FloatArray, second: FloatArray, shares: FloatArray) -> FloatArray:
     """(F, C) interpolation from channels ``first`` to ``second`` by the fractions ``shares`` (F,)."""
-    return moved(first, shares[:, None] * difference(first, second))
+    return with_difference(first, shares[:, None] * channel_difference(first, second))
 
 
 def _continuous(angles: FloatArray) -> FloatArray:

@@ -18,7 +18,7 @@ def floor_drift(capture: Capture) -> float:
     return max((max(heights) - min(heights) for heights in sole_heights(capture) if heights), default=0.0)
 
 
-def with_drift_told(capture: Capture) -> Capture:
+def with_drift_reported(capture: Capture) -> Capture:
     """Capture with the drift of its floor among its guesses, if it is large enough to report."""
     drift = floor_drift(capture)
     if drift < REPORTED_DRIFT:

@@ -7,17 +7,17 @@ from studio.core.body.morphology import Morphology
 from studio.core.kernels import layout as at
 from studio.core.kernels.body.encode_channels import ActorSizes, encode_frames, unwrap_channels
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import trunk_places
+from studio.core.normalized.realize import spine_fractions
 from studio.core.rotations import frame_along, from_matrix, sign_continuous
 
 FloatArray = NDArray[np.float64]
 BODY_FORWARD = np.array([1.0, 0.0, 0.0])
 
 
-def encode(
+def encode_motion(
     positions: FloatArray, rotations: FloatArray, body: Morphology, frame_rate: float, name: str = ""
 ) -> NormalizedMotion:
-    """Motion whose ``realize`` on ``body`` gives positions (F, K+23, 3) and rotations (F, K+18, 3, 3) back.
+    """Motion whose ``realize_motion`` on ``body`` gives positions (F, K+23, 3) and rotations (F, K+18, 3, 3) back.
 
     Exact if the bones have the body's lengths; other displacements (of the hips) are kept as play.
     """
@@ -28,7 +28,7 @@ def encode(
     channels = np.zeros((len(positions), at.SPINE + 4 * (layout.spine_count - 1)))
     encode_frames(np.array(positions), np.array(rotations), yaw, actor, channels)
     unwrap_channels(np.array([*at.QUATERNION_COLUMNS, *range(at.SPINE, channels.shape[1], 4)]), channels)
-    return NormalizedMotion(name, frame_rate, channels, trunk_places(body.spine))
+    return NormalizedMotion(name, frame_rate, channels, spine_fractions(body.spine))
 
 
 def actor_sizes(body: Morphology, limbs: FloatArray) -> ActorSizes:

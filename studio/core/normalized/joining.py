@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import FOOT_POINTS, touching_points
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 
 FloatArray = NDArray[np.float64]
 
@@ -23,18 +23,18 @@ FOOT_STEP_LIMIT = 1.2
 
 
 @dataclass(frozen=True)
-class Planar:
+class PlanarTransform:
     """Rotation about Z in radians, followed by an offset on the ground in leg lengths."""
 
     turn: float = 0.0
     offset: tuple[float, float] = (0.0, 0.0)
 
-    def after(self, first: "Planar") -> "Planar":
+    def after(self, first: "PlanarTransform") -> "PlanarTransform":
         """Composition: this transform applied after ``first``."""
         c, s = np.cos(self.turn), np.sin(self.turn)
         x, y = first.offset
         moved = float(c * x - s * y + self.offset[0]), float(s * x + c * y + self.offset[1])
-        return Planar(self.turn + first.turn, moved)
+        return PlanarTransform(self.turn + first.turn, moved)
 
 
 @dataclass(frozen=True)
@@ -49,11 +49,11 @@ class FootStep:
 class ClipAlignment:
     """Placement of the new motion on the ground, and the steps that it needs, in their order."""
 
-    placement: Planar
+    placement: PlanarTransform
     steps: tuple[FootStep, ...] = ()
 
 
-def join(
+def clip_alignment(
     first: FloatArray, second: FloatArray, both_stand: NDArray[np.bool_], spine_places: FloatArray, shares: FloatArray
 ) -> ClipAlignment:
     """Placement that aligns channels ``second`` (F, C) with ``first`` (F, C), frame by frame, and the steps it needs.
@@ -74,12 +74,12 @@ def join(
     return ClipAlignment(tries[kept], (FootStep(1 - kept, left[kept]),))
 
 
-def stepping_there(
+def alignment_by_steps(
     first: FloatArray,
     second: FloatArray,
     both_stand: NDArray[np.bool_],
     spine_places: FloatArray,
-    placement: Planar,
+    placement: PlanarTransform,
 ) -> ClipAlignment:
     """Alignment with a given ``placement``: feet step there, unless one has to move farther than
     ``FOOT_STEP_LIMIT``.
@@ -94,9 +94,9 @@ def _points(channels: FloatArray, spine_places: FloatArray) -> FloatArray:
     """Horizontal positions, (F, 8, 2), of hips, shoulders and ``FOOT_POINTS`` of an average body, in leg lengths."""
     body = average_body()
     layout = body.layout
-    points = [layout.hip(0), layout.hip(1), layout.collar(0) + 1, layout.collar(1) + 1]
+    points = [layout.hip_point(0), layout.hip_point(1), layout.collar_point(0) + 1, layout.collar_point(1) + 1]
     points += [touching_points(each, layout)[0] for each in FOOT_POINTS]
-    positions, _ = realize(NormalizedMotion("", 1.0, channels, spine_places), body)
+    positions, _ = realize_motion(NormalizedMotion("", 1.0, channels, spine_places), body)
     return np.asarray(positions[:, points, :2] / body.leg_length)
 
 
@@ -105,7 +105,7 @@ def _weights(both_stand: NDArray[np.bool_]) -> FloatArray:
     return np.concatenate([np.full((len(feet), 4), BODY_WEIGHT), feet], axis=1)
 
 
-def _least_squares(old: FloatArray, new: FloatArray, weights: FloatArray) -> Planar:
+def _least_squares(old: FloatArray, new: FloatArray, weights: FloatArray) -> PlanarTransform:
     """Weighted least-squares alignment of ``new`` with ``old``, (F, 8, 2).
 
     The rotation is that of body and feet each about their own middle, so that a body is not turned round a foot.
@@ -118,7 +118,7 @@ def _least_squares(old: FloatArray, new: FloatArray, weights: FloatArray) -> Pla
         crosses += float((w * (b[..., 0] * a[..., 1] - b[..., 1] * a[..., 0])).sum())
     turn = float(np.arctan2(crosses, dots))
     x, y = _middle(old, weights) - _turned(_middle(new, weights), turn)
-    return Planar(turn, (float(x), float(y)))
+    return PlanarTransform(turn, (float(x), float(y)))
 
 
 def _middle(points: FloatArray, weights: FloatArray) -> FloatArray:
@@ -126,7 +126,9 @@ def _middle(points: FloatArray, weights: FloatArray) -> FloatArray:
     return np.asarray(np.einsum("fp,fpk->k", weights, points) / weights.sum())
 
 
-def _foot_distance(old: FloatArray, new: FloatArray, placed: Planar, both_stand: NDArray[np.bool_], side: int) -> float:
+def _foot_distance(
+    old: FloatArray, new: FloatArray, placed: PlanarTransform, both_stand: NDArray[np.bool_], side: int
+) -> float:
     """Median distance in leg lengths between a foot's points in both motions while they stand; 0 if they never do."""
     standing = both_stand & (np.arange(4) // 2 == side)
     aside = np.linalg.norm(_turned(new, placed.turn) + placed.offset - old, axis=2)[:, 4:]

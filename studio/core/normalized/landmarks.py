@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout, BodyPart
-from studio.core.body.hand_end import USUAL_HAND, could_be_hand, hand_reach
+from studio.core.body.hand_end import USUAL_HAND, hand_reach, has_hand_length
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_world, joint_world_in, rest_poses
 from studio.core.body.skeleton import Skeleton
@@ -57,7 +57,7 @@ class Landmarks:
         return self.rotations
 
 
-def spread(frame_count: int, first: int = 0) -> slice:
+def measured_frames(frame_count: int, first: int = 0) -> slice:
     """Frames from ``first`` on in which bones are measured: evenly spread, and enough of them in a long capture."""
     return slice(first, None, max(1, (frame_count - first) // _ENOUGH))
 
@@ -153,17 +153,19 @@ def _place_arm_ends(
     points: FloatArray,
 ) -> None:
     if BodyPart(f"{name}_clavicle") not in body_map.parts:
-        shoulder = points[:, layout.collar(side) + 1]
-        points[:, layout.collar(side)] = points[:, layout.neck_base] + 0.2 * (shoulder - points[:, layout.neck_base])
+        shoulder = points[:, layout.collar_point(side) + 1]
+        points[:, layout.collar_point(side)] = points[:, layout.neck_base] + 0.2 * (
+            shoulder - points[:, layout.neck_base]
+        )
     wrist, forearm = body_map.parts.get(BodyPart(f"{name}_hand")), body_map.parts[BodyPart(f"{name}_forearm")]
     if wrist is None:
         end = _far_child(skeleton, forearm)
-        points[:, layout.wrist(side)] = positions[:, forearm if end is None else end]
-    along = points[:, layout.wrist(side)] - positions[:, forearm]
+        points[:, layout.wrist_point(side)] = positions[:, forearm if end is None else end]
+    along = points[:, layout.wrist_point(side)] - positions[:, forearm]
     reach = np.zeros_like(along) if wrist is None else hand_reach(skeleton, wrist, positions)
-    odd = ~could_be_hand(reach, along)
+    odd = ~has_hand_length(reach, along)
     reach[odd] = USUAL_HAND * along[odd]
-    points[:, layout.wrist(side) + 1] = points[:, layout.wrist(side)] + reach
+    points[:, layout.wrist_point(side) + 1] = points[:, layout.wrist_point(side)] + reach
 
 
 def _place_foot_end(
@@ -178,12 +180,14 @@ def _place_foot_end(
     foot, toe = body_map.parts[BodyPart(f"{name}_foot")], body_map.parts.get(BodyPart(f"{name}_toe"))
     if toe is None:
         end = _far_child(skeleton, foot)
-        points[:, layout.toe(side)] = positions[:, foot if end is None else end]
+        points[:, layout.toe_point(side)] = positions[:, foot if end is None else end]
     end = None if toe is None else _far_child(skeleton, toe)
-    tip = points[:, layout.toe(side)] if end is None else positions[:, end]
-    along = points[:, layout.toe(side)] - positions[:, foot]
-    short = np.linalg.norm(tip - points[:, layout.toe(side)], axis=1) < 0.01
-    points[:, layout.toe(side) + 1] = np.where(short[:, None], points[:, layout.toe(side)] + 0.35 * along, tip)
+    tip = points[:, layout.toe_point(side)] if end is None else positions[:, end]
+    along = points[:, layout.toe_point(side)] - positions[:, foot]
+    short = np.linalg.norm(tip - points[:, layout.toe_point(side)], axis=1) < 0.01
+    points[:, layout.toe_point(side) + 1] = np.where(
+        short[:, None], points[:, layout.toe_point(side)] + 0.35 * along, tip
+    )
 
 
 def _far_child(skeleton: Skeleton, joint: int, carries_none_of: Collection[int] = ()) -> int | None:

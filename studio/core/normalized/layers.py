@@ -15,13 +15,13 @@ from studio.core.curves.activation import EaseShape, ease
 from studio.core.kernels import layout as at
 from studio.core.normalized.blending import Flight, planned_steps, raise_feet, step_seconds
 from studio.core.normalized.compose import Composite, compose_pieces
-from studio.core.normalized.differences import blended, difference, moved
-from studio.core.normalized.joining import ClipAlignment, Planar, join, stepping_there
-from studio.core.normalized.mirror import mirrored
+from studio.core.normalized.differences import blended_channels, channel_difference, with_difference
+from studio.core.normalized.joining import ClipAlignment, PlanarTransform, alignment_by_steps, clip_alignment
+from studio.core.normalized.mirror import mirrored_motion
 from studio.core.normalized.pieces import PIECE_CONTACT_POINTS, Mask, MotionPiece
-from studio.core.normalized.resample import Resampled
+from studio.core.normalized.resample import ResampledMotion
 from studio.core.normalized.row import FOOT_ROWS
-from studio.core.normalized.transition import MOST_TRANSITION, fade_seconds, joint_peaks, placed
+from studio.core.normalized.transition import MOST_TRANSITION, fade_seconds, joint_peaks, placed_channels
 from studio.core.project_cache import project_cache
 from studio.core.stage.layer import Region
 
@@ -47,7 +47,7 @@ class PlayedLayer:
 
 
 @project_cache(maxsize=64)
-def layered(pieces: tuple[MotionPiece, ...], overlays: tuple[PlayedLayer, ...]) -> Composite:
+def with_layers(pieces: tuple[MotionPiece, ...], overlays: tuple[PlayedLayer, ...]) -> Composite:
     """Row from ``compose`` with layers over it, the later over the earlier; equal arguments give the
     same cached value.
     """
@@ -77,15 +77,15 @@ class _LayeredRow:
         if not len(self._frames):
             return self._row
         below = self._row.motion.channels[self._frames]
-        own = Resampled(self._own.motion, self._places).at(self._own.timing.frames_at(self._times))
-        comes, goes = ClipAlignment(Planar()), ClipAlignment(Planar())
+        own = ResampledMotion(self._own.motion, self._places).at(self._own.timing.frames_at(self._times))
+        comes, goes = ClipAlignment(PlanarTransform()), ClipAlignment(PlanarTransform())
         if self._overlay.additive:
             own = self._added(below, own)
         elif Region.LEGS in self._overlay.region.parts:
             own, comes, goes = self._placed(below, own)
         shares = self._shares(below, own, step_seconds(comes), step_seconds(goes))
         flights = self._flights(shares, comes, goes)
-        over = blended(below, own, shares)
+        over = blended_channels(below, own, shares)
         over[shares == 1.0] = own[shares == 1.0]
         channels = np.array(self._row.motion.channels)
         changed = self._frames[shares > 0.0]
@@ -98,24 +98,24 @@ class _LayeredRow:
     def _added(self, below: FloatArray, own: FloatArray) -> FloatArray:
         """Channels below plus the clip's difference from its reference pose; ground offsets rotate with the body."""
         piece = self._overlay.pieces[0]
-        motion = mirrored(piece.motion) if piece.mirrored else piece.motion
+        motion = mirrored_motion(piece.motion) if piece.mirrored else piece.motion
         frame = piece.first if self._overlay.reference < 0 else min(self._overlay.reference, motion.frame_count - 1)
-        pose = Resampled(motion, self._places).at(np.array([float(frame)]))
-        by = difference(np.tile(pose, (len(own), 1)), own)
+        pose = ResampledMotion(motion, self._places).at(np.array([float(frame)]))
+        by = channel_difference(np.tile(pose, (len(own), 1)), own)
         turn = below[:, at.YAW] - pose[0, at.YAW]
         x, y = by[:, at.HIPS].copy(), by[:, at.HIPS + 1].copy()
         by[:, at.HIPS], by[:, at.HIPS + 1] = np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y
-        return moved(below, by)
+        return with_difference(below, by)
 
     def _placed(self, below: FloatArray, own: FloatArray) -> tuple[FloatArray, ClipAlignment, ClipAlignment]:
         """Clip placed so that its legs stand as those below at its begin, and the steps as it fades in and out."""
         count = max(round(MOST_TRANSITION / 2 * self._row.timing.frame_rate), 1)
         both = (self._stands(self._row)[FOOT_ROWS] & self._own_stands()[FOOT_ROWS])[:, self._frames].T
         begin, end = slice(0, count), slice(max(len(own) - count, 0), len(own))
-        comes = join(below[begin], own[begin], both[begin], self._places, np.ones(len(both[begin])))
-        if comes.placement != Planar():
-            own = placed(own, comes.placement.turn, np.array(comes.placement.offset))
-        return own, comes, stepping_there(own[end], below[end], both[end], self._places, Planar())
+        comes = clip_alignment(below[begin], own[begin], both[begin], self._places, np.ones(len(both[begin])))
+        if comes.placement != PlanarTransform():
+            own = placed_channels(own, comes.placement.turn, np.array(comes.placement.offset))
+        return own, comes, alignment_by_steps(own[end], below[end], both[end], self._places, PlanarTransform())
 
     def _flights(self, shares: FloatArray, comes: ClipAlignment, goes: ClipAlignment) -> list[Flight]:
         """Flights of the feet that step while the layer fades in and out, in the row's frames."""
@@ -139,7 +139,7 @@ class _LayeredRow:
         """
         row, rate = self._row.timing, self._row.timing.frame_rate
         begin, end = self._own.timing.start, self._own.timing.end
-        by = np.where(self._columns, difference(below, own), 0.0)
+        by = np.where(self._columns, channel_difference(below, own), 0.0)
         peaks = np.maximum(self._peaks_below(), joint_peaks(own, rate))
         reach = min(round(MOST_TRANSITION * rate), len(by))
         longest = (end - begin) / 2.0
@@ -188,7 +188,7 @@ class _LayeredRow:
                         standing[first : last + 1] = True
                 for each in flights:
                     if point.is_foot and point.side == each.step.side:
-                        standing[each.leaves + 1 : each.lands] = False
+                        standing[each.leaves + 1 : each.next_contact] = False
             elif point in ended:
                 standing = below[row] & (share < HIDDEN_BELOW)
             if np.array_equal(standing, below[row]):

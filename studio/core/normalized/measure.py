@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactPoint, contact_mask
-from studio.core.normalized.landmarks import Landmarks, spread
+from studio.core.normalized.landmarks import Landmarks, measured_frames
 
 FloatArray = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ def measure_actor(
     """
     layout, points = marks.layout, marks.points
     thorax = layout.spine_count - 1
-    moving = spread(len(points), first_frame)
+    moving = measured_frames(len(points), first_frame)
 
     def vector(segment: int, start: int, end: int) -> FloatArray:
         bones = points[moving, end] - points[moving, start]
@@ -41,13 +41,13 @@ def measure_actor(
         bones = np.linalg.norm(points[moving, end] - points[moving, start], axis=1)
         return max(float(np.median(bones)), SHORTEST_BONE)
 
-    arms, legs = [layout.collar(side) for side in (0, 1)], [layout.hip(side) for side in (0, 1)]
-    feet = np.array([vector(layout.foot(side), legs[side] + 2, legs[side] + 3) for side in (0, 1)])
+    arms, legs = [layout.collar_point(side) for side in (0, 1)], [layout.hip_point(side) for side in (0, 1)]
+    feet = np.array([vector(layout.foot_segment(side), legs[side] + 2, legs[side] + 3) for side in (0, 1)])
     leg = np.array([[length(hip, hip + 1), length(hip + 1, hip + 2)] for hip in legs])
-    heights = points[:, [layout.ankle(0), layout.ankle(1)], 2] - floor
+    heights = points[:, [layout.ankle_point(0), layout.ankle_point(1)], 2] - floor
     ankle = _ankle_heights(heights, contacts, float(leg.sum() / 2))
     toe_height = np.maximum(ankle + feet[:, 2], 0.0)
-    toes = np.array([vector(layout.toes(side), legs[side] + 3, legs[side] + 4) for side in (0, 1)])
+    toes = np.array([vector(layout.toe_segment(side), legs[side] + 3, legs[side] + 4) for side in (0, 1)])
     toes[:, 2] = np.maximum(toes[:, 2], -toe_height)  # tips that a file has not are guessed, but not below the ground
     return Morphology(
         spine=np.array([vector(k, k, k + 1) for k in range(layout.spine_count)]),
@@ -56,7 +56,7 @@ def measure_actor(
         collar_base=np.array([vector(thorax, layout.neck_base, collar) for collar in arms]),
         clavicle=np.array([length(collar, collar + 1) for collar in arms]),
         arm=np.array([[length(c + 1, c + 2), length(c + 2, c + 3)] for c in arms]),
-        hand=np.array([vector(layout.hand(s), arms[s] + 3, arms[s] + 4) for s in (0, 1)]),
+        hand=np.array([vector(layout.hand_segment(s), arms[s] + 3, arms[s] + 4) for s in (0, 1)]),
         hip_offset=np.array([vector(0, 0, hip) for hip in legs]),
         leg=leg,
         foot=feet,
@@ -65,7 +65,7 @@ def measure_actor(
         toe_height=toe_height,
         heel_length=HEEL_LENGTH * np.linalg.norm(feet[:, :2], axis=1),
         neck_rest=_rest_direction(marks, alignments, layout.neck_base),
-        clavicle_rest=np.array([_at_ease(rotations[moving], thorax, layout.clavicle(s)) for s in (0, 1)]),
+        clavicle_rest=np.array([_at_ease(rotations[moving], thorax, layout.clavicle_segment(s)) for s in (0, 1)]),
     )
 
 

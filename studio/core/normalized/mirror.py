@@ -25,7 +25,7 @@ _HANDS = (at.HAND, at.HAND + 4)
 
 
 @project_cache(maxsize=32)
-def mirrored(motion: NormalizedMotion) -> NormalizedMotion:
+def mirrored_motion(motion: NormalizedMotion) -> NormalizedMotion:
     """Motion with left and right exchanged: y becomes -y.
 
     With M = diag(1, -1, 1) a rotation R between anatomical axes becomes M R M; axes whose x is a hinge have D =

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.frozen_array import unwritten
+from studio.core.frozen_array import frozen_array
 from studio.core.kernels import layout
 from studio.core.rotations import multiply, rotate
 from studio.core.windows import bell_average
@@ -27,7 +27,7 @@ class Girdle:
     """
 
     length: float
-    """Reach of the clavicles in parts of half the breadth of the shoulders, as ``realize.girdles`` has it."""
+    """Reach of the clavicles relative to half the breadth of the shoulders (``realize.clavicle_proportions``)."""
     rest: FloatArray
     """(2, 3) direction of each clavicle at rest, thorax axes."""
     hips: float
@@ -37,7 +37,7 @@ class Girdle:
 
     def __post_init__(self) -> None:
         for name in ("rest", "limbs"):
-            object.__setattr__(self, name, unwritten(getattr(self, name)))
+            object.__setattr__(self, name, frozen_array(getattr(self, name)))
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class NormalizedMotion:
     def __post_init__(self) -> None:
         object.__setattr__(self, "frame_rate", float(self.frame_rate))  # kernels are compiled once more for an int
         for name in ("channels", "spine_places"):
-            object.__setattr__(self, name, unwritten(getattr(self, name)))
+            object.__setattr__(self, name, frozen_array(getattr(self, name)))
         if self.channels.ndim != 2 or self.channels.shape[1] != layout.SPINE + 4 * (len(self.spine_places) - 1):
             raise ValueError(
                 f"Channels of shape {self.channels.shape} do not fit {len(self.spine_places)} spine segments."
@@ -88,7 +88,7 @@ class NormalizedMotion:
     @cached_property
     def times(self) -> FloatArray:
         """(F,) seconds."""
-        return unwritten(np.arange(self.frame_count) / self.frame_rate)
+        return frozen_array(np.arange(self.frame_count) / self.frame_rate)
 
     @cached_property
     def across(self) -> FloatArray:
@@ -100,7 +100,7 @@ class NormalizedMotion:
         feet = self.channels[:, layout.FOOT : layout.FOOT + 8].reshape(-1, 2, 4)
         x, y, _ = rotate(multiply(pelvis[:, None], feet), np.array([0.0, 1.0, 0.0])).sum(axis=1).T
         level = np.column_stack([np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y])
-        return unwritten(bell_average(level, HEADING_SMOOTHING * self.frame_rate))
+        return frozen_array(bell_average(level, HEADING_SMOOTHING * self.frame_rate))
 
     @property
     def parts(self) -> tuple[slice, ...]:

@@ -16,20 +16,20 @@ from studio.core.captures.contacts import (
     SHORTEST_CONTACT,
     ContactInterval,
     ContactPoint,
-    close_steps,
     contact_mask,
     detect_body_contacts,
     detect_contacts,
-    faces_down,
-    lying,
-    spans_without,
-    through_still_gaps,
-    tipped_over,
+    joined_over_still_gaps,
+    lying_shank_mask,
+    plank_leg_mask,
+    prone_mask,
+    spans_outside_mask,
     touching_points,
-    trailed,
+    trailing_toe_contacts,
+    with_step_gaps_closed,
 )
 from studio.core.captures.floor_slope import FloorSlope, find_floor_slope
-from studio.core.captures.plate_steps import fit_to_plates
+from studio.core.captures.plate_steps import contacts_fitted_to_plates
 from studio.core.captures.rising_heels import rising_heels
 from studio.core.errors import StudioError
 from studio.core.kernels import layout as at
@@ -37,10 +37,10 @@ from studio.core.kernels.body.encode_channels import encode_frames, unwrap_chann
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.alignment import align_soles, find_alignments
 from studio.core.normalized.encode import actor_sizes
-from studio.core.normalized.landmarks import Landmarks, find_landmarks, spread
+from studio.core.normalized.landmarks import Landmarks, find_landmarks, measured_frames
 from studio.core.normalized.measure import measure_actor
 from studio.core.normalized.motion import HEADING_SMOOTHING, NormalizedMotion
-from studio.core.normalized.realize import girdle_of, trunk_places
+from studio.core.normalized.realize import girdle_of, spine_fractions
 from studio.core.normalized.soles import sole_points
 from studio.core.rotations import from_matrix, sign_continuous
 from studio.core.sharing import Shared
@@ -59,7 +59,7 @@ LOWEST = 0.05
 """Part of the heights at which a heel stands that are below its lowest floor: those are noise."""
 
 
-def normalize(
+def normalize_capture(
     capture: Capture, progress: Callable[[float], object] = lambda share: None
 ) -> tuple[NormalizedMotion, SourceRig]:
     """Motion of the capture without its actor's measures, and the actor.
@@ -85,12 +85,14 @@ def _normalize(capture: Capture, progress: Callable[[float], object]) -> tuple[N
     rotations = marks.align_rotations(alignments)
     progress(0.8)
     origin = np.array([*marks.points[capture.first_frame, 0, :2], capture.floor])
-    soles = capture.floor + found.slope.rise(marks.points[:, [marks.layout.ankle(0), marks.layout.ankle(1)]])
+    soles = capture.floor + found.slope.rise(
+        marks.points[:, [marks.layout.ankle_point(0), marks.layout.ankle_point(1)]]
+    )
     body = measure_actor(marks, alignments, rotations, contacts, capture.first_frame, soles)
     channels = _channels(body, marks.points, rotations, capture.frame_rate)
     channels[:, at.HIPS : at.HIPS + 3] -= origin / body.leg_length
     channels.setflags(write=False)
-    motion = NormalizedMotion(capture.name, capture.frame_rate, channels, trunk_places(body.spine), girdle_of(body))
+    motion = NormalizedMotion(capture.name, capture.frame_rate, channels, spine_fractions(body.spine), girdle_of(body))
     return motion, SourceRig(capture.skeleton, body, marks.segment_joints, alignments, origin, capture.poses)
 
 
@@ -127,7 +129,7 @@ def detected_contacts(capture: Capture, motion_id: str) -> tuple[ContactInterval
 
     if capture.body_map is None:
         return ()
-    motion, actor = normalize(capture)
+    motion, actor = normalize_capture(capture)
     standing = capture_contacts(capture)
     hands = (standing[ContactPoint.LEFT_HAND], standing[ContactPoint.RIGHT_HAND])
     free = np.array([~contact_mask(spans, motion.frame_count) for spans in hands])
@@ -152,7 +154,7 @@ def _find(capture: Capture, marks: Landmarks | None = None) -> _FoundContacts:
     assert capture.body_map is not None
     marks = marks or find_landmarks(capture, capture.body_map)
     contacts, slope = _contacts_of(marks, capture)
-    ankles = [marks.points[:, marks.layout.ankle(side), 2] for side in range(2)]
+    ankles = [marks.points[:, marks.layout.ankle_point(side), 2] for side in range(2)]
     heights = [
         [float(np.median(track[first : last + 1])) for first, last in contacts[heel]]
         for track, heel in zip(ankles, HEELS, strict=True)
@@ -179,7 +181,7 @@ def _risen(marks: Landmarks, heels: Sequence[NDArray[np.bool_]], leg_length: flo
     """
     frames, shown = np.arange(len(marks.points)), []
     for side, stands in enumerate(heels):
-        hips, ankles = (marks.points[:, marks.layout.hip(side) + step, 2] for step in (0, 2))
+        hips, ankles = (marks.points[:, marks.layout.hip_point(side) + step, 2] for step in (0, 2))
         known = np.flatnonzero(stands & (hips - ankles > HEEL_STAND_HIP * leg_length))
         if len(known):
             heights = ankles[known]
@@ -189,23 +191,25 @@ def _risen(marks: Landmarks, heels: Sequence[NDArray[np.bool_]], leg_length: flo
 
 def _contacts_of(marks: Landmarks, capture: Capture) -> tuple[Contacts, FloorSlope]:
     layout, rate = marks.layout, capture.frame_rate
-    hips = [marks.layout.hip(0), marks.layout.hip(1)]
+    hips = [marks.layout.hip_point(0), marks.layout.hip_point(1)]
     leg = np.linalg.norm(np.diff(marks.reference[hips[0] : hips[0] + 3], axis=0), axis=1).sum()
     soles = sole_points(marks, float(leg), capture.first_frame)
-    legs = marks.points[:, hips, 2] - marks.points[:, [layout.ankle(0), layout.ankle(1)], 2]
+    legs = marks.points[:, hips, 2] - marks.points[:, [layout.ankle_point(0), layout.ankle_point(1)], 2]
     own = slice(capture.first_frame, None)
     slope = find_floor_slope(soles[own], legs[own] > HEEL_STAND_HIP * leg, rate)
     points, soles = slope.levelled(marks.points), slope.levelled(soles)
-    toes = points[:, [layout.toe(0), layout.toe(1)]]
+    toes = points[:, [layout.toe_point(0), layout.toe_point(1)]]
     shortest = round(SHORTEST_CONTACT * capture.frame_rate)
     feet = detect_contacts(soles, rate, capture.first_frame)
     for side, (heel, toe) in enumerate(
         FOOT_LANDMARKS
     ):  # none stands in a plank, over its knee, or flat under a shank that lies
         hip_track, knee_track, ankle, _ = np.moveaxis(points[:, hips[side] : hips[side] + 4], 1, 0)
-        raised = (knee_track[:, 2] < ankle[:, 2]) | tipped_over(hip_track, ankle, toes[:, side])
-        flat = contact_mask(feet[toe], len(points)) & lying(knee_track, ankle)
-        feet[heel] = [(a, b) for a, b in spans_without(feet[heel], raised, shortest) if flat[a : b + 1].mean() < 0.5]
+        raised = (knee_track[:, 2] < ankle[:, 2]) | plank_leg_mask(hip_track, ankle, toes[:, side])
+        flat = contact_mask(feet[toe], len(points)) & lying_shank_mask(knee_track, ankle)
+        feet[heel] = [
+            (a, b) for a, b in spans_outside_mask(feet[heel], raised, shortest) if flat[a : b + 1].mean() < 0.5
+        ]
     risen = _risen(marks, [contact_mask(feet[heel], len(points)) for heel in HEELS], float(leg))
     tracks = {point: points[:, touching_points(point, layout)].mean(axis=1) for point in BODY_POINTS}
     for point, track in tracks.items():
@@ -214,21 +218,23 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> tuple[Contacts, FloorSlo
     for side, name in enumerate(("left", "right")):
         heel, toe, knee = (ContactPoint(f"{name}_{member}") for member in ("heel", "toe", "knee"))
         # A heel does not stand while its knee does; who lies or kneels may trail its toes.
-        feet[heel] = spans_without(feet[heel], contact_mask(bodies[knee], len(points)), shortest)
+        feet[heel] = spans_outside_mask(feet[heel], contact_mask(bodies[knee], len(points)), shortest)
         rising = rising_heels(
-            feet[heel], contact_mask(feet[toe], len(points)), points[:, layout.ankle(side), 2], float(leg)
+            feet[heel], contact_mask(feet[toe], len(points)), points[:, layout.ankle_point(side), 2], float(leg)
         )
-        feet[heel] = spans_without(feet[heel], rising, shortest)
+        feet[heel] = spans_outside_mask(feet[heel], rising, shortest)
         low = tracks[knee][:, 2] < LOW_KNEE * leg
         down = low | contact_mask(bodies[ContactPoint.SEAT], len(points))
         middle = soles[:, side, :2].mean(axis=1)
-        feet[toe] = through_still_gaps(trailed(feet[toe], toes[:, side], down, capture.frame_rate), middle)
-        feet[heel], feet[toe] = close_steps(feet[heel], feet[toe], middle, shortest)
+        feet[toe] = joined_over_still_gaps(
+            trailing_toe_contacts(feet[toe], toes[:, side], down, capture.frame_rate), middle
+        )
+        feet[heel], feet[toe] = with_step_gaps_closed(feet[heel], feet[toe], middle, shortest)
     # Low hips say what knees and toes do; but of who crawls they are carried, until it lies flat.
-    prone = faces_down(points[:, hips], points[:, [layout.collar(0) + 1, layout.collar(1) + 1]])
+    prone = prone_mask(points[:, hips], points[:, [layout.collar_point(0) + 1, layout.collar_point(1) + 1]])
     flat = tracks[ContactPoint.SEAT][:, 2] < LYING_HIP_HEIGHT * leg
-    bodies[ContactPoint.SEAT] = spans_without(bodies[ContactPoint.SEAT], prone & ~flat, shortest)
-    return fit_to_plates(feet, soles, capture.plate_loads, rate) | bodies, slope
+    bodies[ContactPoint.SEAT] = spans_outside_mask(bodies[ContactPoint.SEAT], prone & ~flat, shortest)
+    return contacts_fitted_to_plates(feet, soles, capture.plate_loads, rate) | bodies, slope
 
 
 def _standing_feet(contacts: Contacts, frame_count: int) -> BoolArray:
@@ -239,11 +245,11 @@ def _standing_feet(contacts: Contacts, frame_count: int) -> BoolArray:
 
 def _channels(body: Morphology, points: FloatArray, rotations: FloatArray, frame_rate: float) -> FloatArray:
     layout = body.layout
-    roots = [layout.collar(0) + 1, layout.collar(1) + 1, layout.hip(0), layout.hip(1)]
-    seen = points[spread(len(points))]
+    roots = [layout.collar_point(0) + 1, layout.collar_point(1) + 1, layout.hip_point(0), layout.hip_point(1)]
+    seen = points[measured_frames(len(points))]
     totals = [sum(_median_length(seen[:, root + k], seen[:, root + k + 1]) for k in (0, 1)) for root in roots]
     actor = actor_sizes(body, np.array(totals))
-    yaw = heading(rotations[:, 0], frame_rate)
+    yaw = smoothed_heading(rotations[:, 0], frame_rate)
     channels = np.zeros((len(points), at.SPINE + 4 * (layout.spine_count - 1)))
     do_over_frames(lambda run: encode_frames(points[run], rotations[run], yaw[run], actor, channels[run]), len(points))
     unwrap_channels(np.array([*at.QUATERNION_COLUMNS, *range(at.SPINE, channels.shape[1], 4)]), channels)
@@ -254,7 +260,7 @@ def _median_length(starts: FloatArray, ends: FloatArray) -> float:
     return float(np.median(np.linalg.norm(ends - starts, axis=1)))
 
 
-def heading(pelvis: FloatArray, frame_rate: float) -> FloatArray:
+def smoothed_heading(pelvis: FloatArray, frame_rate: float) -> FloatArray:
     """Low-passed, unwrapped heading (F,) in radians of pelvis rotations (F, 3, 3): their twist about Z."""
     quaternions = sign_continuous(from_matrix(pelvis))
     turn = np.unwrap(2.0 * np.arctan2(quaternions[:, 2], quaternions[:, 3]))

@@ -6,22 +6,22 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.captures.contacts import CONTACT_POINTS, FOOT_POINTS, ContactInterval, on_ground
+from studio.core.captures.contacts import CONTACT_POINTS, FOOT_POINTS, ContactInterval, ground_contacts
 from studio.core.curves.keyed import KeyedNumber
 from studio.core.curves.retiming import Speed, motion_seconds, playing_seconds
 from studio.core.kernels import layout as at
-from studio.core.normalized.joining import Planar
-from studio.core.normalized.mirror import mirrored, mirrored_contacts
+from studio.core.normalized.joining import PlanarTransform
+from studio.core.normalized.mirror import mirrored_contacts, mirrored_motion
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.resample import Resampled
-from studio.core.normalized.transition import placed
+from studio.core.normalized.resample import ResampledMotion
+from studio.core.normalized.transition import placed_channels
 from studio.core.stage.timing import Timing
 
 FloatArray = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 PIECE_CONTACT_POINTS = CONTACT_POINTS
-AS_IT_IS = Planar()
+AS_IT_IS = PlanarTransform()
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class MotionPiece:
     start: float = 0.0
     speed: Speed = 1.0
     mirrored: bool = False
-    own: Planar = AS_IT_IS
+    own: PlanarTransform = AS_IT_IS
     joined: bool = True
     ease: float = 0.0
     origin: tuple[int, int] = (0, 0)
@@ -65,7 +65,7 @@ class MotionPiece:
     def is_carried(self) -> bool:
         """True if hands, knees or seat touch the ground in the frames that play."""
         there = [each for each in self.contacts if each.last >= self.first and each.first <= self.last]
-        return any(each.point not in FOOT_POINTS for each in on_ground(there))
+        return any(each.point not in FOOT_POINTS for each in ground_contacts(there))
 
     @property
     def is_plain(self) -> bool:
@@ -74,13 +74,13 @@ class MotionPiece:
 
 
 @dataclass(frozen=True)
-class Played:
+class PlayedPiece:
     """Frames ``first`` to ``last`` of a row in which a piece plays, and its ``placement``."""
 
     piece: MotionPiece
     first: int
     last: int
-    placement: Planar
+    placement: PlanarTransform
 
     def motion_frames(self, frames: NDArray[Any], timing: Timing) -> FloatArray:
         """(N,) the piece's own frames, with fractions, that play in ``frames`` (N,) of the row."""
@@ -93,7 +93,7 @@ class ChannelSource(Protocol):
     def channels(self, frames: NDArray[np.int64]) -> FloatArray:
         """Channels, (N, C), in ``frames`` (N,) of the row."""
 
-    def stands(self, frames: NDArray[np.int64]) -> Mask:
+    def contact_mask(self, frames: NDArray[np.int64]) -> Mask:
         """Contact mask, (P, N), of ``PIECE_CONTACT_POINTS`` in ``frames`` (N,) of the row."""
 
 
@@ -107,7 +107,7 @@ class HeldPose(ChannelSource):
     def channels(self, frames: NDArray[np.int64]) -> FloatArray:
         return np.tile(self.pose, (len(frames), 1))
 
-    def stands(self, frames: NDArray[np.int64]) -> Mask:
+    def contact_mask(self, frames: NDArray[np.int64]) -> Mask:
         return np.tile(self.standing[:, None], (1, len(frames)))
 
 
@@ -115,22 +115,22 @@ class PieceSource(ChannelSource):
     """Source of a piece's channels and contacts, sampled at the frames of the row."""
 
     def __init__(
-        self, piece: MotionPiece, spine_places: FloatArray, timing: Timing, placement: Planar = AS_IT_IS
+        self, piece: MotionPiece, spine_places: FloatArray, timing: Timing, placement: PlanarTransform = AS_IT_IS
     ) -> None:
         self.piece, self._timing, self._places, self.placement = piece, timing, spine_places, placement
-        motion = mirrored(piece.motion) if piece.mirrored else piece.motion
-        self._motion = Resampled(motion, spine_places)
-        self._motion_frames = Played(piece, 0, 0, placement).motion_frames
+        motion = mirrored_motion(piece.motion) if piece.mirrored else piece.motion
+        self._motion = ResampledMotion(motion, spine_places)
+        self._motion_frames = PlayedPiece(piece, 0, 0, placement).motion_frames
 
-    def placed(self, placement: Planar) -> "PieceSource":
+    def placed(self, placement: PlanarTransform) -> "PieceSource":
         """Copy with another placement."""
         return PieceSource(self.piece, self._places, self._timing, placement)
 
     def channels(self, frames: NDArray[np.int64]) -> FloatArray:
         sampled = self._motion.at(self._motion_frames(frames, self._timing))
-        return placed(sampled, self.placement.turn, np.array(self.placement.offset))
+        return placed_channels(sampled, self.placement.turn, np.array(self.placement.offset))
 
-    def stands(self, frames: NDArray[np.int64]) -> Mask:
+    def contact_mask(self, frames: NDArray[np.int64]) -> Mask:
         own = np.rint(self._motion_frames(frames, self._timing)).clip(0, self.piece.motion.frame_count - 1)
         contacts = mirrored_contacts(self.piece.contacts) if self.piece.mirrored else self.piece.contacts
         standing = np.zeros((len(PIECE_CONTACT_POINTS), len(frames)), dtype=bool)
@@ -138,10 +138,12 @@ class PieceSource(ChannelSource):
             standing[PIECE_CONTACT_POINTS.index(contact.point)] |= (own >= contact.first) & (own <= contact.last)
         return standing
 
-    def around(self, frame: int, own: Planar, first: Planar = AS_IT_IS) -> Planar:
+    def placement_about_root(
+        self, frame: int, own: PlanarTransform, first: PlanarTransform = AS_IT_IS
+    ) -> PlanarTransform:
         """Placement ``first``, then rotated about the position of the root in ``frame`` and moved, by ``own``."""
-        channels = placed(self.channels(np.array([frame])), first.turn, np.array(first.offset))
+        channels = placed_channels(self.channels(np.array([frame])), first.turn, np.array(first.offset))
         place = channels[0, at.HIPS : at.HIPS + 2]
         c, s = np.cos(own.turn), np.sin(own.turn)
         x, y = place - [c * place[0] - s * place[1], s * place[0] + c * place[1]] + np.array(own.offset)
-        return Planar(own.turn, (float(x), float(y))).after(first)
+        return PlanarTransform(own.turn, (float(x), float(y))).after(first)

@@ -13,7 +13,7 @@ from studio.core.rotations import from_matrix, to_matrix
 FloatArray = NDArray[np.float64]
 
 
-def realize(
+def realize_motion(
     motion: NormalizedMotion, morphology: AnyMorphology, *, play: bool = False
 ) -> tuple[FloatArray, FloatArray]:
     """Positions (F, K + 23, 3) and rotations (F, K + 18, 3, 3) of ``motion`` on a body, in the motion's space.
@@ -26,8 +26,8 @@ def realize(
     layout = morphology.layout
     positions = np.empty((motion.frame_count, layout.point_count, 3))
     rotations = np.empty((motion.frame_count, layout.segment_count, 3, 3))
-    girdle = motion.girdle or girdle_of(morphology.still)
-    lengths, hips = girdle.length / girdles(morphology), girdle.hips / hip_breadths(morphology)
+    girdle = motion.girdle or girdle_of(morphology.first_frame_body)
+    lengths, hips = girdle.length / clavicle_proportions(morphology), girdle.hips / hip_breadths(morphology)
     actor = kernel.ActorProportions(
         np.minimum(lengths, 1.0), girdle.rest, np.minimum(hips, 1.0), motion.across, girdle.limbs
     )
@@ -43,10 +43,10 @@ def girdle_of(body: Morphology) -> Girdle:
     """Proportions of shoulders, hips and limbs of a body that stands for the actor."""
     bones = np.concatenate([body.arm, body.leg])
     limbs = bones[:, 0] / bones.sum(axis=1)
-    return Girdle(float(girdles(body)[0]), body.clavicle_rest, float(hip_breadths(body)[0]), limbs)
+    return Girdle(float(clavicle_proportions(body)[0]), body.clavicle_rest, float(hip_breadths(body)[0]), limbs)
 
 
-def girdles(body: AnyMorphology) -> FloatArray:
+def clavicle_proportions(body: AnyMorphology) -> FloatArray:
     """(F or 1,) lengths of the clavicles relative to half the breadth of the shoulders, which scales
     their rotations.
     """
@@ -73,20 +73,22 @@ def _drift(hips: FloatArray, morphology: AnyMorphology) -> FloatArray:
     return np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
 
 
-def trunk_places(spine: FloatArray) -> FloatArray:
+def spine_fractions(spine: FloatArray) -> FloatArray:
     """(K,) begin of each spine segment (K, 3) along the trunk: 0 for the pelvis, 1 for the thorax."""
     places = np.concatenate([[0.0], np.cumsum(np.linalg.norm(spine[:-1], axis=1))])
     return np.asarray(places / places[-1])
 
 
-def restore(motion: NormalizedMotion, actor: SourceRig) -> PoseSequence:
+def restore_joint_poses(motion: NormalizedMotion, actor: SourceRig) -> PoseSequence:
     """Poses of the capture's own joints, restored from its normalised motion, exact within rounding."""
-    return own_poses(actor, *realize(motion, actor.morphology, play=True))
+    return actor_joint_poses(actor, *realize_motion(motion, actor.morphology, play=True))
 
 
-def own_poses(actor: SourceRig, positions: FloatArray, rotations: FloatArray, first_frame: int = 0) -> PoseSequence:
-    """Poses of the actor's own joints with its segments at ``positions`` and ``rotations`` (from ``realize``, beginning
-    with ``first_frame`` of the capture); joints without a segment keep their captured poses.
+def actor_joint_poses(
+    actor: SourceRig, positions: FloatArray, rotations: FloatArray, first_frame: int = 0
+) -> PoseSequence:
+    """Poses of the actor's own joints with its segments at ``positions`` and ``rotations`` (from ``realize_motion``,
+    beginning with ``first_frame`` of the capture); joints without a segment keep their captured poses.
     """
     skeleton, frames = actor.skeleton, slice(first_frame, first_frame + len(positions))
     local = to_matrix(actor.pass_through.local_rotations[frames])

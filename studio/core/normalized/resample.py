@@ -7,7 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.kernels import layout as at
-from studio.core.normalized.differences import ANGLE_CHANNELS, BENDS, difference, moved, put_turns, turns_of
+from studio.core.normalized.differences import (
+    ANGLE_CHANNELS,
+    BENDS,
+    channel_difference,
+    channel_quaternions,
+    with_difference,
+    write_quaternions,
+)
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import normalized, sign_continuous
 
@@ -18,7 +25,7 @@ SPLINE_MARGIN = 8
 
 
 @dataclass(frozen=True, eq=False)
-class Resampled:
+class ResampledMotion:
     """Motion with spine joints at ``spine_places`` (K,) that can be sampled at any frame."""
 
     motion: NormalizedMotion
@@ -43,7 +50,9 @@ class Resampled:
             if beyond.any() and last > 0:
                 ends = self._with_spine(self.motion.channels[[near, end]])
                 steps = np.abs(frames - end)[beyond]
-                sampled[beyond] = moved(sampled[beyond], steps[:, None] * difference(ends[0], ends[1]))
+                sampled[beyond] = with_difference(
+                    sampled[beyond], steps[:, None] * channel_difference(ends[0], ends[1])
+                )
         return sampled
 
     def _with_spine(self, channels: FloatArray) -> FloatArray:
@@ -67,9 +76,9 @@ def _splined(channels: FloatArray, rows: FloatArray) -> FloatArray:
 
     smooth = np.array(channels)
     smooth[:, ANGLE_CHANNELS] = np.unwrap(smooth[:, ANGLE_CHANNELS], axis=0)
-    put_turns(smooth, sign_continuous(turns_of(smooth)))
+    write_quaternions(smooth, sign_continuous(channel_quaternions(smooth)))
     sampled = np.asarray(CubicSpline(np.arange(len(smooth)), smooth, axis=0)(rows))
-    put_turns(sampled, normalized(turns_of(sampled)))
+    write_quaternions(sampled, normalized(channel_quaternions(sampled)))
     sampled[:, BENDS] = channels[np.rint(rows).astype(np.int64), BENDS]
     return sampled
 

@@ -8,7 +8,7 @@ from studio.core.body.kinematics import joint_world
 from studio.core.captures.capture import Capture
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import restore
+from studio.core.normalized.realize import restore_joint_poses
 from studio.core.rotations import angle_between, from_matrix
 
 
@@ -23,6 +23,6 @@ class RoundTrip:
 def round_trip(capture: Capture, motion: NormalizedMotion, actor: SourceRig) -> RoundTrip:
     """Errors between ``capture`` and its normalised ``motion`` restored on its own ``actor``."""
     there, turned = joint_world(capture.skeleton, capture.poses)
-    back, turned_back = joint_world(capture.skeleton, restore(motion, actor))
+    back, turned_back = joint_world(capture.skeleton, restore_joint_poses(motion, actor))
     angles = angle_between(from_matrix(turned), from_matrix(turned_back))
     return RoundTrip(float(np.linalg.norm(back - there, axis=2).max()), float(angles.max()))

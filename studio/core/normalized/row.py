@@ -15,8 +15,14 @@ from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, spans_of
 from studio.core.curves.activation import EaseShape, ease
 from studio.core.curves.retiming import speed_at
 from studio.core.kernels import layout as at
-from studio.core.normalized.differences import difference
-from studio.core.normalized.joining import FOOT_STEP_LIMIT, ClipAlignment, Planar, join, stepping_there
+from studio.core.normalized.differences import channel_difference
+from studio.core.normalized.joining import (
+    FOOT_STEP_LIMIT,
+    ClipAlignment,
+    PlanarTransform,
+    alignment_by_steps,
+    clip_alignment,
+)
 from studio.core.normalized.motion import Change
 from studio.core.normalized.pieces import (
     AS_IT_IS,
@@ -25,7 +31,7 @@ from studio.core.normalized.pieces import (
     Mask,
     MotionPiece,
     PieceSource,
-    Played,
+    PlayedPiece,
 )
 from studio.core.normalized.transition import LEAST_TRANSITION, MOST_TRANSITION, joint_vectors
 from studio.core.stage.timing import Timing
@@ -43,21 +49,21 @@ SAME_FRAME = 0.01
 
 @dataclass
 class AssembledRow:
-    """``channels`` (F, C) and the contact mask ``stands`` (9, F), up to ``end``, not included."""
+    """``channels`` (F, C) and the contact mask ``contact_mask`` (9, F), up to ``end``, not included."""
 
     spine_places: FloatArray
     timing: Timing
     channels: FloatArray = field(init=False)
-    stands: Mask = field(init=False)
+    contact_mask: Mask = field(init=False)
     end: int = 0
-    placement: Planar = Planar()
-    played: list[Played] = field(default_factory=list)
+    placement: PlanarTransform = PlanarTransform()
+    played: list[PlayedPiece] = field(default_factory=list)
     changes: list[Change] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         count = self.timing.last + 1
         self.channels = np.empty((count, at.SPINE + 4 * (len(self.spine_places) - 1)))
-        self.stands = np.zeros((len(PIECE_CONTACT_POINTS), count), dtype=bool)
+        self.contact_mask = np.zeros((len(PIECE_CONTACT_POINTS), count), dtype=bool)
 
     def add(self, piece: MotionPiece) -> None:
         """Add a piece from its start on, over the assembled frames or after them."""
@@ -74,53 +80,60 @@ class AssembledRow:
                 last = first - 1
         else:
             self._begin(source, first, last)
-        self.played.append(Played(piece, first, last, self.placement))
+        self.played.append(PlayedPiece(piece, first, last, self.placement))
 
-    def lead(self, piece: MotionPiece) -> None:
+    def add_lead_in(self, piece: MotionPiece) -> None:
         """Add a piece after the assembled frames, and replace these by the earlier frames of the piece's motion."""
         first, last = self.end, round((piece.end - self.timing.begin) * self.timing.frame_rate)
         source = PieceSource(piece, self.spine_places, self.timing)
         self.placement = self._alignment(source, first, first - 1, first - 1).placement
-        self.played.append(Played(piece, first, max(last, first), self.placement))
+        self.played.append(PlayedPiece(piece, first, max(last, first), self.placement))
         frames = np.arange(self.played[-1].last + 1)
         there = self.played[-1].motion_frames(frames, self.timing) > -0.5 * speed_at(piece.speed, 0.0)
         source, frames = source.placed(self.placement), np.maximum(frames, frames[there][0])
-        self.channels[: len(frames)], self.stands[:, : len(frames)] = source.channels(frames), source.stands(frames)
+        self.channels[: len(frames)], self.contact_mask[:, : len(frames)] = (
+            source.channels(frames),
+            source.contact_mask(frames),
+        )
         self.end = len(frames)
 
     def contacts(self) -> tuple[ContactInterval, ...]:
         """Contact intervals of the row."""
         return tuple(
             ContactInterval("", point, first, last)
-            for point, mask in zip(PIECE_CONTACT_POINTS, self.stands, strict=True)
+            for point, mask in zip(PIECE_CONTACT_POINTS, self.contact_mask, strict=True)
             for first, last in spans_of(mask)
         )
 
     def _alignment(self, source: PieceSource, begins: int, first: int, last: int) -> ClipAlignment:
         """Placement and steps of a piece that ``begins`` in a frame, from both motions in ``first`` to ``last``."""
         frames = np.arange(first, last + 1)
-        both = (self.stands[FOOT_ROWS][:, frames] & source.stands(frames)[FOOT_ROWS] & self._stay(source, last)).T
+        both = (
+            self.contact_mask[FOOT_ROWS][:, frames] & source.contact_mask(frames)[FOOT_ROWS] & self._stay(source, last)
+        ).T
         shares = ease((frames - first + 1.0) / (len(frames) + 1.0), EaseShape.QUINTIC)
         weights = shares * (1.0 - shares) + 1e-3
         piece, known = source.piece, (self.channels[frames], source.channels(frames), both, self.spine_places)
         if not piece.joined:
-            return stepping_there(*known, source.around(begins, piece.own))
-        found = join(*known, weights)
+            return alignment_by_steps(*known, source.placement_about_root(begins, piece.own))
+        found = clip_alignment(*known, weights)
         if piece.own == AS_IT_IS:
             return found
-        return stepping_there(*known, source.around(begins, piece.own, found.placement))
+        return alignment_by_steps(*known, source.placement_about_root(begins, piece.own, found.placement))
 
     def _stay(self, source: PieceSource, frame: int) -> Mask:
         """Mask, (4, 1), of the ``FOOT_ROWS`` whose foot keeps standing after ``frame``; a foot that is lifted soon
         counts as in the air.
         """
-        soon = source.stands(np.arange(frame, frame + round(LEAST_TRANSITION * self.timing.frame_rate) + 1))[FOOT_ROWS]
+        soon = source.contact_mask(np.arange(frame, frame + round(LEAST_TRANSITION * self.timing.frame_rate) + 1))[
+            FOOT_ROWS
+        ]
         stays = (soon[0::2] | soon[1::2]).all(axis=1)
         return np.repeat(stays, 2)[:, None]
 
     def _begin(self, source: PieceSource, first: int, last: int) -> None:
         """Add the first piece."""
-        self.placement = source.around(first, source.piece.own)
+        self.placement = source.placement_about_root(first, source.piece.own)
         self._put(source.placed(self.placement), first, last)
 
     def hold(self, until: int) -> None:
@@ -131,7 +144,10 @@ class AssembledRow:
     def _hold(self, until: int) -> None:
         self._change(Change(self.end))
         frames = slice(self.end, until)
-        self.channels[frames], self.stands[:, frames] = self.channels[self.end - 1], self.stands[:, [self.end - 1]]
+        self.channels[frames], self.contact_mask[:, frames] = (
+            self.channels[self.end - 1],
+            self.contact_mask[:, [self.end - 1]],
+        )
         self.end = until
 
     def _change(self, change: Change) -> None:
@@ -167,14 +183,14 @@ class AssembledRow:
         if last - first < 2:
             return first
         frames = np.arange(first - 1, last)
-        gaps = joint_vectors(difference(self.channels[frames], source.channels(frames)))
+        gaps = joint_vectors(channel_difference(self.channels[frames], source.channels(frames)))
         paces = np.gradient(gaps, axis=0) * self.timing.frame_rate * PACE
-        others = (self.stands[FOOT_ROWS][:, frames] != source.stands(frames)[FOOT_ROWS]).sum(axis=0)
+        others = (self.contact_mask[FOOT_ROWS][:, frames] != source.contact_mask(frames)[FOOT_ROWS]).sum(axis=0)
         unlike = (gaps**2 + paces**2).sum(axis=(1, 2)) + OTHER_FOOT * others
         return first + int(unlike.argmin())
 
     def _put(self, source: ChannelSource, first: int, last: int) -> None:
         frames = np.arange(first, last + 1)
-        self.stands[:, first:] = False
-        self.channels[frames], self.stands[:, frames] = source.channels(frames), source.stands(frames)
+        self.contact_mask[:, first:] = False
+        self.channels[frames], self.contact_mask[:, frames] = source.channels(frames), source.contact_mask(frames)
         self.end = last + 1

@@ -21,9 +21,9 @@ def sole_points(marks: Landmarks, leg_length: float, first_frame: int) -> FloatA
     layout, points = marks.layout, marks.points
     soles = np.empty((len(points), 2, 3, 3))
     for side in (0, 1):
-        ankles, balls, tips = (points[:, layout.ankle(side) + step] for step in range(3))
+        ankles, balls, tips = (points[:, layout.ankle_point(side) + step] for step in range(3))
         flat = _near_its_low(ankles[first_frame:]) & _near_its_low(balls[first_frame:])
-        turns = marks.rotations[:, layout.foot(side)]
+        turns = marks.rotations[:, layout.foot_segment(side)]
         backward = HEEL_LENGTH * (ankles - balls)[first_frame:][flat]
         backward[:, 2] = -2.0 * USUAL_ANKLE * leg_length
         in_foot = np.einsum("fji,fj->fi", turns[first_frame:][flat], backward)

@@ -14,7 +14,7 @@ from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import Span, Touch, spans_of
 from studio.core.mesh.volume import CAPSULES_OF, PALM_SURFACE_PROBE, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.windows import highest, lowest
 
 FloatArray = NDArray[np.float64]
@@ -56,18 +56,18 @@ RESTS_FOR = 0.6
 class PalmPositions:
     """Position of a palm relative to one capsule of its body, in every frame.
 
-    ``along`` (F,) fraction of the capsule's length, ``ways`` (F, 3) outward direction in the axes of the segment at its
-    begin, ``clearances`` (F,) metres from surface to surface.
+    ``fractions_along_axis`` (F,) of the capsule's length; outward ``directions`` (F, 3) in the axes of the segment at
+    its begin; ``clearances`` (F,) metres from surface to surface.
     """
 
-    along: FloatArray
-    ways: FloatArray
+    fractions_along_axis: FloatArray
+    directions: FloatArray
     clearances: FloatArray
 
 
-def palm(side: int, body: Morphology, positions: FloatArray) -> FloatArray:
+def palm_centres(side: int, body: Morphology, positions: FloatArray) -> FloatArray:
     """(F, 3) centre of a hand's palm."""
-    wrist = body.layout.wrist(side)
+    wrist = body.layout.wrist_point(side)
     return np.asarray(positions[:, wrist] + PALM_SURFACE_PROBE * (positions[:, wrist + 1] - positions[:, wrist]))
 
 
@@ -76,7 +76,7 @@ def palm_positions(
 ) -> PalmPositions:
     """``PalmPositions`` beside a capsule of ``volume``, of posed bodies (F, P, 3), (F, S, 3, 3)."""
     begin, end = (_end(volume, capsule, end, body, positions, rotations) for end in range(2))
-    axis, way = end - begin, palm(side, body, positions) - begin
+    axis, way = end - begin, palm_centres(side, body, positions) - begin
     along = np.clip((axis * way).sum(axis=1) / (axis * axis).sum(axis=1), 0.0, 1.0)
     away = way - along[:, None] * axis
     distance = np.maximum(np.linalg.norm(away, axis=1), 1e-9)
@@ -100,7 +100,7 @@ def find_touches(
 
     ``free`` (2, F) is True where each hand is off the ground.
     """
-    positions, rotations = (each[first_frame:] for each in realize(motion, actor, play=True))
+    positions, rotations = (each[first_frame:] for each in realize_motion(motion, actor, play=True))
     free = free[:, first_frame:]
     together, held = hands_together_or_holding(actor, positions, rotations, motion.frame_rate)
     both = free.all(axis=0)
@@ -127,7 +127,7 @@ def hands_together_or_holding(
     """Frames (F,) with hands together, and with a thing between hands, of posed bodies (F, P, 3), (F, S, 3, 3)."""
     layout, leg = actor.layout, actor.leg_length
     chest = rotations[:, layout.spine_count - 1]
-    wrists = positions[:, [layout.wrist(0), layout.wrist(1)]] - positions[:, None, layout.neck_base]
+    wrists = positions[:, [layout.wrist_point(0), layout.wrist_point(1)]] - positions[:, None, layout.neck_base]
     wrists = np.einsum("fij,fwi->fwj", chest, wrists) / leg
     gap = np.linalg.norm(wrists[:, 1] - wrists[:, 0], axis=1)
     swinging = _speed_of(wrists[:, 1] - wrists[:, 0], rate) > SWING_SPEED
@@ -145,7 +145,7 @@ def hands_together_or_holding(
 
 def _hanging(side: int, actor: Morphology, positions: FloatArray, rotations: FloatArray) -> Mask:
     """(F,) true where an arm hangs down."""
-    wrist = actor.layout.wrist(side)
+    wrist = actor.layout.wrist_point(side)
     arm = positions[:, wrist] - positions[:, wrist - 2]
     length = np.linalg.norm(arm, axis=1)
     down = -(arm * rotations[:, actor.layout.spine_count - 1, :, 2]).sum(axis=1)
@@ -161,7 +161,7 @@ def _resting(near: list[PalmPositions], leg: float, rate: float) -> tuple[Mask, 
 
 def _speed(spot: PalmPositions, rate: float) -> FloatArray:
     """(F,) speed of a palm round a capsule or away from it, metres a second."""
-    return _speed_of(spot.ways * (spot.clearances + 0.1)[:, None], rate)
+    return _speed_of(spot.directions * (spot.clearances + 0.1)[:, None], rate)
 
 
 def _speed_of(track: FloatArray, rate: float) -> FloatArray:

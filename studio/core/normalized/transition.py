@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.kernels import layout as at
-from studio.core.normalized.differences import OFF_PLANES, SLACKS, difference, turn_columns
+from studio.core.normalized.differences import OFF_PLANES, SLACKS, channel_difference, turn_columns
 
 FloatArray = NDArray[np.float64]
 
@@ -33,8 +33,8 @@ _PLACE_PEAK, _SPEED_PEAK = 5.78, 3.96
 class Inertialisation:
     """Difference between two motions at the moment of their transition, decaying to zero (inertialisation).
 
-    ``offset`` (C,) is a ``difference`` that changes by ``speed`` (C,) a second; the offset decays within ``seconds``.
-    ``peaks`` are those of ``joint_peaks``: the greater of both motions.
+    ``offset`` (C,) is a ``channel_difference`` that changes by ``speed`` (C,) a second; the offset decays within
+    ``seconds``. ``peaks`` are those of ``joint_peaks``: the greater of both motions.
     """
 
     offset: FloatArray
@@ -48,10 +48,10 @@ class Inertialisation:
         return cls(offset, speed, peaks, seconds_of(np.linalg.norm(joint_vectors(offset), axis=-1), peaks))
 
     @cached_property
-    def halts(self) -> FloatArray:
+    def decay_times(self) -> FloatArray:
         """Decay times (C,) in seconds of the speeds of the columns, shorter for fast joints, which would overshoot."""
         halts = np.full(len(self.offset), self.seconds)
-        halting = halts_of(np.linalg.norm(joint_vectors(self.speed), axis=-1), self.peaks, self.seconds)
+        halting = speed_decay_times(np.linalg.norm(joint_vectors(self.speed), axis=-1), self.peaks, self.seconds)
         turns = turn_columns(len(self.offset))
         halts[turns[:, None] + np.arange(3)] = halting[: len(turns), None]
         halts[OFF_PLANES] = halts[SLACKS] = halting[len(turns) :]
@@ -59,8 +59,8 @@ class Inertialisation:
 
     def left(self, times: FloatArray) -> FloatArray:
         """Offset, (N, C), that remains ``times`` (N,) seconds after the transition."""
-        place = place_left(times[:, None], self.seconds) * self.offset
-        return np.asarray(place + pace_left(times[:, None], self.halts) * self.speed)
+        place = remaining_offset_fraction(times[:, None], self.seconds) * self.offset
+        return np.asarray(place + remaining_speed_offset(times[:, None], self.decay_times) * self.speed)
 
 
 def seconds_of(places: FloatArray, peaks: FloatArray) -> float:
@@ -69,20 +69,20 @@ def seconds_of(places: FloatArray, peaks: FloatArray) -> float:
     return float(np.clip(needed, LEAST_TRANSITION, MOST_TRANSITION))
 
 
-def halts_of(speeds: FloatArray, peaks: FloatArray, seconds: float) -> FloatArray:
+def speed_decay_times(speeds: FloatArray, peaks: FloatArray, seconds: float) -> FloatArray:
     """Seconds (N,) in which ``speeds`` (N,) decay, adding at most ``ADDED`` of the joints' acceleration ``peaks`` (N,);
     at most ``seconds``.
     """
     return np.clip(_SPEED_PEAK * speeds / (ADDED * np.maximum(peaks, QUIET_PEAK)), min(0.1, seconds), seconds)
 
 
-def place_left(times: FloatArray, seconds: float) -> FloatArray:
+def remaining_offset_fraction(times: FloatArray, seconds: float) -> FloatArray:
     """Fraction of an offset left after ``times``: 1 - 10 s^3 + 15 s^4 - 6 s^5, s = t / T; smooth in acceleration."""
     s = np.clip(times / seconds, 0.0, 1.0)
     return np.asarray(1.0 - s**3 * (10.0 - s * (15.0 - 6.0 * s)))
 
 
-def pace_left(times: FloatArray, seconds: float | FloatArray) -> FloatArray:
+def remaining_speed_offset(times: FloatArray, seconds: float | FloatArray) -> FloatArray:
     """Offset from a decaying speed of 1 after ``times``: T (s - 6 s^3 + 8 s^4 - 3 s^5), s = t / T."""
     s = np.clip(times / seconds, 0.0, 1.0)
     return np.asarray((s - s**3 * (6.0 - s * (8.0 - 3.0 * s))) * seconds)
@@ -102,18 +102,18 @@ def joint_peaks(channels: FloatArray, frame_rate: float) -> FloatArray:
     """
     if len(channels) < 3:
         return np.zeros(len(turn_columns(channels.shape[1])) + 4)
-    speeds = joint_vectors(difference(channels[:-1], channels[1:]))
+    speeds = joint_vectors(channel_difference(channels[:-1], channels[1:]))
     return np.asarray(np.linalg.norm(np.diff(speeds, axis=0), axis=-1).max(axis=0) * frame_rate**2)
 
 
 def joint_vectors(between: FloatArray) -> FloatArray:
-    """(..., T + 4, 3) rotation vectors in a ``difference`` (..., C), and the bends of elbows and knees."""
+    """(..., T + 4, 3) rotation vectors in a ``channel_difference`` (..., C), and the bends of elbows and knees."""
     turns = between[..., turn_columns(between.shape[-1])[:, None] + np.arange(3)]
     folds = 2.0 * np.stack([between[..., OFF_PLANES], between[..., SLACKS], 0.0 * between[..., SLACKS]], axis=-1)
     return np.concatenate([turns, folds], axis=-2)
 
 
-def placed(channels: FloatArray, turn: float, offset: FloatArray) -> FloatArray:
+def placed_channels(channels: FloatArray, turn: float, offset: FloatArray) -> FloatArray:
     """(F, C) channels rotated by ``turn`` radians about Z, then moved by ``offset`` (2,) leg lengths."""
     c, s = np.cos(turn), np.sin(turn)
     moved = np.array(channels)

@@ -75,7 +75,7 @@ def _standing_joint(
     under[:, 2] = ground.height_at(under)
     heights = np.einsum("nk,nk->n", joint - under[stances.of], normals) - contact_height(body, point)
     if point.member == "hand":
-        tips = adapted.positions[stances.frames, body.layout.wrist(point.side) + 1]
+        tips = adapted.positions[stances.frames, body.layout.wrist_point(point.side) + 1]
         over_tips = heights + np.einsum("nk,nk->n", tips - joint, normals)
         heights = np.minimum(heights, np.maximum(over_tips, 0.0))
     return _slide(joint, normals, stances), heights
@@ -116,8 +116,8 @@ def _standing_foot(
         stances.middles,
     )
     measures = at_frames(sole_rows(adapted.body, side), adapted.first_frame + frames)
-    ankle, toe = adapted.positions[frames, layout.ankle(side)], adapted.positions[frames, layout.toe(side)]
-    segment = layout.foot(side)
+    ankle, toe = adapted.positions[frames, layout.ankle_point(side)], adapted.positions[frames, layout.toe_point(side)]
+    segment = layout.foot_segment(side)
     foot = adapted.rotations[frames, segment]
     soles = soles_of(ankle[middles], foot[middles], at_frames(measures, middles))
     planes = planes_under(ground, soles)

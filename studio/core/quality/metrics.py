@@ -120,7 +120,7 @@ def _sole_points(adapted: AdaptedMotion) -> FloatArray:
     body, points = adapted.body, []
     frames = np.arange(adapted.first_frame, adapted.first_frame + adapted.frame_count)
     for side in range(2):
-        foot, ankle = body.layout.foot(side), adapted.positions[:, body.layout.ankle(side)]
+        foot, ankle = body.layout.foot_segment(side), adapted.positions[:, body.layout.ankle_point(side)]
         turns, measures = adapted.rotations[:, foot : foot + 2], at_frames(sole_rows(body, side), frames)
         points.append(Sole.of(ankle, turns[:, 0], turns[:, 1], measures).points)
     return np.array(points)
@@ -146,12 +146,12 @@ def knee_speeds(adapted: AdaptedMotion) -> FloatArray:
 
 def knee_flexions(adapted: AdaptedMotion) -> FloatArray:
     """Angles (2, F) in radians by which the left and right knee are bent; 0 for a straight leg."""
-    return _flexions(adapted, [adapted.morphology.layout.hip(side) for side in range(2)])
+    return _flexions(adapted, [adapted.morphology.layout.hip_point(side) for side in range(2)])
 
 
 def elbow_flexions(adapted: AdaptedMotion) -> FloatArray:
     """Angles (2, F) in radians by which the left and right elbow are bent; 0 for a straight arm."""
-    return _flexions(adapted, [adapted.morphology.layout.collar(side) + 1 for side in range(2)])
+    return _flexions(adapted, [adapted.morphology.layout.collar_point(side) + 1 for side in range(2)])
 
 
 def _flexions(adapted: AdaptedMotion, roots: Sequence[int]) -> FloatArray:

@@ -17,7 +17,7 @@ from studio.core.kernels.support.sole import SOLE_STANDS
 from studio.core.mesh.volume import usual_volume
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.solver.asking.clearance import clearances, rest_clearances
+from studio.core.solver.asking.clearance import arm_distances, rest_clearances
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.footing import foot_states
 
@@ -98,7 +98,7 @@ def motion_quality(
         knee_mean=float(bend.mean()) if stands else np.nan,
         knee_most=float(bend.max()) if stands else np.nan,
         bob=_bob(adapted) / max(_bob(source), LEAST_BOB),
-        posture=float(np.abs(rises(adapted) - rises(source)).max()),
+        posture=float(np.abs(limb_elevations(adapted) - limb_elevations(source)).max()),
         shoulders=_least_shoulders(adapted) - _least_shoulders(source),
         hands=_hands(adapted, source),
         jump=_jump(adapted, source),
@@ -126,17 +126,17 @@ def _scaled(motion: AdaptedMotion) -> FloatArray:
 
 
 def _ankle(motion: AdaptedMotion, side: int) -> int:
-    return motion.morphology.layout.ankle(side)
+    return motion.morphology.layout.ankle_point(side)
 
 
 def _hips(motion: AdaptedMotion) -> FloatArray:
     layout = motion.morphology.layout
-    return np.asarray(_scaled(motion)[:, [layout.hip(0), layout.hip(1)]].mean(axis=1))
+    return np.asarray(_scaled(motion)[:, [layout.hip_point(0), layout.hip_point(1)]].mean(axis=1))
 
 
 def _knee(motion: AdaptedMotion, side: int) -> FloatArray:
     """Bend (F,) of a knee in radians, 0 for a straight leg."""
-    hip = motion.morphology.layout.hip(side)
+    hip = motion.morphology.layout.hip_point(side)
     thigh, shank = (np.diff(motion.positions[:, hip + k : hip + k + 2], axis=1)[:, 0] for k in (0, 1))
     return np.asarray(np.arctan2(np.linalg.norm(np.cross(thigh, shank), axis=1), np.einsum("fk,fk->f", thigh, shank)))
 
@@ -146,10 +146,10 @@ def _bob(motion: AdaptedMotion) -> float:
     return float(np.std(height - uniform_filter1d(height, max(3, round(DRIFT * motion.frame_rate)), mode="mirror")))
 
 
-def rises(motion: AdaptedMotion) -> FloatArray:
+def limb_elevations(motion: AdaptedMotion) -> FloatArray:
     """(F, 9) elevation in radians of the trunk and of both bones of left arm, right arm, left leg and right leg."""
     layout = motion.morphology.layout
-    roots = [layout.collar(0) + 1, layout.collar(1) + 1, layout.hip(0), layout.hip(1)]
+    roots = [layout.collar_point(0) + 1, layout.collar_point(1) + 1, layout.hip_point(0), layout.hip_point(1)]
     bones = [(0, layout.neck_base), *((root + k, root + k + 1) for root in roots for k in (0, 1))]
     ways = [motion.positions[:, b] - motion.positions[:, a] for a, b in bones]
     return np.stack([np.arctan2(way[:, 2], np.linalg.norm(way[:, :2], axis=1)) for way in ways], axis=1)
@@ -157,7 +157,7 @@ def rises(motion: AdaptedMotion) -> FloatArray:
 
 def _least_shoulders(motion: AdaptedMotion) -> float:
     body, layout = motion.morphology, motion.morphology.layout
-    left, right = (motion.positions[:, layout.collar(side) + 1] for side in (0, 1))
+    left, right = (motion.positions[:, layout.collar_point(side) + 1] for side in (0, 1))
     rest = body.collar_base + body.clavicle[:, None] * body.clavicle_rest
     return float(np.linalg.norm(left - right, axis=1).min() / np.linalg.norm(rest[0] - rest[1]))
 
@@ -166,7 +166,8 @@ def _hands(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
     """Error of the hands; distances between the source's own and that scaled by the arms count as right."""
     own, theirs = (
         np.linalg.norm(
-            m.positions[:, m.morphology.layout.wrist(0)] - m.positions[:, m.morphology.layout.wrist(1)], axis=1
+            m.positions[:, m.morphology.layout.wrist_point(0)] - m.positions[:, m.morphology.layout.wrist_point(1)],
+            axis=1,
         )
         for m in (adapted, source)
     )
@@ -211,8 +212,8 @@ def _reaches(body: Morphology) -> FloatArray:
 def _inside(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
     """Penetration of the body by itself beyond that at rest, where sleeves, skirts and thick arms may overlap."""
     body, volume = adapted.morphology, adapted.volume or usual_volume(adapted.morphology)
-    allowed = np.minimum(rest_clearances(body, volume), min(0.0, float(clearances(source).min())))
-    return max(0.0, float((allowed - clearances(adapted)).max()))
+    allowed = np.minimum(rest_clearances(body, volume), min(0.0, float(arm_distances(source).min())))
+    return max(0.0, float((allowed - arm_distances(adapted)).max()))
 
 
 def _segments(adapted: AdaptedMotion, source: AdaptedMotion) -> list[tuple[int, int]]:

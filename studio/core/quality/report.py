@@ -21,12 +21,12 @@ from studio.core.curves.activation import FULLY_ACTIVE
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.quality.metrics import body_heights, centre_of_mass, knee_speeds, skate_distances
-from studio.core.solver.adapt import hold
+from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.asking.measured_residuals import full_residuals
 from studio.core.solver.asking.releasing import constraint_activations, contact_release
 from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.solved_window import BOUND, SolvedWindow, SolverLimits, targets_of
+from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow, SolverLimits, targets_of
 from studio.core.solver.standing.stand import Standing
 from studio.core.solver.standing.support_polygon import standing_mask, support_margins, support_polygons
 
@@ -50,7 +50,7 @@ RELEVANT_FRACTION = 0.05
 
 
 @dataclass(frozen=True, eq=False)
-class Report:
+class QualityReport:
     """Report of C constraints over F frames.
 
     ``residuals`` (C, F) metres or radians, NaN where inactive; ``misses`` (C, F) the same measured on the poses, at
@@ -73,14 +73,14 @@ class Report:
     mass_margins: FloatArray
 
 
-def report_of(standing: Standing, request: AdaptRequest, adapted: AdaptedMotion) -> Report:
+def report_of(standing: Standing, request: AdaptRequest, adapted: AdaptedMotion) -> QualityReport:
     """Report of ``adapted``, the answer to ``request`` on its grounded motion, in any window."""
     window = _window_of(adapted)
     stands = standing_mask(standing.contacts, request.motion.frame_count)[:, window]
     areas = support_polygons(adapted.positions[:], adapted.rotations[:], stands, adapted.morphology)
     slides, heights = contact_tracks(adapted, standing.contacts, request.ground)
     misses, blockers = _misses_and_blockers(standing, request, adapted)
-    return Report(
+    return QualityReport(
         adapted.residuals,
         misses,
         blockers,
@@ -106,7 +106,7 @@ def _misses_and_blockers(
         return misses, _BlockerSearch(problem, adapted, misses, request.eased).winners()
     window = _window_of(adapted)
     first, last = window.start, window.stop - 1
-    solved = hold(standing, request.constraints, first, last, request.tracks, eased=request.eased)
+    solved = solve_constraints(standing, request.constraints, first, last, request.tracks, eased=request.eased)
     solved_misses, corrected = problem.misses(solved), problem.misses(adapted)
     misses = replace(problem, tracks={**request.tracks, **request.final_tracks}).misses(adapted)
     blockers = _BlockerSearch(problem, solved, solved_misses, request.eased).winners()
@@ -119,7 +119,7 @@ def _misses_and_blockers(
     return misses, np.where(full & (misses <= limits), BLOCKED_BY_NOTHING, blockers)
 
 
-def winners(
+def blocking_constraints(
     standing: Standing, constraints: Sequence[Constraint], tracks: Tracks, adapted: AdaptedMotion, eased: bool = False
 ) -> IntArray:
     """Row of the constraint, or a ``BLOCKED_BY_*`` number, that keeps each of C constraints from its target in each of
@@ -134,7 +134,7 @@ def fully_active(constraints: Sequence[Constraint], times: FloatArray) -> Mask:
     return np.array([each.activation.at(times) >= FULLY_ACTIVE for each in constraints]).reshape(-1, len(times))
 
 
-def samples(state: Mask, apart: int) -> tuple[IntArray, IntArray]:
+def sampled_frames(state: Mask, apart: int) -> tuple[IntArray, IntArray]:
     """Sampled frames (n,), at most ``apart`` frames from each other, and the index (F,) of the sample that stands for
     each frame. A sample has the same ``state`` (S, F) as its frames.
     """
@@ -166,7 +166,7 @@ class _Problem:
         targets = targets_of(self.standing, self.constraints, _window_of(adapted), self.tracks)
         return full_residuals(self.constraints, targets, adapted)
 
-    def solved_residuals(self, rows: IntArray, frames: IntArray, bound: SolverLimits = BOUND) -> FloatArray:
+    def solved_residuals(self, rows: IntArray, frames: IntArray, bound: SolverLimits = ALL_LIMITS) -> FloatArray:
         """Residuals (A, m) of the constraints of some ``rows`` (A,), solved without the others and without smoothing
         in some ``frames`` (m,).
         """
@@ -201,9 +201,9 @@ class _BlockerSearch:
             self._weigh(BLOCKED_BY_SMOOTHING, every, every, always)
         sample_of = self._sample()
         acting, always = np.isfinite(self._residuals), always[: len(self._frames)]
-        self._weigh(BLOCKED_BY_CONTACTS, every, every, always, SolverLimits(by_contacts=False))
-        self._weigh(BLOCKED_BY_LIMITS, every, every, always, SolverLimits(by_limits=False))
-        self._weigh(BLOCKED_BY_GROUND, every, every, always, SolverLimits(by_ground=False))
+        self._weigh(BLOCKED_BY_CONTACTS, every, every, always, SolverLimits(uses_contacts=False))
+        self._weigh(BLOCKED_BY_LIMITS, every, every, always, SolverLimits(uses_joint_limits=False))
+        self._weigh(BLOCKED_BY_GROUND, every, every, always, SolverLimits(uses_ground=False))
         for row in every.tolist():
             others = every[every != row]
             self._weigh(row, others, others[self._ranks[others] >= self._ranks[row]], acting[row])
@@ -223,7 +223,7 @@ class _BlockerSearch:
     def _sample(self) -> IntArray:
         """Keep sampled frames alone; returns the index (F,) of the sample for each frame."""
         state = np.concatenate([np.isfinite(self._residuals), self._found])
-        kept, sample_of = samples(state, round(SAMPLE_SECONDS * self._problem.standing.motion.frame_rate))
+        kept, sample_of = sampled_frames(state, round(SAMPLE_SECONDS * self._problem.standing.motion.frame_rate))
         self._frames = self._frames[kept]
         self._residuals, self._misses = self._residuals[:, kept], self._misses[:, kept]
         self._found, self._best = self._found[:, kept], self._best[:, kept]
@@ -244,10 +244,10 @@ class _BlockerSearch:
     def _gain_of(self, standing: Standing) -> FloatArray:
         """Gain (C, F) on another grounded motion where a constraint is fully active: the decrease of its residual."""
         problem, first, last = self._problem, self._window.start, self._window.stop - 1
-        posed = hold(standing, problem.constraints, first, last, problem.tracks, eased=self._eased)
+        posed = solve_constraints(standing, problem.constraints, first, last, problem.tracks, eased=self._eased)
         return np.where(self._full, self._misses - problem.misses(posed), 0.0)
 
-    def _weigh(self, name: int, asked: IntArray, rows: IntArray, acts: Mask, bound: SolverLimits = BOUND) -> None:
+    def _weigh(self, name: int, asked: IntArray, rows: IntArray, acts: Mask, bound: SolverLimits = ALL_LIMITS) -> None:
         """Note ``name`` as blocker where it acts (``acts``, (n,)) and the constraints ``asked`` alone leave smaller
         residuals of ``rows`` than any candidate so far.
         """
@@ -268,9 +268,9 @@ class _BlockerSearch:
         constraints, contacts, limits. If a free body misses the target as well, its reach is named.
         """
         for name, bound in (
-            (None, BOUND),
-            (BLOCKED_BY_CONTACTS, SolverLimits(by_contacts=False)),
-            (BLOCKED_BY_LIMITS, SolverLimits(by_contacts=False, by_limits=False)),
+            (None, ALL_LIMITS),
+            (BLOCKED_BY_CONTACTS, SolverLimits(uses_contacts=False)),
+            (BLOCKED_BY_LIMITS, SolverLimits(uses_contacts=False, uses_joint_limits=False)),
         ):
             numbers = np.flatnonzero(self._found[row] == BLOCKED_BY_TOLERANCE)
             if not len(numbers):
@@ -296,7 +296,7 @@ def _posed_without(standing: Standing) -> dict[int, Standing]:
     absent, contact = dict[int, Standing](), standing.self_contact
     if standing.arms is not None:
         absent[BLOCKED_BY_CONTACTS] = replace(standing, arms=None)
-    if contact is not None and contact.touches:
+    if contact is not None and contact.has_contacts:
         absent[BLOCKED_BY_TOUCHES] = replace(standing, self_contact=contact.without_touches)
     if contact is not None and contact.clearances is not None:
         absent[BLOCKED_BY_CLEARANCE] = replace(standing, self_contact=replace(contact, clearances=None))

@@ -16,7 +16,7 @@ from studio.core.body.morphology import Morphology
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.normalized.actor import SourceRig
-from studio.core.normalized.realize import trunk_places
+from studio.core.normalized.realize import spine_fractions
 from studio.core.rigs.character_skeleton import joint_segments, t_pose_rotations
 from studio.core.rotations import from_matrix, inverse, multiply, to_matrix
 from studio.core.solver.request import AdaptedMotion
@@ -83,7 +83,7 @@ def with_carried_joints(
 def _carriers(body: Morphology, actor: SourceRig) -> tuple[list[int], FloatArray, FloatArray]:
     """For each segment of the actor: the character's joint in its place, C (S, 3, 3), and s (S,)."""
     theirs = body.layout
-    away = np.abs(trunk_places(actor.morphology.spine)[:, None] - trunk_places(body.spine))
+    away = np.abs(spine_fractions(actor.morphology.spine)[:, None] - spine_fractions(body.spine))
     after = range(theirs.spine_count, theirs.segment_count)
     segments = [*np.argmin(away, axis=1).tolist(), *after]
     joint_of = {segment: joint for joint, segment in enumerate(joint_segments(theirs)) if segment >= 0}
@@ -95,7 +95,7 @@ def _carriers(body: Morphology, actor: SourceRig) -> tuple[list[int], FloatArray
 def carried_axes(body: Morphology, actor: SourceRig) -> FloatArray:
     """(2, 3, 3) rotations C of the hands."""
     turns = _carriers(body, actor)[1]
-    return turns[[actor.morphology.layout.hand(side) for side in range(2)]]
+    return turns[[actor.morphology.layout.hand_segment(side) for side in range(2)]]
 
 
 def _lengths(body: Morphology) -> FloatArray:

@@ -106,7 +106,7 @@ def t_pose_rotations(morphology: Morphology) -> FloatArray:
     rotations[layout.neck_base] = frame_along(morphology.neck_rest, REST_FORWARD)
     for side in range(2):
         bone = np.array([0.0, 1.0 - 2.0 * side, 0.0])
-        arm, leg = layout.clavicle(side), layout.thigh(side)
+        arm, leg = layout.clavicle_segment(side), layout.thigh_segment(side)
         rotations[arm] = frame_along(morphology.clavicle_rest[side], REST_FORWARD)
         rotations[arm + 1 : arm + 4] = frame_along(bone, np.cross(bone, REST_FORWARD))
         rotations[leg : leg + 2] = frame_along(_DOWN, np.array([0.0, 1.0, 0.0]))
@@ -120,8 +120,8 @@ def _joints(layout: BodyLayout) -> _Joints:
     points = list(range(spine + 3))
     segments = [*range(spine + 2), -1]
     for bones, end, carrier, points_from, segments_from in (
-        (_ARM, "HandEnd", thorax, layout.collar, spine + 2),
-        (_LEG, "ToeEnd", 0, layout.hip, spine + 10),
+        (_ARM, "HandEnd", thorax, layout.collar_point, spine + 2),
+        (_LEG, "ToeEnd", 0, layout.hip_point, spine + 10),
     ):
         for side, name in enumerate(_SIDES):
             first = len(names)

@@ -81,7 +81,7 @@ def below_hands(skeleton: Skeleton, body: BodyMap) -> list[int]:
 
 def bound_hands(mesh: SkinnedMesh, body: Morphology) -> FloatArray:
     """(2, 3, 3) rotations of the hands from a T-pose to the pose in which ``mesh``, fitted to ``body``, is bound."""
-    wrists = [body.layout.hand(side) for side in range(2)]
+    wrists = [body.layout.hand_segment(side) for side in range(2)]
     return np.asarray(bound_pose(mesh, body)[1][wrists] @ np.swapaxes(t_pose_rotations(body)[wrists], 1, 2))
 
 
@@ -171,7 +171,7 @@ def _hand_pose(
     capture = recorded.capture
     if mesh.rig is None or not has_fingers(capture):
         return None
-    from studio.core.normalized.normalize import normalize  # late: what computes is loaded after the window
+    from studio.core.normalized.normalize import normalize_capture  # late: what computes is loaded after the window
     from studio.core.rigs.carried_joints import carried_axes
 
     assert capture.body_map is not None
@@ -179,7 +179,7 @@ def _hand_pose(
     still, body_map = still_skeleton(rig, positions), rig_body_map(rig, body.layout.spine_count)
     if not find_fingers(still, body_map):
         return None
-    hands = bound_hands(mesh, body) @ carried_axes(body, normalize(capture)[1])
+    hands = bound_hands(mesh, body) @ carried_axes(body, normalize_capture(capture)[1])
     drive = finger_drive(capture.skeleton, capture.body_map, still, body_map, hands)
     below = below_hands(still, body_map)
     rows = np.flatnonzero((np.isin(rig.joints, below) & (rig.weights > 0.0)).any(axis=1))

@@ -29,7 +29,7 @@ _LEAST_BALL, _USUAL_BALL, _BENDS_OVER = 0.5, 0.72, 0.2
 """Parts of a sole from its heel on: before which no ball is, where it is else, and how much of the sole bends there."""
 
 
-def measured(skeleton: Skeleton, body_map: BodyMap) -> tuple[Morphology, FloatArray]:
+def measured_body(skeleton: Skeleton, body_map: BodyMap) -> tuple[Morphology, FloatArray]:
     """Measures of a body that stands on z = 0 with all its joints at ``skeleton``'s zero pose, facing +X, and its bind
     pose: the rotations (S, 3, 3) of the canonical segments as it stands.
     """
@@ -62,7 +62,7 @@ def segment_weights(joints: IntArray, weights: FloatArray, segments: IntArray, c
     return total
 
 
-def strongest(weights: FloatArray) -> tuple[IntArray, FloatArray]:
+def strongest_influences(weights: FloatArray) -> tuple[IntArray, FloatArray]:
     """(V, 4) segments and weights of the strongest influences, heaviest first, summing to 1."""
     segments = np.argsort(-weights, axis=1, kind="stable")[:, :INFLUENCES]
     chosen = np.take_along_axis(weights, segments, axis=1).astype(np.float64)
@@ -84,7 +84,7 @@ def bound_mesh(
     the vertices.
     """
     shift = standing_points(body, stance)[0] - root
-    segments, chosen = strongest(weights)
+    segments, chosen = strongest_influences(weights)
     moved = vertices + shift
     return SkinnedMesh(
         moved.astype(np.float32),
@@ -113,14 +113,14 @@ def measured_by_mesh(
     hands, toes = body.hand.copy(), body.toe.copy()
     ankle_height, toe_height, heel_length = body.ankle_height.copy(), body.toe_height.copy(), body.heel_length.copy()
     for side in range(2):
-        hand, foot = layout.hand(side), layout.foot(side)
-        fingers = (vertices[weights[:, hand] > 0.5] - points[layout.wrist(side)]) @ stance[hand]
+        hand, foot = layout.hand_segment(side), layout.foot_segment(side)
+        fingers = (vertices[weights[:, hand] > 0.5] - points[layout.wrist_point(side)]) @ stance[hand]
         if len(fingers) and fingers[:, 2].max() > _SHORTEST_HAND:
             hands[side] = [0.0, 0.0, fingers[:, 2].max()]
         sole = vertices[weights[:, foot] + weights[:, foot + 1] > 0.5]
         if not len(sole):
             continue
-        ankle, toe = points[layout.ankle(side)], points[layout.toe(side)]
+        ankle, toe = points[layout.ankle_point(side)], points[layout.toe_point(side)]
         ankle_height[side] = max(ankle[2] - sole[:, 2].min(), 0.005)
         toe_height[side] = max(toe[2] - sole[:, 2].min(), 0.0)
         heel_length[side] = max(-((sole - ankle) @ stance[foot])[:, 0].min(), 0.005)
@@ -141,14 +141,14 @@ def rolling_on_balls(
     """
     layout, foot, toe, weights = body.layout, body.foot.copy(), body.toe.copy(), weights.copy()
     for side in range(2):
-        segment = layout.foot(side)
+        segment = layout.foot_segment(side)
         heel, tip = float(body.heel_length[side]), float(foot[side, 0] + toe[side, 0])
         if foot[side, 0] + heel >= _LEAST_BALL * (tip + heel):
             continue
         ball = _USUAL_BALL * (tip + heel) - heel
         foot[side] = [ball, 0.0, body.toe_height[side] - body.ankle_height[side]]
         toe[side, :2] = [tip - ball, 0.0]
-        ahead = ((vertices - points[layout.ankle(side)]) @ stance[segment])[:, 0] - ball
+        ahead = ((vertices - points[layout.ankle_point(side)]) @ stance[segment])[:, 0] - ball
         bends = np.clip(0.5 + ahead / (_BENDS_OVER * (tip + heel)), 0.0, 1.0)
         of_foot = weights[:, segment : segment + 2].sum(axis=1)
         weights[:, segment : segment + 2] = of_foot[:, None] * np.stack([1.0 - bends, bends], axis=1)

@@ -106,9 +106,9 @@ def _headings(capture: Capture) -> FloatArray:
     standing = rest_poses(capture.skeleton, capture.reference_rotations)
     rotations = joint_world(capture.skeleton, capture.poses)[1][:, pelvis]
     reference = joint_world(capture.skeleton, standing)[1][0, pelvis]
-    from studio.core.normalized.normalize import heading  # late: what computes is loaded after the window
+    from studio.core.normalized.normalize import smoothed_heading  # late: what computes is loaded after the window
 
-    half = heading(rotations @ reference.T, capture.frame_rate) / 2.0
+    half = smoothed_heading(rotations @ reference.T, capture.frame_rate) / 2.0
     turns[:, 2], turns[:, 3] = np.sin(half), np.cos(half)
     return turns
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.pose import PoseSequence
 from studio.core.captures.capture import Capture
-from studio.core.normalized.normalize import normalize
+from studio.core.normalized.normalize import normalize_capture
 from studio.core.rigs.character_skeleton import t_pose_rotations
 from studio.core.rotations import from_matrix, inverse, multiply, to_matrix
 
@@ -47,7 +47,7 @@ def t_pose(capture: Capture) -> FloatArray:
 
     Joints that belong to no body part are rotated with their parent.
     """
-    actor = normalize(capture)[1]
+    actor = normalize_capture(capture)[1]
     targets = t_pose_rotations(actor.morphology) @ np.swapaxes(actor.alignments, 1, 2)
     segment_of = {int(joint): segment for segment, joint in enumerate(actor.segment_joints) if joint >= 0}
     rotations = np.tile(np.eye(3), (capture.skeleton.joint_count, 1, 1))

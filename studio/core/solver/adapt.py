@@ -13,13 +13,13 @@ from studio.core.compact_array import PoseArray, part_of
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.runs import runs_in
 from studio.core.solver.asking.lifted_ends import constrained_ends, lift_ends
-from studio.core.solver.asking.measured_residuals import measured_again
+from studio.core.solver.asking.measured_residuals import with_residuals_remeasured
 from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.level_smoothing import SMOOTHING_HORIZON
-from studio.core.solver.solved_window import BOUND, SolvedWindow, SolverLimits
+from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow, SolverLimits
 from studio.core.solver.standing.stand import Standing, standing_of
 
 FloatArray = NDArray[np.float64]
@@ -30,39 +30,39 @@ def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> Ada
 
     Any window gives the same poses as the whole clip.
     """
-    return solve(grounded(request), request, first, last)
+    return solve_request(grounded_motion(request), request, first, last)
 
 
-def grounded(request: AdaptRequest, standing: Standing | None = None) -> Standing:
+def grounded_motion(request: AdaptRequest, standing: Standing | None = None) -> Standing:
     """Grounded motion of ``request`` with its corrections below the constraints; ``standing`` is the same without
     corrections, if known.
     """
     standing = standing or standing_of(request)
     if not request.corrections:
         return standing
-    from studio.core.solver.correction_layer import corrected
+    from studio.core.solver.correction_layer import with_corrections_below
 
-    return corrected(standing, request.corrections)
+    return with_corrections_below(standing, request.corrections)
 
 
-def solve(standing: Standing, request: AdaptRequest, first: int = 0, last: int | None = None) -> AdaptedMotion:
-    """Adapted motion of ``request`` on its ``grounded`` motion, with its corrections above the constraints."""
-    adapted = hold(standing, request.constraints, first, last, request.tracks, eased=request.eased)
+def solve_request(standing: Standing, request: AdaptRequest, first: int = 0, last: int | None = None) -> AdaptedMotion:
+    """Adapted motion of ``request`` on its ``grounded_motion`` motion, with its corrections above the constraints."""
+    adapted = solve_constraints(standing, request.constraints, first, last, request.tracks, eased=request.eased)
     if any(each.above for each in request.corrections):
-        from studio.core.solver.correction_layer import corrected_above
+        from studio.core.solver.correction_layer import with_corrections_above
 
-        adapted = corrected_above(adapted, standing, request)
-    return measured_again(adapted, request) if request.final_tracks else adapted
+        adapted = with_corrections_above(adapted, standing, request)
+    return with_residuals_remeasured(adapted, request) if request.final_tracks else adapted
 
 
-def hold(
+def solve_constraints(
     standing: Standing,
     constraints: Sequence[Constraint],
     first: int = 0,
     last: int | None = None,
     tracks: Tracks = MappingProxyType({}),
     *,
-    bound: SolverLimits = BOUND,
+    bound: SolverLimits = ALL_LIMITS,
     eased: bool = False,
 ) -> AdaptedMotion:
     """Solve ``constraints`` on a grounded motion, frames ``first`` to ``last`` (both included) (K05 section 9).
@@ -80,18 +80,18 @@ def hold(
     activations = constraint_activations(constraints, standing)
     acts, self_contact = np.asarray((activations > 0.0).any(axis=0)), standing.self_contact
     self_contact = self_contact if self_contact and self_contact.clearances else None
-    pushed = self_contact.within(acts) if self_contact else acts
+    pushed = self_contact.correction_weights(acts) if self_contact else acts
     positions, rotations = positions.copy(), rotations.copy()
     residuals, acting = np.full((len(constraints), len(positions)), np.nan), np.asarray(activations.any(axis=1))
     asked = [constraint for constraint, active in zip(constraints, acting, strict=True) if active]
     window_of = partial(SolvedWindow, standing, asked, activations[acting], tracks, bound)
     free_ends = 1.0 - constrained_ends(constraints, activations)
     for run in runs_in(window, acts, math.ceil(2.0 * SMOOTHING_HORIZON * standing.motion.frame_rate)):
-        touched = self_contact.around(run) if self_contact else run
+        touched = self_contact.affecting_frames(run) if self_contact else run
         solved = _solved(window_of, standing, touched, eased)
-        posed = solved.answer(touched)
+        posed = solved.solution(touched)
         if self_contact:
-            free = pushed[touched, None, None] * (1.0 - solved.arms_asked(touched))
+            free = pushed[touched, None, None] * (1.0 - solved.arm_activations(touched))
             self_contact.push_out(touched, free, *posed[:2])
         lift_ends(standing, touched, free_ends[:, touched], *posed[:2])
         rows, own = (slice(run.start - frames.start, run.stop - frames.start) for frames in (window, touched))
@@ -106,16 +106,18 @@ def _solved(
     seen = standing.around(touched, SMOOTHING_HORIZON if eased else 0.0)
     solved = window_of(seen)
     solved.solve()
-    if eased and solved.may_exceed_peaks and solved.smooths(touched):
-        while not are_among(wide := standing.around(solved.with_runs(touched), SMOOTHING_HORIZON), seen):
+    if eased and solved.may_exceed_peaks and solved.has_smoothed_frames(touched):
+        while not is_frame_subset(
+            wide := standing.around(solved.with_smoothing_runs(touched), SMOOTHING_HORIZON), seen
+        ):
             seen = standing.around(wide, 0.5 * (wide.stop - wide.start) / standing.motion.frame_rate)
             solved = window_of(seen)
             solved.solve()
-        solved.smooth(touched)
+        solved.smooth_runs(touched)
     return solved
 
 
-def are_among(frames: slice, others: slice) -> bool:
+def is_frame_subset(frames: slice, others: slice) -> bool:
     """True if all of some frames are among others."""
     return bool(others.start <= frames.start and frames.stop <= others.stop)
 
@@ -125,7 +127,7 @@ def _answer(
 ) -> AdaptedMotion:
     body = standing.morphology
     return AdaptedMotion(
-        morphology=body.still,
+        morphology=body.first_frame_body,
         frame_rate=standing.motion.frame_rate,
         first_frame=first,
         positions=positions,
@@ -138,7 +140,7 @@ def _answer(
     )
 
 
-def place_of(point: BodyPoint, adapted: AdaptedMotion) -> FloatArray:
+def body_point_positions(point: BodyPoint, adapted: AdaptedMotion) -> FloatArray:
     """Positions (F, 3) of a body point in an adapted motion, metres in the motion's space."""
     origin, segment = point_indices(point, adapted.morphology.layout)
     return np.asarray(adapted.positions[:, origin] + adapted.rotations[:, segment] @ np.array(point.offset))

@@ -19,7 +19,7 @@ from studio.core.curves.activation import FULLY_ACTIVE
 from studio.core.kernels import layout as at
 from studio.core.kernels.limbs.legs import required_root_lowering
 from studio.core.kernels.solve_clip import place_frames
-from studio.core.normalized.encode import encode
+from studio.core.normalized.encode import encode_motion
 from studio.core.project_cache import project_cache
 from studio.core.rotations import from_matrix, from_rotation_vector, inverse, multiply, to_matrix, to_rotation_vector
 from studio.core.runs import runs_of
@@ -48,7 +48,7 @@ LIMB_CHANNELS = slice(at.CLAVICLE, at.HEAD_SHIFT)
 
 
 @project_cache(maxsize=4)
-def corrected(standing: Standing, corrections: tuple[Correction, ...]) -> Standing:
+def with_corrections_below(standing: Standing, corrections: tuple[Correction, ...]) -> Standing:
     """Grounded motion with those ``corrections`` that are below the constraints; the same object if there are none."""
     below = tuple(each for each in corrections if not each.above)
     times = standing.motion.times
@@ -86,7 +86,7 @@ def corrected(standing: Standing, corrections: tuple[Correction, ...]) -> Standi
     return replace(standing, motion=motion, footing=footing, positions=positions, rotations=rotations)
 
 
-def corrected_above(adapted: AdaptedMotion, standing: Standing, request: AdaptRequest) -> AdaptedMotion:
+def with_corrections_above(adapted: AdaptedMotion, standing: Standing, request: AdaptRequest) -> AdaptedMotion:
     """Solved motion with those corrections of ``request`` that are above the constraints; residuals are measured again.
 
     ``standing`` is the grounded motion that was solved.
@@ -179,10 +179,10 @@ def _limb_channels(standing: Standing, window: slice, posed: PosedFrames) -> Flo
     """Channels (N, ...) of arms and legs of posed frames."""
     body, rate = standing.morphology, standing.motion.frame_rate
     if not isinstance(body, AnimatedMorphology):
-        return np.asarray(encode(posed.positions, posed.rotations, body, rate).channels[:, LIMB_CHANNELS])
+        return np.asarray(encode_motion(posed.positions, posed.rotations, body, rate).channels[:, LIMB_CHANNELS])
     frames = range(window.start, window.stop)
     rows = [
-        encode(posed.positions[row : row + 1], posed.rotations[row : row + 1], body.at(frame), rate).channels
+        encode_motion(posed.positions[row : row + 1], posed.rotations[row : row + 1], body.at(frame), rate).channels
         for row, frame in enumerate(frames)
     ]
     return np.concatenate(rows)[:, LIMB_CHANNELS]
@@ -200,7 +200,7 @@ def _release_feet(
     for side, foot in enumerate((BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT)):
         planted = standing.limb_freedoms[2 + side] == 0.0
         free = release_weight(planted, standing.motion.frame_rate, LET_GO)[window, None]
-        ankle, segment = layout.ankle(side), layout.segment(foot)
+        ankle, segment = layout.ankle_point(side), layout.segment(foot)
         footing.ankles[side, window, :3] += free * (posed.positions[:, ankle] - before.positions[:, ankle])
         for targets, moved in ((footing.feet, segment), (footing.toes, segment + 1)):
             own = from_matrix(np.asarray(targets[side, window]))

@@ -66,7 +66,7 @@ def head_turns(layout: BodyLayout, positions: FloatArray, rotations: FloatArray,
     return found
 
 
-def composed(turn: Mapping[BodyPart, FloatArray], before: Mapping[BodyPart, FloatArray]) -> Turns:
+def composed_rotations(turn: Mapping[BodyPart, FloatArray], before: Mapping[BodyPart, FloatArray]) -> Turns:
     """Rotation vectors of ``before`` followed, in their own axes, by those of ``turn``."""
     return {part: to_rotation_vector(_product(before[part], step)) for part, step in turn.items()}
 

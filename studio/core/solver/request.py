@@ -81,7 +81,7 @@ class AdaptedMotion:
     """Contacts of the solver's result: also those of feet that step where clips take over."""
     composite: Composite | None = None
     """Composite of a stage's motion: the clips that play in its frames."""
-    passed: Mapping[float, "AdaptedMotion"] = field(default_factory=dict)
+    passed_constraints: Mapping[float, "AdaptedMotion"] = field(default_factory=dict)
     """Earlier results of a live stage, by the seconds at which it took or released a prop."""
 
     @property

@@ -9,7 +9,7 @@ from functools import cached_property, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.joint_limits import limits_of
+from studio.core.body.joint_limits import limb_limit_records
 from studio.core.body.morphology import at_frames
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import Constraint
@@ -18,7 +18,7 @@ from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.target import follows_of, own_places_of
 from studio.core.errors import StudioError
 from studio.core.kernels import records
-from studio.core.kernels.records import HAND_CONTACT, BodyFrames, ConstraintSet, MotionArrays, RedundancyGroups
+from studio.core.kernels.records import HAND_CONTACT, BalanceJoints, BodyFrames, ConstraintSet, MotionArrays
 from studio.core.kernels.solve_clip import solve_frames
 from studio.core.runs import runs_of
 from studio.core.solver.asking.chains import joints_of_chains, point_masses, relevant_chain, segment_masses
@@ -55,12 +55,12 @@ _NONE = np.empty(0)
 class SolverLimits:
     """Restrictions of a body beside its constraints."""
 
-    by_contacts: bool = True
-    by_limits: bool = True
-    by_ground: bool = True
+    uses_contacts: bool = True
+    uses_joint_limits: bool = True
+    uses_ground: bool = True
 
 
-BOUND = SolverLimits()
+ALL_LIMITS = SolverLimits()
 
 
 class SolvedWindow:
@@ -80,7 +80,7 @@ class SolvedWindow:
         self.standing, self.window, self._asked = standing, window, (constraints, activations, tracks, bound)
         self._unsolved = standing.positions[window], standing.rotations[window]
         self._positions, self._rotations = self._unsolved[0].copy(), self._unsolved[1].copy()
-        holds = standing.holds if bound.by_contacts else ()
+        holds = standing.holds if bound.uses_contacts else ()
         held = contact_constraints(holds, footing, body, standing.positions, standing.rotations)
         self._held, self._clear = len(held), lowest_first(constraints)
         self._order = [c for c in priority_order(constraints) if c not in self._clear]
@@ -96,7 +96,7 @@ class SolvedWindow:
         self._sunk = np.zeros(acts.shape)
         self._shares, self._targets = self._lead(asked)
         joints = joints_of_chains(tuple(map(relevant_chain, everything)), self._rows.levels, body.layout)
-        self._joints = joints if bound.by_limits else joints.without_limits
+        self._joints = joints if bound.uses_joint_limits else joints.without_limits
         self._freedoms = self._find_freedoms(activations[self._order])
         self._missed = np.empty((len(everything) + len(cleared), len(self._positions)))
         self._clearance = pack_clearance(
@@ -106,11 +106,11 @@ class SolvedWindow:
         if cleared:
             self._unsolved = self._positions.copy(), self._rotations.copy()
         root_reach = (
-            footing.root_reaches[:, window] if bound.by_contacts else np.full((2, len(self._positions)), np.inf)
+            footing.root_reaches[:, window] if bound.uses_contacts else np.full((2, len(self._positions)), np.inf)
         )
         self._root_reach = np.ascontiguousarray(root_reach)
         self._legs = footing.legs(standing.motion, window)
-        limits = limits_of(body.still)[: 4 * (bound.by_limits and standing.limited)]
+        limits = limb_limit_records(body.first_frame_body)[: 4 * (bound.uses_joint_limits and standing.limited)]
         masses, fractions = segment_masses(body.layout), point_masses(body.layout)
         measures = at_frames(body.rows, window)
         contacts = self._hand_contacts(window)
@@ -131,7 +131,7 @@ class SolvedWindow:
                 fractions[c] = free[c - self._held]
                 below = ramped_target(constraint, places[c], fractions[c], self.standing, self.window)
                 places[c] = below
-                if self._asked[-1].by_ground:
+                if self._asked[-1].uses_ground:
                     places[c] = target_above_ground(constraint, below, self.standing, self.window)
                     self._sunk[c] = places[c][:, 2] - below[:, 2]
         return fractions, replace(self._rows, positions=places).stacked_targets
@@ -141,7 +141,7 @@ class SolvedWindow:
         if not len(self._joints.limbs):
             return np.zeros((0, 0, 1))
         standing, tasks, bound = self.standing, self._rows.tasks[self._held :], self._asked[-1]
-        contacts, limbs = standing.contacts if bound.by_contacts else (), tasks["limbs"]
+        contacts, limbs = standing.contacts if bound.uses_contacts else (), tasks["limbs"]
         free = limb_availability(limbs, tasks["level"], activations, contacts, standing.motion.frame_rate)
         free = free[:, :, self.window]
         free[:, :2] *= arm_availability(standing.morphology, standing.positions, self.window)
@@ -201,7 +201,7 @@ class SolvedWindow:
                 fractions = np.where(stands[count:, None], clearance.activations, 0.0)
                 clearance = clearance._replace(activations=fractions)
         tiered = activations_by_tier(acts, self._clearance) if self._clear else acts[None]
-        recruits = RedundancyGroups(joints.recruited, usual, self._freedoms)
+        recruits = BalanceJoints(joints.recruited, usual, self._freedoms)
         asked = ConstraintSet(rows.tasks, rows.areas, chain, recruits, self._targets, tiered)
         motion = MotionArrays(*self._unsolved, self._positions, self._rotations)
         solve_frames(asked, self._body, motion, clearance, easing, self._missed[: len(rows.tasks)])
@@ -224,13 +224,13 @@ class SolvedWindow:
         first, last = window.start - self.window.start, window.stop - self.window.start
         return [run for run in runs_of(self._smoothing_weights[-1] > 0.0) if run[0] < last and run[1] > first]
 
-    def with_runs(self, window: slice) -> slice:
+    def with_smoothing_runs(self, window: slice) -> slice:
         """``window`` with all frames that affect its smoothing, as far as they are solved here."""
         first = self.window.start
         begins, ends = zip((window.start - first, window.stop - first), *self._runs(window), strict=True)
         return slice(first + min(begins), first + max(ends))
 
-    def smooth(self, window: slice) -> None:
+    def smooth_runs(self, window: slice) -> None:
         """Smooth acceleration peaks in ``window``, each run of frames by itself."""
         margin, first = self._smoothing_weights[-1], self.window.start
         beyond = round(max(SMOOTHING_WIDTHS) * self.standing.motion.frame_rate)
@@ -241,11 +241,11 @@ class SolvedWindow:
                 self._ease(self._solved_levels, self._smoothing_weights)
                 return
             run = SolvedWindow(self.standing, *self._asked, frames)
-            run._ease([level.within(wide) for level in self._solved_levels], self._smoothing_weights[:, wide])
+            run._ease([level.in_frames(wide) for level in self._solved_levels], self._smoothing_weights[:, wide])
             mine, theirs = slice(begin, end), slice(begin - wide.start, end - wide.start)
-            self._solved.within(mine).put(run._solved.within(theirs))
+            self._solved.in_frames(mine).copy_from(run._solved.in_frames(theirs))
 
-    def smooths(self, window: slice) -> bool:
+    def has_smoothed_frames(self, window: slice) -> bool:
         """True if any frame of ``window`` is smoothed."""
         return bool(self._runs(window))
 
@@ -257,7 +257,7 @@ class SolvedWindow:
         first, levels = int(self._held > 0), self._solved_levels
         rooms = np.zeros((len(levels), len(self._positions)))
         for number in range(first, len(levels)):
-            rooms[number] = np.maximum(rooms[number - 1] if number else 0.0, levels[number].room)
+            rooms[number] = np.maximum(rooms[number - 1] if number else 0.0, levels[number].smoothing_weights)
         return rooms
 
     @cached_property
@@ -273,7 +273,7 @@ class SolvedWindow:
                 self._unsolved[0][:], self._unsolved[1][:] = before
             self._pose(number, solve.noting)
             levels.append(self._level(number, solve))
-        self._solved.put(last.solved)
+        self._solved.copy_from(last.solved)
         return [*levels, last]
 
     def _level(self, number: int, solve: SolveNotes) -> SolvedLevel:
@@ -297,30 +297,34 @@ class SolvedWindow:
     @cached_property
     def _brings(self) -> FloatArray:
         return target_accelerations(
-            self._rows, self._held, self._activations * self._shares, *self._unsolved, self.standing.morphology.still,
+            self._rows,
+            self._held,
+            self._activations * self._shares,
+            *self._unsolved,
+            self.standing.morphology.first_frame_body,
             self.standing.motion.frame_rate,
-        )  # fmt: skip
+        )
 
     def _ease(self, levels: Sequence[SolvedLevel], rooms: FloatArray) -> None:
         measures, limits, ankles = self._body.measures, self._body.limits, self._legs.ankles
         layout = self.standing.morphology.layout
         root_reach = RootReach.of(self.standing.positions[self.window], measures, layout, ankles, self._root_reach)
         charts = LimbCoordinates(layout, self._unsolved[1], limits, levels[-1].solve.limbs)
-        LevelSmoother(levels, self._pose, self._solved, charts, root_reach, rooms).smooth()
+        LevelSmoother(levels, self._pose, self._solved, charts, root_reach, rooms).smooth_levels()
 
     @property
     def _solved(self) -> SolvedArrays:
         cleared = self._unsolved if self._clear else (_NONE, _NONE)
         return SolvedArrays(self._positions, self._rotations, self._missed.T, *cleared)
 
-    def arms_asked(self, window: slice) -> FloatArray:
+    def arm_activations(self, window: slice) -> FloatArray:
         """Activations (F, 2, 2) of constraints and contacts on the wrist, and the elbow, of each arm in some frames."""
         rows, standing = slice(window.start - self.window.start, window.stop - self.window.start), self.standing
         asked = arm_activations(self._rows.tasks, self._activations[:, rows], standing.morphology)
         asked[:, :, 0] = np.maximum(asked[:, :, 0], 1.0 - standing.limb_freedoms[:2, window].T)
         return asked
 
-    def answer(self, window: slice) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def solution(self, window: slice) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Positions, rotations and residuals of some frames."""
         standing = self.standing
         if standing.arms is not None:
@@ -347,7 +351,7 @@ class SolvedWindow:
 
 def targets_of(standing: Standing, constraints: Sequence[Constraint], window: slice, tracks: Tracks) -> Targets:
     """Targets of the constraints that are known before solving."""
-    motion, body = standing.motion, standing.morphology.still
+    motion, body = standing.motion, standing.morphology.first_frame_body
     known: dict[Follow | OwnPlace | Support, Track] = {}
     for constraint in constraints:
         for place in own_places_of(constraint):
@@ -357,7 +361,7 @@ def targets_of(standing: Standing, constraints: Sequence[Constraint], window: sl
             if isinstance(track, OwnPath):
                 track = track.make(standing.unasked, standing.morphology)
             if track is not None:
-                known[follow] = track.within(window)
+                known[follow] = track.in_frames(window)
             elif not isinstance(follow, FollowBody):
                 raise StudioError(f"'{constraint.name}' follows something that is not there. Choose what it follows.")
         if isinstance(constraint, BalanceConstraint) and isinstance(constraint.place, Support):

@@ -5,16 +5,16 @@ import numpy as np
 from studio.core.body.morphology import Morphology
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.solver.request import AdaptedMotion
 
 
 def source_motion(motion: NormalizedMotion, actor: SourceRig) -> AdaptedMotion:
     """``motion`` on its captured body, without ground and constraints."""
-    return played_on(motion, actor.morphology)
+    return motion_on_body(motion, actor.morphology)
 
 
-def played_on(motion: NormalizedMotion, body: Morphology) -> AdaptedMotion:
+def motion_on_body(motion: NormalizedMotion, body: Morphology) -> AdaptedMotion:
     """``motion`` on a body, without ground and constraints."""
-    positions, rotations = realize(motion, body, play=True)
+    positions, rotations = realize_motion(motion, body, play=True)
     return AdaptedMotion(body, motion.frame_rate, 0, positions, rotations, np.empty((0, len(positions))))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from studio.core.body.canonical import BodyPart
-from studio.core.body.joint_limits import limits_of
+from studio.core.body.joint_limits import limb_limit_records
 from studio.core.body.morphology import Morphology
 from studio.core.body.rest_pose import rest_pose
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
@@ -18,13 +18,13 @@ from studio.core.kernels import layout as at
 from studio.core.kernels.records import SEARCH_JOINT
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.solver.adapt import adapt, hold
+from studio.core.solver.adapt import adapt, solve_constraints
 from studio.core.solver.asking.area_rows import nearest_allowed_position
 from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.level_smoothing import SolveNotes
 from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
-from studio.core.solver.solved_window import BOUND, SolvedWindow
+from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow
 from studio.core.solver.standing.blends import smooth_drops
 from studio.core.solver.standing.footing import Footing
 from studio.core.solver.standing.obliquity import dip_pelvis
@@ -52,9 +52,9 @@ def warm_up_standing(morphology: Morphology) -> Standing:
 def warm_up_easing(morphology: Morphology) -> None:
     """Call the kernels of smoothing."""
     charts = LimbCoordinates(
-        morphology.layout, np.stack([rest_pose(morphology)[1]] * WARM_UP_FRAMES), limits_of(morphology)
+        morphology.layout, np.stack([rest_pose(morphology)[1]] * WARM_UP_FRAMES), limb_limit_records(morphology)
     )
-    turns = charts.turns(charts.within(np.zeros((WARM_UP_FRAMES, 16, 3))))
+    turns = charts.turns(charts.clamped_to_limits(np.zeros((WARM_UP_FRAMES, 16, 3))))
     joints, states = np.zeros(1, SEARCH_JOINT), np.zeros((WARM_UP_FRAMES, 1, 3))
     moved, ends = np.ones(len(joints), dtype=bool), np.zeros((1, 2), np.int64)
     SolveNotes.of(_placed(morphology), WARM_UP_FRAMES, joints, moved, ends, 0).peaks_of(states, turns)
@@ -62,7 +62,7 @@ def warm_up_easing(morphology: Morphology) -> None:
 
 def warm_up_constraints(morphology: Morphology) -> AdaptedMotion:
     """The part of ``warm_up`` with constraints."""
-    return hold(_placed(morphology), (_reach(),))
+    return solve_constraints(_placed(morphology), (_reach(),))
 
 
 def _placed(morphology: Morphology) -> Standing:
@@ -95,7 +95,7 @@ def warm_up_seldom(morphology: Morphology) -> None:
     what = "warm-up", "", WARM_UP_POINT, Chain(), 0, WARM_UP_ACTIVATION
     asked = ClearConstraint(*what), AreaConstraint(*what, shape=AreaShape.MESH, mesh=TRIANGLE)
     standing = warm_up_support(morphology)
-    SolvedWindow(standing, asked, constraint_activations(asked, standing), {}, BOUND, slice(0, WARM_UP_FRAMES))
+    SolvedWindow(standing, asked, constraint_activations(asked, standing), {}, ALL_LIMITS, slice(0, WARM_UP_FRAMES))
     nearest_allowed_position(asked[1], np.zeros(3))  # the window draws it
 
 

@@ -1,8 +1,9 @@
 """Behaviour: a state machine that chooses the clips of a performer while the stage runs live.
 
 States play clips; a transition leads from one to another when all of its conditions hold. One behaviour may be played
-by many performers, each against a partner of its own. ``advance`` runs it. It is small, and a pure function of values
-that the project stores, so no library of state machines is used: those keep the current state in objects of their own.
+by many performers, each against a partner of its own. ``advanced_progress`` runs it. It is small, and a pure function
+of values that the project stores, so no library of state machines is used: those keep the current state in objects of
+their own.
 """
 
 import math
@@ -10,9 +11,9 @@ from dataclasses import dataclass, replace
 
 from studio.core.plausible import PLACE_RANGE
 from studio.core.stage.clip import Clip
-from studio.core.stage.conditions import Condition, DistanceCondition, Senses
+from studio.core.stage.conditions import Condition, ConditionInput, DistanceCondition
 from studio.core.stage.manners import Manner
-from studio.core.stage.whom import DistanceMeasure, Whom, reference_of
+from studio.core.stage.whom import BehaviourTarget, DistanceMeasure, reference_of
 
 LONGEST_BLEND = 5.0
 """Longest blend from one state to another, in seconds."""
@@ -137,7 +138,7 @@ class Behaviour:
         return tuple(dict.fromkeys((*motions, *players, *meant)))
 
     @property
-    def _meant(self) -> list[Whom]:
+    def _meant(self) -> list[BehaviourTarget]:
         conditions = [each for transition in self.transitions for each in transition.conditions]
         manners = [each.whom for state in self.states for each in state.manners]
         return [*(each.gap.whom for each in conditions if isinstance(each, DistanceCondition)), *manners]
@@ -152,19 +153,19 @@ class BehaviourProgress:
     through: Transition | None = None
 
 
-def begun(behaviour: Behaviour) -> BehaviourProgress:
+def initial_progress(behaviour: Behaviour) -> BehaviourProgress:
     """Running behaviour in its start state."""
     return BehaviourProgress(behaviour.start)
 
 
-def advance(behaviour: Behaviour, running: BehaviourProgress, senses: Senses) -> BehaviourProgress:
+def advanced_progress(behaviour: Behaviour, running: BehaviourProgress, senses: ConditionInput) -> BehaviourProgress:
     """Running behaviour of a performer ``senses.step`` seconds later.
 
     The transitions from its state are tried in order. The first one whose conditions all hold leads to the next state,
     at 0 seconds of it; there is at most one transition a frame. If the state no longer exists, the behaviour restarts.
     """
     if behaviour.state(running.state) is None:
-        return begun(behaviour)
+        return initial_progress(behaviour)
     seconds = running.seconds + senses.step
     for each in behaviour.transitions_from(running.state):
         if all(condition.holds(senses, seconds) for condition in each.conditions):
@@ -172,7 +173,7 @@ def advance(behaviour: Behaviour, running: BehaviourProgress, senses: Senses) ->
     return replace(running, seconds=seconds)
 
 
-def without(behaviour: Behaviour, collection: str, entity_id: str) -> Behaviour:
+def without_references(behaviour: Behaviour, collection: str, entity_id: str) -> Behaviour:
     """Behaviour without its references to a removed entity.
 
     States lose the clip of a removed motion. Roles, manners and transitions that refer to a removed performer or prop

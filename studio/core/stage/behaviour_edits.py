@@ -54,7 +54,7 @@ def without_states(behaviour: Behaviour, names: Collection[str]) -> Behaviour:
     return replace(behaviour, states=states, transitions=kept, start=start)
 
 
-def connected(behaviour: Behaviour, source: str, target: str) -> Behaviour:
+def with_new_transition(behaviour: Behaviour, source: str, target: str) -> Behaviour:
     """Copy with one more transition, on the default condition that the clip ends."""
     new = Transition(source, target, (ClipEndCondition(),))
     return replace(behaviour, transitions=(*behaviour.transitions, new))
@@ -80,7 +80,7 @@ def order_of(behaviour: Behaviour, place: int) -> tuple[int, int]:
     return places.index(place) + 1, len(places)
 
 
-def tried_earlier(behaviour: Behaviour, place: int) -> tuple[Behaviour, int]:
+def with_transition_moved_up(behaviour: Behaviour, place: int) -> tuple[Behaviour, int]:
     """Behaviour with a transition exchanged with the previous one of the same state, and its new index."""
     source = behaviour.transitions[place].source
     before = [k for k in range(place) if behaviour.transitions[k].source == source]
@@ -91,7 +91,7 @@ def tried_earlier(behaviour: Behaviour, place: int) -> tuple[Behaviour, int]:
     return replace(behaviour, transitions=tuple(order)), before[-1]
 
 
-def played_by(behaviour: Behaviour, performer_id: str, partner_id: str = "") -> Behaviour:
+def with_performer(behaviour: Behaviour, performer_id: str, partner_id: str = "") -> Behaviour:
     """Behaviour with a performer in its cast, against that partner."""
     role = Role(performer_id, partner_id)
     if behaviour.role_of(performer_id) is None:
@@ -101,6 +101,6 @@ def played_by(behaviour: Behaviour, performer_id: str, partner_id: str = "") -> 
     )
 
 
-def not_played_by(behaviour: Behaviour, performer_id: str) -> Behaviour:
+def without_performer(behaviour: Behaviour, performer_id: str) -> Behaviour:
     """Behaviour without a performer in its cast."""
     return replace(behaviour, cast=tuple(each for each in behaviour.cast if each.performer_id != performer_id))

@@ -20,7 +20,7 @@ def players_of(project: Project, clip_id: str) -> dict[str, Performer]:
     return {key: each for key, each in project.performers.items() if any(clip.id == clip_id for clip in each.all_clips)}
 
 
-def edited(performer: Performer, clip_id: str, edit: ClipEdit) -> Performer:
+def with_clip_edited(performer: Performer, clip_id: str, edit: ClipEdit) -> Performer:
     """Performer with a clip of its row or layers edited, the row sorted by the start of its clips."""
     row = [new for clip in performer.clips for new in (edit(clip) if clip.id == clip_id else (clip,))]
     layers = [
@@ -43,7 +43,7 @@ def frame_at(clip: Clip, frame_rate: float, time: float) -> float:
     return float(clip.motion_seconds(time, frame_rate) * frame_rate)
 
 
-def begun_at(clip: Clip, frame_rate: float, frame: int) -> Clip:
+def with_first_frame(clip: Clip, frame_rate: float, frame: int) -> Clip:
     """Clip from another frame on, which keeps its time on the stage; at most to its last one."""
     frame = min(max(frame, 0), clip.last)
     if not isinstance(clip.speed, KeyedNumber):
@@ -51,12 +51,12 @@ def begun_at(clip: Clip, frame_rate: float, frame: int) -> Clip:
     return replace(clip, first=frame, start=float(clip.stage_seconds(frame / frame_rate, frame_rate)))
 
 
-def ended_at(clip: Clip, frame: int, frame_count: int) -> Clip:
+def with_last_frame(clip: Clip, frame: int, frame_count: int) -> Clip:
     """Clip to another last frame, of a motion of ``frame_count``."""
     return replace(clip, last=max(min(frame, frame_count - 1), clip.first))
 
 
-def split(clip: Clip, frame_rate: float, time: float, names: Iterator[str]) -> tuple[Clip, ...]:
+def clip_halves(clip: Clip, frame_rate: float, time: float, names: Iterator[str]) -> tuple[Clip, ...]:
     """Clip split into two at ``time`` (seconds of the stage) that together play as the one did.
 
     If that is within a repeat, those before and after it become clips of their own. The first keeps the id, ``names``
@@ -77,11 +77,11 @@ def split(clip: Clip, frame_rate: float, time: float, names: Iterator[str]) -> t
     for begin, end, repeats in stretches:
         if repeats:
             part = replace(clip, first=begin, last=end, repeats=repeats, start=start)
-            parts.append(following(part, next(names)) if parts else part)
+            parts.append(continuing_clip(part, next(names)) if parts else part)
             start += part.length(frame_rate)
     return tuple(parts)
 
 
-def following(clip: Clip, clip_id: str) -> Clip:
+def continuing_clip(clip: Clip, clip_id: str) -> Clip:
     """New clip that continues where the previous one ends."""
     return replace(clip, id=clip_id, joined=True, turn=0.0, offset=(0.0, 0.0))

@@ -36,7 +36,7 @@ FLAT_HAND = (-0.5, 0.5, -0.5, 0.5)
 """A hand in a prop's axes: fingers ahead, the palm on the side."""
 
 
-def quarters(angle: float) -> int:
+def quarter_turns(angle: float) -> int:
     """Number of quarter turns, 0 to 3, nearest to an angle in radians."""
     return round(2.0 * angle / math.pi) % 4
 
@@ -53,7 +53,7 @@ def grip_on(prop: Prop, hold: InHand | Carried) -> float | None:
     return HALF_CLOSED_GRIP if min(prop.size[:2]) < THIN else OPEN_GRIP
 
 
-def grips(
+def grip_constraints(
     motion_id: str,
     performer_id: str,
     prop_id: str,

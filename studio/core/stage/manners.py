@@ -1,6 +1,6 @@
 """Manners: reactions of a performer to another during a state, and the resulting constraints.
 
-``KeepDistance`` moves the performer over the ground; the others are constraints, made by ``asked_by``.
+``KeepDistance`` moves the performer over the ground; the others are constraints, made by ``manner_constraints``.
 """
 
 import math
@@ -13,7 +13,7 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.plausible import PLACE_RANGE
-from studio.core.stage.whom import DistanceMeasure, FollowPartner, Whom, followed_by
+from studio.core.stage.whom import BehaviourTarget, DistanceMeasure, FollowPartner, followed_by
 
 HEAD_POINT = BodyPoint(BodyPart.HEAD, (0.0, 0.0, 0.05))
 FIST_POINT = BodyPoint(BodyPart.RIGHT_HAND, (0.0, 0.0, 0.09))
@@ -30,7 +30,7 @@ class KeepDistance:
     """
 
     kind: ClassVar[str] = "keep_distance"
-    whom: Whom = FollowPartner()
+    whom: BehaviourTarget = FollowPartner()
     distance: float = 1.2
     room: float = 0.1
     legs: bool = False
@@ -53,7 +53,7 @@ class LeanAway:
     """Keep ``point`` at least ``metres`` away from a point of ``whom`` by the trunk: the head from a fist."""
 
     kind: ClassVar[str] = "lean_away"
-    whom: Whom = FollowPartner(FIST_POINT)
+    whom: BehaviourTarget = FollowPartner(FIST_POINT)
     point: BodyPoint = HEAD_POINT
     metres: float = 0.3
 
@@ -71,7 +71,7 @@ class Meet:
     """
 
     kind: ClassVar[str] = "meet"
-    whom: Whom = FollowPartner(FIST_POINT)
+    whom: BehaviourTarget = FollowPartner(FIST_POINT)
     point: BodyPoint = ARM_POINT
     activation: ActivationCurve = WHOLE_CLIP
     chain: Chain = Chain()
@@ -81,7 +81,9 @@ Manner = KeepDistance | LeanAway | Meet
 LEANING_CHAIN = Chain(clavicle=0.0, trunk=1.0)
 
 
-def asked_by(manners: tuple[Manner, ...], motion_id: str, partner_id: str, name: str) -> tuple[Constraint, ...]:
+def manner_constraints(
+    manners: tuple[Manner, ...], motion_id: str, partner_id: str, name: str
+) -> tuple[Constraint, ...]:
     """Constraints on the state's motion that the manners of a state ``name`` make, for a performer with that partner.
 
     ``Meet`` has a higher priority than ``LeanAway``. Manners that need a partner make none without one (an empty id).

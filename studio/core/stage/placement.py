@@ -24,7 +24,7 @@ class Placement:
         """Placement of a performer."""
         return cls(performer.position, performer.heading)
 
-    def around(self, inner: "Placement") -> "Placement":
+    def compose(self, inner: "Placement") -> "Placement":
         """Placement on the stage of ``inner``, which is given in this placement's space."""
         x, y, _ = self.to_stage((*inner.position, 0.0)).tolist()
         return Placement((x, y), self.heading + inner.heading)

@@ -17,7 +17,7 @@ from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp
-from studio.core.constraints.scope import Scope, meant_for, narrowest
+from studio.core.constraints.scope import Scope, in_scope_of, narrowest_scoped
 from studio.core.constraints.target import follows_of
 from studio.core.curves.tangents import SPARSE
 from studio.core.grounds.ground import Ground
@@ -316,17 +316,17 @@ class Project:
 
     def contacts_for(self, performer_id: str, clip: Clip) -> dict[str, ContactInterval]:
         """Contacts while a performer plays a clip, by id: those of the narrowest scope at each point."""
-        meant = meant_for(self.contacts_of(clip.motion_id), performer_id, clip.id)
+        meant = in_scope_of(self.contacts_of(clip.motion_id), performer_id, clip.id)
         if not any(each.scope.is_narrow for each in meant.values()):
             return meant
         own: dict[ContactPoint | Touch, dict[str, ContactInterval]] = {}
         for key, each in meant.items():
             own.setdefault(each.point, {})[key] = each
-        return {key: each for contacts in own.values() for key, each in narrowest(contacts).items()}
+        return {key: each for contacts in own.values() for key, each in narrowest_scoped(contacts).items()}
 
     def constraints_for(self, performer_id: str, clip: Clip) -> dict[str, Constraint]:
         """Constraints on a performer while it plays a clip, by id, highest priority first."""
-        return meant_for(self.constraints_of(clip.motion_id), performer_id, clip.id)
+        return in_scope_of(self.constraints_of(clip.motion_id), performer_id, clip.id)
 
     def corrections_of(self, performer_id: str) -> dict[str, Correction]:
         """Corrections of a performer by id, in the order in which they are applied."""

@@ -60,7 +60,7 @@ def unit_surface(shape: PropShape) -> Surface:
     return _boxes([((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))])
 
 
-def fitted(mesh: TriangleMesh) -> FloatArray:
+def fitted_to_cube(mesh: TriangleMesh) -> FloatArray:
     """(V, 3) vertices of a mesh centred in the cube and scaled to it in every direction in which the
     mesh is not flat.
     """
@@ -70,7 +70,7 @@ def fitted(mesh: TriangleMesh) -> FloatArray:
 
 def _flat(mesh: TriangleMesh) -> Surface:
     """Mesh whose faces do not share vertices."""
-    corners = fitted(mesh)[mesh.triangles]
+    corners = fitted_to_cube(mesh)[mesh.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     return Surface(corners.reshape(-1, 3), np.repeat(normals, 3, axis=0), np.arange(3 * len(corners)).reshape(-1, 3))

@@ -30,12 +30,12 @@ ACROSS, DOWN = 288.0, 152.0
 """Horizontal and vertical spacing of states in the diagram."""
 
 
-def on_guard(clip: Clip | None) -> Behaviour:
+def guard_behaviour(clip: Clip | None) -> Behaviour:
     """Behaviour of a single state, the guard."""
     return Behaviour("Fighter", (State("Guard", clip),))
 
 
-def keeping_distance(behaviour: Behaviour) -> Behaviour:
+def with_distance_kept(behaviour: Behaviour) -> Behaviour:
     """Behaviour whose start state keeps its partner at striking distance, in place of other distances."""
     start = _start(behaviour)
     others = tuple(each for each in start.manners if not isinstance(each, KeepDistance))
@@ -45,20 +45,20 @@ def keeping_distance(behaviour: Behaviour) -> Behaviour:
     return edits.with_state_put(behaviour, start.name, state)
 
 
-def striking(behaviour: Behaviour, clip: Clip, key: str) -> Behaviour:
+def with_strike(behaviour: Behaviour, clip: Clip, key: str) -> Behaviour:
     """Behaviour with a strike when a key is pressed and the partner is near enough, with an event to the partner."""
     state = State("Strike", clip, loop=False, event=ATTACK)
     near = DistanceCondition(DistanceMeasure(legs=True), APPROACH_DISTANCE)
     return _answering(behaviour, state, (KeyCondition(key), near), (ClipEndCondition(),), (-1.0, 0.0))
 
 
-def warding_off(behaviour: Behaviour, clip: Clip, when: ActivationCurve = WHOLE_CLIP) -> Behaviour:
+def with_parry(behaviour: Behaviour, clip: Clip, when: ActivationCurve = WHOLE_CLIP) -> Behaviour:
     """Behaviour with a state that parries the partner's strike on ``ATTACK``; ``when`` in seconds of the motion."""
     state = State("Block", clip, loop=False, manners=(Meet(activation=when),))
     return _answering(behaviour, state, (EventCondition(ATTACK),), (ClipEndCondition(),), (1.0, 0.0))
 
 
-def leaning_away(behaviour: Behaviour) -> Behaviour:
+def with_lean_away(behaviour: Behaviour) -> Behaviour:
     """Behaviour with a state that leans away from the partner's near fist while it plays the start state's clip."""
     state = State("Lean away", _start(behaviour).clip, manners=(LeanAway(metres=LEAN_DISTANCE),))
     near = DistanceCondition(TO_HEAD, LEAN_DISTANCE)

@@ -18,17 +18,17 @@ class FollowPartner:
     point: BodyPoint = PELVIS_POINT
 
 
-Whom = FollowPartner | FollowPerformer | FollowProp
+BehaviourTarget = FollowPartner | FollowPerformer | FollowProp
 
 
-def followed_by(whom: Whom, partner_id: str) -> FollowPerformer | FollowProp | None:
+def followed_by(whom: BehaviourTarget, partner_id: str) -> FollowPerformer | FollowProp | None:
     """Target with the partner filled in; None if the target is the partner and there is none (an empty id)."""
     if not isinstance(whom, FollowPartner):
         return whom
     return FollowPerformer(partner_id, whom.point) if partner_id else None
 
 
-def reference_of(whom: Whom) -> tuple[tuple[str, str], ...]:
+def reference_of(whom: BehaviourTarget) -> tuple[tuple[str, str], ...]:
     """(collection, id) of the given performer or prop; empty for the partner."""
     match whom:
         case FollowPerformer():
@@ -45,7 +45,7 @@ class DistanceMeasure:
     In metres, or in ``legs``: leg lengths, the mean of both, so that one behaviour fits bodies of any size.
     """
 
-    whom: Whom = FollowPartner()
+    whom: BehaviourTarget = FollowPartner()
     point: BodyPoint = PELVIS_POINT
     flat: bool = True
     legs: bool = False

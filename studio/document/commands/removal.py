@@ -2,13 +2,13 @@
 
 from dataclasses import replace
 
-from studio.core.stage.behaviour import Behaviour, without
+from studio.core.stage.behaviour import Behaviour, without_references
 from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import Prop
-from studio.document.commands.replace import Edit, applied
+from studio.document.commands.replace import Edit, with_edits_applied
 
 
-def removal(project: Project, collection: str, entity_id: str) -> tuple[Edit, ...]:
+def removal_edits(project: Project, collection: str, entity_id: str) -> tuple[Edit, ...]:
     """Edits that remove an entity and its dependents; performers only lose their clips of a removed motion.
 
     A removed holder releases its prop, and a behaviour continues without a removed performer.
@@ -25,10 +25,10 @@ def removal(project: Project, collection: str, entity_id: str) -> tuple[Edit, ..
         elif collection == "performers" and isinstance(old, Prop):
             steps = (Edit(name, key, old, old.without(entity_id)),)
         elif isinstance(old, Behaviour):
-            steps = (Edit(name, key, old, without(old, collection, entity_id)),)
+            steps = (Edit(name, key, old, without_references(old, collection, entity_id)),)
         else:
-            steps = removal(project, name, key)
+            steps = removal_edits(project, name, key)
         edits += steps
-        project = applied(project, steps)
+        project = with_edits_applied(project, steps)
     place = project.place(collection, entity_id)
     return (*edits, Edit(collection, entity_id, project.get(collection, entity_id), None, place))

@@ -36,14 +36,14 @@ class Edit:
         return Edit(self.collection, self.entity_id, self.new, self.old, self.place)
 
 
-def applied(project: Project, edits: Iterable[Edit]) -> Project:
+def with_edits_applied(project: Project, edits: Iterable[Edit]) -> Project:
     """``project`` after all edits, in their order."""
     for collection, run in groupby(edits, key=attrgetter("collection")):
         project = project.with_entities(collection, ((edit.entity_id, edit.new, edit.place) for edit in run))
     return project
 
 
-def reverted(edits: tuple[Edit, ...]) -> tuple[Edit, ...]:
+def reverted_edits(edits: tuple[Edit, ...]) -> tuple[Edit, ...]:
     """Inverse of all edits, in reverse order, so that every index is restored."""
     return tuple(edit.reverted for edit in reversed(edits))
 
@@ -88,7 +88,7 @@ class ReplaceValue(QUndoCommand):
 
     def undo(self) -> None:
         """Restore the old values."""
-        self._show(reverted(self.edits), "undo")
+        self._show(reverted_edits(self.edits), "undo")
         self.setObsolete(self.vanishes)
 
     def _show(self, edits: tuple[Edit, ...], verb: str) -> None:
@@ -104,13 +104,13 @@ class ReplaceValue(QUndoCommand):
         """Merge a later command of the same gesture into this one."""
         if not isinstance(other, ReplaceValue) or other.gesture != self.gesture:
             return False
-        self.edits, other.edits = merged(self.edits, other.edits), ()  # Qt deletes the other one, Python keeps it
+        self.edits, other.edits = merged_edits(self.edits, other.edits), ()  # Qt deletes the other one, Python keeps it
         self.setText(other.text())
         self.setObsolete(not self.edits)
         return True
 
 
-def merged(earlier: tuple[Edit, ...], later: tuple[Edit, ...]) -> tuple[Edit, ...]:
+def merged_edits(earlier: tuple[Edit, ...], later: tuple[Edit, ...]) -> tuple[Edit, ...]:
     """Both lists of edits as one: edits of an entity become one, and those without a net change are left out.
 
     An edit joins an earlier one of its entity unless others were added or removed in between, because indices refer to

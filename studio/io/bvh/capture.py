@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_positions
-from studio.core.body.moving_offsets import with_seen_offsets
+from studio.core.body.moving_offsets import with_measured_offsets
 from studio.core.body.pose import PoseSequence
-from studio.core.body.rehanging import over_feet, rehang, rehung
+from studio.core.body.rehanging import reparented_motion, reparented_order, with_body_over_feet
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
@@ -24,14 +24,14 @@ from studio.io.capture_guesses import (
     body_by_shape_in,
     body_guesses,
     loose_guesses,
-    stood_capture,
+    make_capture,
     with_sides_right,
 )
 from studio.io.figure.body_maps import find_body, loose_feet, loose_hands
 from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_and_trunk
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
-from studio.io.up_axis import BVH_USE, BodyPoints, axis_called, guess_up_axis, said_axis, turn_to_world
+from studio.io.up_axis import BVH_USE, BodyPoints, axis_called, guess_up_axis, stated_axis, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
@@ -88,15 +88,15 @@ def capture_of(file: JointRecording, path: Path, options: ImportOptions, progres
     looked_at = np.unique(np.linspace(0, file.frame_count - 1, _LOOKED_AT).astype(int))
     sample = PoseSequence(*file.transforms(looked_at))
     after = PoseSequence(*file.transforms(np.minimum(looked_at + 1, file.frame_count - 1)))
-    skeleton = with_seen_offsets(file.skeleton, sample)
+    skeleton = with_measured_offsets(file.skeleton, sample)
     feet, hands = loose_feet(skeleton), loose_hands(skeleton)
     loose = feet | hands
     if feet:
-        sample, after = (over_feet(skeleton, poses, feet)[0] for poses in (sample, after))
+        sample, after = (with_body_over_feet(skeleton, poses, feet)[0] for poses in (sample, after))
     both = np.stack([joint_positions(skeleton, poses) for poses in (sample, after)])
     if loose:
-        hanging = rehang(skeleton.parents, loose)
-        skeleton, _ = rehung(skeleton, sample, hanging)
+        hanging = reparented_order(skeleton.parents, loose)
+        skeleton, _ = reparented_motion(skeleton, sample, hanging)
         both = both[:, :, hanging.order]
     found = find_body(skeleton, both[0], options.body_map)
     if found.body_map is None:
@@ -111,16 +111,16 @@ def capture_of(file: JointRecording, path: Path, options: ImportOptions, progres
     skeleton, poses = to_world(
         file, turn_to_world(up_axis), scale.metres, lambda share: progress(0.6 + 0.2 * share, _TURNING)
     )
-    skeleton = with_seen_offsets(skeleton, poses)
+    skeleton = with_measured_offsets(skeleton, poses)
     if loose:
-        poses, behind = over_feet(skeleton, poses, feet) if feet else (poses, 0.0)
-        skeleton, poses = rehung(skeleton, poses, hanging)
+        poses, behind = with_body_over_feet(skeleton, poses, feet) if feet else (poses, 0.0)
+        skeleton, poses = reparented_motion(skeleton, poses, hanging)
         guesses += loose_guesses(feet, hands, behind)
     frame_rate = _frame_rate(file.frame_time, file.frame_time_digit, options, guesses)
     progress(0.8, f"Finding floor and reference pose of {path.name}")
     positions = joint_positions(skeleton, poses)
     read = ReadJoints(path, skeleton, poses, positions, frame_rate, scale.unit, up_axis, file.repairs)
-    capture = stood_capture(read, found, options, guesses)
+    capture = make_capture(read, found, options, guesses)
     progress(1.0, f"Loaded {path.name}")
     return capture
 
@@ -168,7 +168,7 @@ def _up_axis(
     standing = BodyPoints.of_joints(_zero_pose(skeleton)[None, None], body_map)
     rest = normalized(standing.shoulders.mean(axis=2) - standing.ankles.mean(axis=2))[0, 0]
     body = BodyPoints.of_joints(points, body_map)
-    guess = guess_up_axis(body, BVH_USE, rest) if said is None else guess_up_axis(body, said_axis(said))
+    guess = guess_up_axis(body, BVH_USE, rest) if said is None else guess_up_axis(body, stated_axis(said))
     guesses += [guess] if guess.value != said else []
     return guess.value
 

@@ -11,7 +11,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.core.rotations import to_euler
-from studio.io.atomic_write import replacing
+from studio.io.atomic_write import atomic_replacement
 from studio.io.registry import Progress
 
 FloatArray = NDArray[np.float64]
@@ -54,7 +54,7 @@ def write_bvh(
     text.write("HIERARCHY\n")
     text.writelines(_hierarchy(skeleton, positioned, unit_scale))
     text.write(f"MOTION\nFrames: {poses.frame_count}\nFrame Time: {1.0 / frame_rate:.10f}\n")
-    with replacing(Path(path)) as part, open(part, "wb") as file:
+    with atomic_replacement(Path(path)) as part, open(part, "wb") as file:
         file.write(text.getvalue().encode())
         done = 0
         for rows in _rows(skeleton, poses, positioned, unit_scale):

@@ -12,9 +12,9 @@ from studio.core.markers.trial import (
     AnalogSignals,
     ForcePlate,
     TrialEvent,
-    bare_label,
+    label_without_subject,
 )
-from studio.core.names import counted
+from studio.core.names import counted_noun
 from studio.io.c3d.parameters import BLOCK_BYTES, Parameters
 from studio.io.markers.unit import named_unit
 
@@ -48,10 +48,11 @@ def labels_and_kinds(
         labels[label] = None
     if twice:
         shown = ", ".join(dict.fromkeys(twice[:4]))
-        repairs.append(f"{name}: {counted(len(twice), 'label')} repeated ({shown}); numbers were added.")
+        repairs.append(f"{name}: {counted_noun(len(twice), 'label')} repeated ({shown}); numbers were added.")
     if len(written) < count:
         repairs.append(
-            f"{name}: {counted(count, 'point')} and {counted(len(written), 'label')}; the others were numbered."
+            f"{name}: {counted_noun(count, 'point')} and {counted_noun(len(written), 'label')};"
+            " the others were numbered."
         )
     outputs = {
         label: kind for group, kind in _MODEL_OUTPUTS.items() for label in parameters.words_on("POINT", group) if label
@@ -66,7 +67,7 @@ def labels_and_kinds(
 def _segment_axes(labels: tuple[str, ...]) -> set[str]:
     """Labels such as ``LFEO, LFEA, LFEL, LFEP``: origin and axes of a segment, as written by Plug-in-Gait."""
     there = set(labels)
-    stems = {label[:-1] for label in labels if len(bare_label(label)) == 4 and label.endswith("O")}
+    stems = {label[:-1] for label in labels if len(label_without_subject(label)) == 4 and label.endswith("O")}
     quads = ([stem + end for end in "OALP"] for stem in stems)
     return {label for quad in quads if there.issuperset(quad) for label in quad}
 
@@ -114,7 +115,7 @@ def analog_signals(
     wild = ~(np.abs(samples) < 1e30)
     if wild.any():
         samples[wild] = 0.0
-        repairs.append(f"{name}: made 0, as not finite: {counted(int(wild.sum()), 'analog number')}.")
+        repairs.append(f"{name}: made 0, as not finite: {counted_noun(int(wild.sum()), 'analog number')}.")
     labels, units = parameters.words_on("ANALOG", "LABELS"), parameters.words_on("ANALOG", "UNITS")
     return AnalogSignals(
         tuple(_at(labels, place) or f"Channel {place + 1}" for place in range(count)),

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.markers.trial import Trial
-from studio.core.names import counted, readable
+from studio.core.names import counted_noun, readable_name
 from studio.io.c3d.contents import analog_signals, force_plates, labels_and_kinds, marked_events, measures, unit_of
 from studio.io.c3d.parameters import BLOCK_BYTES, Numbers, Parameters, read_parameters
 from studio.io.referenced_files import read_bytes
@@ -82,7 +82,7 @@ def read_c3d(path: Path | str, progress: Progress | None = None) -> C3dFile:
     raw = words[:, 4 * header.points :].reshape(header.frames * header.samples, header.channels)
     labels, kinds = labels_and_kinds(path.name, parameters, header.points, repairs)
     trial = Trial(
-        name=readable(path.stem),
+        name=readable_name(path.stem),
         source=path.name,
         labels=labels,
         kinds=kinds,
@@ -252,13 +252,14 @@ def _frames(
         )
     if claimed > there:
         repairs.append(
-            f"{name}: the file says {counted(claimed, 'frame')}, but holds {there}; it is cut off. Those were read."
+            f"{name}: the file says {counted_noun(claimed, 'frame')}, but holds {there}; it is cut off."
+            " Those were read."
         )
         return there
     others = sorted({claim for claim in claims if claim > 0} - {claimed})
     if others:
         repairs.append(
-            f"{name}: the file says {counted(claimed, 'frame')} and in another place {others[0]}; read: {claimed}."
+            f"{name}: the file says {counted_noun(claimed, 'frame')} and in another place {others[0]}; read: {claimed}."
         )
     return claimed
 
@@ -283,7 +284,7 @@ def _points(
     unseen = (cameras < 0) | ~points.any(axis=-1)
     if (wild & ~unseen).any():
         frame, point = np.argwhere(wild & ~unseen)[0]
-        places = counted(int((wild & ~unseen).sum()), "unbelievable place")
+        places = counted_noun(int((wild & ~unseen).sum()), "unbelievable place")
         repairs.append(f"{name}: {places} made a gap, the first of point {point + 1} in frame {frame}.")
     unseen |= wild
     points[unseen] = np.nan

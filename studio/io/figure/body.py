@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 from studio.core.body.body_shape import body_by_shape
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.body.humanoid import LIMB_PARTS, BodyMap
-from studio.core.body.rehanging import Rehanging, rehang
+from studio.core.body.rehanging import JointOrder, reparented_order
 from studio.core.body.skeleton import Skeleton
 from studio.core.body.standing import standing_points
 from studio.core.captures.capture import Guess
 from studio.core.captures.confidence import Confidence
-from studio.core.captures.reference_pose import faults
+from studio.core.captures.reference_pose import stance_deviations
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Appearance, Material
 from studio.core.mesh.character import Character
 from studio.core.mesh.rig import NO_SEGMENT, Rig, RigFile
 from studio.core.rigs.embodiment import (
     bound_mesh,
-    measured,
+    measured_body,
     measured_by_mesh,
     rolling_on_balls,
     segment_weights,
@@ -30,7 +30,7 @@ from studio.core.rigs.embodiment import (
 )
 from studio.io.figure.body_maps import find_body, loose_feet, loose_hands, named_sides, similar_joints
 from studio.io.figure.figure import NO_SKELETON, Figure, MeshPiece
-from studio.io.guessing import find_unit, said_unit
+from studio.io.guessing import find_unit, stated_unit
 from studio.io.importing import ImportOptions
 from studio.io.meshes.shapes import unit
 from studio.io.registry import ReadCharacter
@@ -69,7 +69,7 @@ class _Body:
     @property
     def fault(self) -> float:
         """Largest deviation from a human stance at ease, relative to the tolerance."""
-        return float(faults(self.points[None], self.body_map).max())
+        return float(stance_deviations(self.points[None], self.body_map).max())
 
 
 def character_of(figures: Sequence[Figure], options: ImportOptions) -> ReadCharacter:
@@ -89,7 +89,7 @@ def character_of(figures: Sequence[Figure], options: ImportOptions) -> ReadChara
         raise StudioError(f"{body.figure.source}: invalid body or skin. {error}") from error
 
 
-def remapped(character: Character, names: Mapping[str, str]) -> Character:
+def remapped_character(character: Character, names: Mapping[str, str]) -> Character:
     """Character measured and bound again, with the joints of its own rig named for each part as in ``BodyMap.to_json``.
 
     Raises StudioError if it has no rig, or the joints make no body.
@@ -136,7 +136,7 @@ def _body_of(figure: Figure, options: ImportOptions, hung: Figure, order: IntArr
     skeleton = Skeleton(figure.joint_names, parents, offsets, np.zeros(len(parents), dtype=bool))
     loose = loose_feet(skeleton) | loose_hands(skeleton)
     if loose:
-        new = rehang(parents, loose)
+        new = reparented_order(parents, loose)
         return _body_of(_rehung(figure, new), options, hung, order[new.order])
     body_map, guess = _find(figure, skeleton, options)
     _check_limbs(figure, body_map)
@@ -148,7 +148,7 @@ def _body_of(figure: Figure, options: ImportOptions, hung: Figure, order: IntArr
     return _Body(figure, skeleton, body_map, points, scale * to_world, tuple(guesses), hung, order)
 
 
-def _rehung(figure: Figure, new: Rehanging) -> Figure:
+def _rehung(figure: Figure, new: JointOrder) -> Figure:
     """Figure whose joints have the parents of ``new``."""
     place = np.argsort(new.order)
     pieces = tuple(replace(piece, joints=place[piece.joints]) for piece in figure.pieces)
@@ -279,7 +279,7 @@ def _leg(points: FloatArray, body_map: BodyMap) -> float:
 def _scale(figure: Figure, leg: float, unit_name: str | None) -> tuple[float, Guess | None]:
     if not np.isfinite(leg) or leg < 1e-9:
         raise StudioError(f"{figure.source}: its legs have no length. Export it with its skeleton standing.")
-    scale, guess = find_unit(leg, said_unit(figure.metres), unit_name)
+    scale, guess = find_unit(leg, stated_unit(figure.metres), unit_name)
     return scale.metres, guess
 
 
@@ -298,7 +298,7 @@ def _embodied(body: _Body, guesses: list[Guess]) -> ReadCharacter:
     shares = segment_weights(joints, weights, segments, count)
     skeleton, points = _grounded(body, vertices, shares)
     vertices = vertices + (points[0] - body.points[0])
-    measures, stance = measured(skeleton, body.body_map)
+    measures, stance = measured_body(skeleton, body.body_map)
     root = points[body.body_map.spine[0]]
     marks = standing_points(measures, stance)
     marks = marks + (root - marks[0])
@@ -373,7 +373,7 @@ def _rig_file(body: _Body, turn: FloatArray, away: FloatArray, used: IntArray) -
 
 def _worn(figure: Figure, segments: IntArray, spine_count: int, repairs: list[str]) -> list[MeshPiece]:
     """Pieces that belong to the body, without those in the hands that are drawn already."""
-    hands = {BodyLayout(spine_count).hand(side) for side in (0, 1)}
+    hands = {BodyLayout(spine_count).hand_segment(side) for side in (0, 1)}
     drawn = {
         int(segment)
         for piece in figure.pieces
@@ -396,7 +396,7 @@ def _padded(piece: MeshPiece, width: int) -> tuple[IntArray, FloatArray]:
 def _grounded(body: _Body, vertices: FloatArray, shares: FloatArray) -> tuple[Skeleton, FloatArray]:
     """The skeleton in the world with its soles on z = 0, end sites put where hands and feet have no children."""
     layout = BodyLayout(len(body.body_map.spine))
-    feet = [segment(side) for side in (0, 1) for segment in (layout.foot, layout.toes)]
+    feet = [segment(side) for side in (0, 1) for segment in (layout.foot_segment, layout.toe_segment)]
     soles = vertices[shares[:, feet].sum(axis=1) > 0.5]
     ankles = [body.points[body.body_map[BodyPart[f"{side}_FOOT"]]] for side in ("LEFT", "RIGHT")]
     leg = _leg(body.points, body.body_map)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.body_matching import LOOSE_VARIATION, MOST_VARIATION, BodyMatch, BodySearch
-from studio.core.body.humanoid import LIMB_PARTS, BodyMap, BodyPart, is_spine, part_called
+from studio.core.body.humanoid import LIMB_PARTS, BodyMap, BodyPart, is_spine, part_named
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.core.rotations import normalized
@@ -85,11 +85,11 @@ def _best_match(skeleton: Skeleton, positions: FloatArray, fixed: dict[BodyPart,
     limbs = {part: fixed.get(part) for parts in LIMB_PARTS.values() for part in parts}
     if all(limbs.values()):
         known = {part: joints[0] for part, joints in limbs.items() if joints}
-        return "the joints chosen", BodySearch(skeleton, positions).around(known, every)
+        return "the joints chosen", BodySearch(skeleton, positions).match_around_limbs(known, every)
     for most in (MOST_VARIATION, LOOSE_VARIATION):
         search = BodySearch(skeleton, positions, most)
-        tries = [(family.name, search.match(_candidates(family, by_name) | fixed)) for family in naming_families()]
-        tries.append(("names of several families", search.match(every)))
+        tries = [(family.name, search.best_match(_candidates(family, by_name) | fixed)) for family in naming_families()]
+        tries.append(("names of several families", search.best_match(every)))
         family, best = max(tries, key=lambda tried: (tried[1].parts, -len(tried[1].missing)))
         if best.body_map is not None:
             break
@@ -99,7 +99,7 @@ def _best_match(skeleton: Skeleton, positions: FloatArray, fixed: dict[BodyPart,
 def find_preset(skeleton: Skeleton, positions: FloatArray, family: NamingFamily) -> BodyMap:
     """The body whose joints have the names of ``family``. Raises StudioError with the limbs that have none."""
     candidates = _candidates(family, _joints_by_name(skeleton, positions))
-    match = BodySearch(skeleton, positions, LOOSE_VARIATION).match(candidates)
+    match = BodySearch(skeleton, positions, LOOSE_VARIATION).best_match(candidates)
     if match.body_map is None:
         raise StudioError(
             f"The names of {family.name} show no {' and no '.join(match.missing)}. Choose another preset or joints."
@@ -279,7 +279,7 @@ def _candidates(family: NamingFamily, by_name: dict[str, list[int]]) -> dict[Bod
 
 
 def _fixed(skeleton: Skeleton, chosen: Mapping[str, str]) -> dict[BodyPart, list[int]]:
-    said = {part_called(key): name for key, name in chosen.items() if not is_spine(key)}
+    said = {part_named(key): name for key, name in chosen.items() if not is_spine(key)}
     return {part: [skeleton.index(name)] if name else [] for part, name in said.items()}
 
 

@@ -40,7 +40,7 @@ class MeshPiece:
 
 
 def rotations_of(matrices: FloatArray) -> FloatArray | None:
-    """(J, 3, 3) axes of joints at (J, 4, 4) without their scale; None if one is mirrored, flat, or sheared."""
+    """Rotations (J, 3, 3) of transforms (J, 4, 4) without their scale; None if one is mirrored, flat, or sheared."""
     axes = matrices[:, :3, :3]
     lengths = np.linalg.norm(axes, axis=1, keepdims=True)
     if not (np.isfinite(axes).all() and (lengths > 0.0).all()):

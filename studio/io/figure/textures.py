@@ -22,11 +22,11 @@ def checked_picture(content: bytes) -> NDArray[np.uint8]:
 
 @project_cache(maxsize=32)
 def shown_picture(content: bytes) -> NDArray[np.uint8]:
-    """``decoded`` for the stage; cached, so that a reader can decode it before it is drawn."""
-    return decoded(content, STAGE_SIDE)
+    """``decoded_image`` for the stage; cached, so that a reader can decode it before it is drawn."""
+    return decoded_image(content, STAGE_SIDE)
 
 
-def decoded(content: bytes, largest: int = LARGEST_SIDE) -> NDArray[np.uint8]:
+def decoded_image(content: bytes, largest: int = LARGEST_SIDE) -> NDArray[np.uint8]:
     """(height, width, 4) RGBA of a PNG or JPEG, reduced if a side exceeds ``largest``; ValueError if it is none.
 
     The size in its header is checked before memory is allocated.

@@ -67,7 +67,7 @@ class Accessors:
         view = self._views[index]
         buffer = view.index("buffer", len(self._file.buffers))
         if buffer is None:
-            raise view.wrong("buffer", "the number of a buffer")
+            raise view.value_error("buffer", "the number of a buffer")
         start, length = view.whole("byteOffset", 0), view.whole("byteLength")
         content = self._file.buffers[buffer]
         if start + length > len(content):
@@ -78,7 +78,7 @@ class Accessors:
 
     def _array(self, record: Record, width: int) -> NDArray[np.generic]:
         if _WIDTHS.get(record.text("type")) != width:
-            raise record.wrong("type", next(name for name, many in _WIDTHS.items() if many == width))
+            raise record.value_error("type", next(name for name, many in _WIDTHS.items() if many == width))
         count = record.whole("count")
         if count > max(self._file.size, 1):
             raise StudioError(f"{record.where}: it claims {count} entries, more than the file has bytes.")
@@ -94,7 +94,7 @@ class Accessors:
     def _kind(self, record: Record) -> np.dtype[np.generic]:
         code = record.whole("componentType")
         if code not in _KINDS:
-            raise record.wrong("componentType", f"one of {', '.join(map(str, _KINDS))}")
+            raise record.value_error("componentType", f"one of {', '.join(map(str, _KINDS))}")
         return np.dtype(_KINDS[code]).newbyteorder("<")
 
     def _plain(self, record: Record, kind: np.dtype[np.generic], count: int, width: int) -> NDArray[np.generic]:

@@ -75,27 +75,27 @@ def read_tracks(animation: Record, accessors: Accessors, node_count: int, repair
             continue
         place = channel.index("sampler", len(samplers))
         if place is None:
-            raise channel.wrong("sampler", "the number of a sampler")
+            raise channel.value_error("sampler", "the number of a sampler")
         sampler = samplers[place]
         interpolation = sampler.text("interpolation", "LINEAR")
         if interpolation not in ("LINEAR", "STEP", "CUBICSPLINE"):
-            raise sampler.wrong("interpolation", "LINEAR, STEP or CUBICSPLINE")
+            raise sampler.value_error("interpolation", "LINEAR, STEP or CUBICSPLINE")
         keys, output = sampler.index("input", accessors.count), sampler.index("output", accessors.count)
         if keys is None or output is None:
-            raise sampler.wrong("input and output", "the numbers of two accessors")
+            raise sampler.value_error("input and output", "the numbers of two accessors")
         times = accessors.numbers(keys, 1)[:, 0]
         values = accessors.numbers(output, _WIDTHS[path], missing=True)
         spline = interpolation == "CUBICSPLINE"
         if not len(times) or (np.diff(times) <= 0.0).any() or np.abs(times).max() > _LONGEST:
-            raise sampler.wrong("input", "times that rise")
+            raise sampler.value_error("input", "times that rise")
         if len(values) != len(times) * (3 if spline else 1):
-            raise sampler.wrong("output", "a value for every time")
+            raise sampler.value_error("output", "a value for every time")
         values = values.reshape(len(times), 3 if spline else 1, -1)
         known = np.isfinite(values).all(axis=(1, 2))
         if path == "rotation" and not spline:
             known &= np.linalg.norm(values[:, 0], axis=1) > _NO_TURN
         if not known.any():
-            raise sampler.wrong("output", f"numbers{', and rotations that are not zero' * (path == 'rotation')}")
+            raise sampler.value_error("output", f"numbers{', and rotations that are not zero' * (path == 'rotation')}")
         lacking += times[~known].tolist()
         every, times, values = times, times[known], values[known] if spline else values[known, 0]
         if path == "rotation" and not spline:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.kinematics import joint_positions
 from studio.core.body.pose import PoseSequence
-from studio.core.body.rehanging import over_feet, rehang, rehung
+from studio.core.body.rehanging import reparented_motion, reparented_order, with_body_over_feet
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
@@ -19,7 +19,7 @@ from studio.io.capture_guesses import (
     body_by_shape_in,
     body_guesses,
     loose_guesses,
-    stood_capture,
+    make_capture,
     with_sides_right,
 )
 from studio.io.figure.body_maps import find_body, loose_feet, loose_hands
@@ -32,7 +32,7 @@ from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_and_trunk
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
 from studio.io.scene.proper_rotations import proper_rotations
-from studio.io.up_axis import BodyPoints, axis_called, guess_up_axis, said_axis, turn_to_world
+from studio.io.up_axis import BodyPoints, axis_called, guess_up_axis, stated_axis, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
@@ -105,10 +105,10 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
     rest = rest_places[0]
     feet, hands = loose_feet(skeleton), loose_hands(skeleton)
     if feet or hands:
-        poses, behind = over_feet(skeleton, poses, feet) if feet else (poses, 0.0)
+        poses, behind = with_body_over_feet(skeleton, poses, feet) if feet else (poses, 0.0)
         places = joint_positions(skeleton, poses)
-        hanging = rehang(skeleton.parents, feet | hands)
-        skeleton, poses = rehung(skeleton, poses, hanging)
+        hanging = reparented_order(skeleton.parents, feet | hands)
+        skeleton, poses = reparented_motion(skeleton, poses, hanging)
         places, rest = places[:, hanging.order], rest[hanging.order]
         guesses += loose_guesses(feet, hands, behind)
     sample = places[looked_at]
@@ -122,7 +122,7 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
     if found.body_map is not None and options.up_axis is None:
         after = places[np.minimum(looked_at + 1, len(times) - 1)]
         body = BodyPoints.of_joints(np.stack([sample, after]) @ to_world, found.body_map)
-        guess = guess_up_axis(body, said_axis(axis))
+        guess = guess_up_axis(body, stated_axis(axis))
         if guess.value != axis:
             return _capture(file, replace(options, up_axis=guess.value), progress).with_guess(guess)
     leg, trunk = leg_and_trunk(sample, found.body_map)
@@ -131,7 +131,7 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
     skeleton = replace(skeleton, offsets=metres * skeleton.offsets)
     poses = replace(poses, local_translations=metres * poses.local_translations)
     read = ReadJoints(path, skeleton, poses, metres * places, rate, unit, axis, tuple(repairs))
-    capture = stood_capture(read, found, options, guesses)
+    capture = make_capture(read, found, options, guesses)
     progress(1.0, f"Loaded {path.name}")
     return capture
 

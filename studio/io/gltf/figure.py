@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.names import readable
+from studio.core.names import readable_name
 from studio.io.figure.figure import MOST_FIGURE_JOINTS, NO_SKELETON, Y_UP_AXES, Figure, rotations_of, scales_of
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import GltfFile
@@ -60,7 +60,7 @@ def _figure(
     names = nodes.names()
     pieces = reader.pieces(world, places)
     return Figure(
-        name=readable(file.path.stem),
+        name=readable_name(file.path.stem),
         source=file.path.name,
         joint_names=tuple(names[node] for node in joints),
         parents=tuple(places.get(nodes.parents[node], -1) for node in joints),

@@ -6,7 +6,7 @@ import numpy as np
 
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
-from studio.core.names import counted
+from studio.core.names import counted_noun
 from studio.io.figure.figure import MOST_VERTICES, MeshPiece
 from studio.io.gltf.accessors import Accessors, FloatArray, IntArray
 from studio.io.gltf.container import GltfFile
@@ -122,7 +122,7 @@ class MeshReader:
         chosen, shares = np.concatenate(joints, axis=1), np.concatenate(weights, axis=1)
         lost = shares.sum(axis=1) < 1e-6
         if lost.any():
-            vertices = counted(int(np.count_nonzero(lost)), "vertex", "vertices")
+            vertices = counted_noun(int(np.count_nonzero(lost)), "vertex", "vertices")
             self.repairs.append(f"{vertices} had no weight; the first joint moves them.")
             shares[lost, 0] = 1.0
         shares /= shares.sum(axis=1, keepdims=True)

@@ -98,7 +98,7 @@ def node_parts(record: Record) -> tuple[FloatArray, FloatArray, FloatArray]:
     turn = np.array(record.numbers("rotation", (0.0, 0.0, 0.0, 1.0)))
     length = float(np.linalg.norm(turn))
     if length < 1e-6:
-        raise record.wrong("rotation", "a rotation, and not zero")
+        raise record.value_error("rotation", "a rotation, and not zero")
     move, scale = record.numbers("translation", (0.0, 0.0, 0.0)), record.numbers("scale", (1.0, 1.0, 1.0))
     return np.array(move), to_matrix(turn / length), np.array(scale)
 

@@ -9,7 +9,7 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from studio.core.errors import StudioError
-from studio.core.names import readable
+from studio.core.names import readable_name
 from studio.io.figure.figure import MOST_FIGURE_JOINTS, MOST_VERTICES, Y_UP_AXES, Figure, MeshPiece
 from studio.io.hanim.geometry import ShapeSurface, surface_of
 from studio.io.hanim.looks import ShapeMaterials
@@ -58,7 +58,7 @@ class _Reader:
         self._walk(whole, centred)
         self._skin(whole)
         return Figure(
-            name=readable(path.stem),
+            name=readable_name(path.stem),
             source=path.name,
             joint_names=tuple(self.names),
             parents=tuple(self.parents),

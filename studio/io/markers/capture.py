@@ -23,11 +23,19 @@ from studio.core.markers.proposing import PROPOSED
 from studio.core.markers.roles import ROLE, SIDE_WORDS
 from studio.core.markers.sides import exchanged_places
 from studio.core.markers.solve import SolvedBody, solve_body
-from studio.core.markers.take import FollowedBody, MarkerTake, follow
-from studio.core.markers.trial import MARKER_KIND, METRES, VIRTUAL_KIND, Trial, bare_label, subject_of, whole
-from studio.core.names import counted
+from studio.core.markers.take import MarkerTake, TrackedBody, track_body
+from studio.core.markers.trial import (
+    MARKER_KIND,
+    METRES,
+    VIRTUAL_KIND,
+    Trial,
+    label_without_subject,
+    seen_mask,
+    subject_of,
+)
+from studio.core.names import counted_noun
 from studio.core.rotations import IDENTITY_QUATERNION
-from studio.io.capture_guesses import chosen_reference
+from studio.io.capture_guesses import reference_by_option
 from studio.io.guessing import guess_floor
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress
@@ -61,7 +69,7 @@ def capture_of_take(
     take, guesses = _in_unit(take, options)
     there = _there(take)
     followed = None
-    lacking = f"{', '.join(there.lacking()[:6])} and others are missing"
+    lacking = f"{', '.join(there.missing_positions()[:6])} and others are missing"
     if there.has_legs() or there.has_arms():
         followed, lacking = _believable(take, options)
     progress(0.5, f"Finding the body of {take.trial.name}")
@@ -73,7 +81,7 @@ def capture_of_take(
 
 def _there(take: MarkerTake) -> MarkerMap:
     """Map restricted to markers of this trial."""
-    return take.marker_map.among(seen_labels(take.trial, take.subject, (MARKER_KIND, VIRTUAL_KIND)).values())
+    return take.marker_map.restricted_to(seen_labels(take.trial, take.subject, (MARKER_KIND, VIRTUAL_KIND)).values())
 
 
 def _in_unit(take: MarkerTake, options: ImportOptions) -> tuple[MarkerTake, list[Guess]]:
@@ -84,7 +92,7 @@ def _in_unit(take: MarkerTake, options: ImportOptions) -> tuple[MarkerTake, list
     return replace(take, trial=replace(take.trial, unit=options.unit)), []
 
 
-def _body(take: MarkerTake, followed: FollowedBody, options: ImportOptions, guesses: list[Guess]) -> Capture:
+def _body(take: MarkerTake, followed: TrackedBody, options: ImportOptions, guesses: list[Guess]) -> Capture:
     trial, first = take.trial, followed.first_frame
     up_axis = _up_axis(followed, options, guesses)
     turn = turn_to_world(up_axis).T
@@ -135,9 +143,9 @@ def _from_the_start(poses: PoseSequence, first: int) -> PoseSequence:
     )
 
 
-def _believable(take: MarkerTake, options: ImportOptions) -> tuple[FollowedBody | None, str]:
+def _believable(take: MarkerTake, options: ImportOptions) -> tuple[TrackedBody | None, str]:
     """Tracked body; None, and the reason, if it is not of human size, so that the map must be wrong."""
-    followed = follow(take)
+    followed = track_body(take)
     if not followed.joints:
         return None, f"the map '{take.marker_map.name}' leaves a joint of every limb open"
     length = _limb_length(followed.joints)
@@ -155,7 +163,7 @@ def _limb_length(joints: Mapping[str, FloatArray]) -> float:
     return float(np.median(bones)) * (1.0 if legs else 1.5)
 
 
-def _up_axis(followed: FollowedBody, options: ImportOptions, guesses: list[Guess]) -> str:
+def _up_axis(followed: TrackedBody, options: ImportOptions, guesses: list[Guess]) -> str:
     if options.up_axis is not None:
         return axis_called(options.up_axis)
     joints, first = _with_a_trunk(followed), followed.first_frame
@@ -176,7 +184,7 @@ def _up_axis(followed: FollowedBody, options: ImportOptions, guesses: list[Guess
     return guess.value
 
 
-def _with_a_trunk(followed: FollowedBody) -> Mapping[str, FloatArray]:
+def _with_a_trunk(followed: TrackedBody) -> Mapping[str, FloatArray]:
     """Joint centres by name; shoulders without markers stand over their hips as the pelvis does."""
     joints = followed.joints
     if "left_hip" not in joints or "left_shoulder" in joints or not has_pelvis(followed.tracks):
@@ -223,12 +231,12 @@ def _floor(
 
 def _reference(solved: SolvedBody, options: ImportOptions) -> FloatArray:
     """Zero pose, since the body was solved with a T-pose there."""
-    return chosen_reference(solved.skeleton, solved.poses, solved.body_map, options.reference or "zero")
+    return reference_by_option(solved.skeleton, solved.poses, solved.body_map, options.reference or "zero")
 
 
 def _body_guesses(
     take: MarkerTake,
-    followed: FollowedBody,
+    followed: TrackedBody,
     solved: SolvedBody,
     off: Mapping[str, FloatArray],
 ) -> list[Guess]:
@@ -240,7 +248,7 @@ def _body_guesses(
         Guess(
             "marker map",
             take.marker_map.name,
-            f"{counted(len(used.labels), 'marker')} at {counted(len(used.markers), 'place')}.",
+            f"{counted_noun(len(used.labels), 'marker')} at {counted_noun(len(used.markers), 'place')}.",
             Confidence.LIKELY if take.marker_map.name == PROPOSED else Confidence.SURE,
         ),
         Guess(
@@ -272,7 +280,7 @@ def _body_guesses(
         if report.told
     ]
     if first or followed.unseen:
-        unseen = counted(followed.unseen, "frame")
+        unseen = counted_noun(followed.unseen, "frame")
         words = f"In {unseen} some place is not seen: it moves straight on as seen from the pelvis."
         guesses.append(Guess("first frame", str(first), words if followed.unseen else "", Confidence.SURE))
     if left_out := take.trial.frame_count - len(next(iter(followed.joints.values()))):
@@ -381,11 +389,11 @@ def _cloud(take: MarkerTake, lacking: str, options: ImportOptions, guesses: list
     points = trial.metres * trial.points[:, [trial.labels.index(label) for label in labels]] @ turn_to_world(up_axis).T
     frames = np.arange(trial.frame_count)
     for place in range(len(labels)):
-        seen = np.flatnonzero(whole(points[:, place]))
+        seen = np.flatnonzero(seen_mask(points[:, place]))
         for axis in range(3):
             points[:, place, axis] = np.interp(frames, seen, points[seen, place, axis])
     translations = np.concatenate([np.zeros((len(points), 1, 3)), points], axis=1)
-    names = ("Markers", *(bare_label(label) for label in labels))
+    names = ("Markers", *(label_without_subject(label) for label in labels))
     skeleton = Skeleton(
         names,
         np.array([-1, *[0] * len(labels)]),

@@ -13,9 +13,9 @@ from studio.core.errors import StudioError
 from studio.core.markers.ends import exchanged_ends, exchanged_on_limbs, with_roles
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.proposing import propose_map
-from studio.core.markers.sides import exchanged_places, with_exchanged
+from studio.core.markers.sides import exchanged_places, with_sides_exchanged
 from studio.core.markers.trial import MARKER_KIND, VIRTUAL_KIND, Trial, subject_of
-from studio.io.atomic_write import write_whole
+from studio.io.atomic_write import write_atomically
 from studio.io.json_text import read_json
 from studio.resources_folder import resources_folder
 
@@ -38,7 +38,7 @@ def find_map(trial: Trial, subject: str = "") -> MarkerMap:
     proposed, known = propose_map(trial, subject), _best(_shipped_maps(), labels)
     found = proposed if known is None else _completed(known, proposed)
     found = with_roles(found, exchanged_ends(trial, found, subject))
-    found = with_exchanged(found, exchanged_places(trial, found, subject))
+    found = with_sides_exchanged(found, exchanged_places(trial, found, subject))
     return with_roles(found, exchanged_on_limbs(trial, found, subject))
 
 
@@ -173,7 +173,7 @@ def save_map(marker_map: MarkerMap, path: Path | None = None) -> Path:
     record["markers"] = {role: list(labels) for role, labels in marker_map.markers.items()}
     if marker_map.centres:
         record["centres"] = dict(marker_map.centres)
-    write_whole(path, (json.dumps(record, indent=2, ensure_ascii=False) + "\n").encode())
+    write_atomically(path, (json.dumps(record, indent=2, ensure_ascii=False) + "\n").encode())
     return path
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.captures.capture import Guess
-from studio.core.markers.marker_map import MarkerMap, middles, role_markers, seen_labels
+from studio.core.markers.marker_map import MarkerMap, role_markers, role_middles, seen_labels
 from studio.core.markers.trial import METRES, Trial
 from studio.io.guessing import Scale, find_unit
 from studio.io.markers.maps import find_map
@@ -56,7 +56,7 @@ def in_believable_unit(
 
 def _leg(trial: Trial, marker_map: MarkerMap, subject: str) -> float | None:
     """Median length of a leg in units of the file, by markers near its joints, or by an arm's; None without either."""
-    places = middles(role_markers(trial, marker_map, subject))
+    places = role_middles(role_markers(trial, marker_map, subject))
     lengths = []
     for chain, factor in ((("front_hip", "knee", "ankle"), 1.0), (("shoulder", "elbow", "wrist"), _LEG_OF_ARM)):
         for side in ("left", "right"):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.io.atomic_write import replacing
+from studio.io.atomic_write import atomic_replacement
 from studio.io.child_process import Streams, child_process, wait_for
 from studio.io.png import write_pictures
 
@@ -77,7 +77,7 @@ def film_encoder(path: Path, source: Streams, size: tuple[int, int], frame_rate:
     """
     if size[0] % 2 or size[1] % 2:
         raise StudioError(f"A video's width and height are even numbers, not {size[0]}x{size[1]}.")
-    with replacing(path) as part, child_process(_command(part, size, frame_rate), source) as process:
+    with atomic_replacement(path) as part, child_process(_command(part, size, frame_rate), source) as process:
         yield FilmEncoder(process, path, part)
 
 

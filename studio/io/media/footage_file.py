@@ -11,7 +11,7 @@ from imageio_ffmpeg import count_frames_and_secs, get_ffmpeg_exe, read_frames
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.names import readable
+from studio.core.names import readable_name
 from studio.core.stage.footage import FOOTAGE_RATES, Footage
 from studio.io.child_process import child_process
 
@@ -52,7 +52,9 @@ def read_footage(path: Path) -> Footage:
     least, most = FOOTAGE_RATES
     rate = min(max(rate, least), most)
     # Frames of a telephone's film may last unequally long: those that are shown last equally long.
-    return Footage(readable(path.stem), str(path), max(round(seconds * rate), 1) if seconds else frames, rate, rate)
+    return Footage(
+        readable_name(path.stem), str(path), max(round(seconds * rate), 1) if seconds else frames, rate, rate
+    )
 
 
 def sequence_of(path: Path) -> tuple[Path, ...]:

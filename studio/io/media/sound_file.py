@@ -12,7 +12,7 @@ from imageio_ffmpeg import get_ffmpeg_exe
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.names import readable
+from studio.core.names import readable_name
 from studio.core.stage.beats import beats_of
 from studio.core.stage.sound_track import LOUDEST_PEAK, MOST_SOUND_SECONDS, PEAK_RATE, SoundTrack
 from studio.io.child_process import child_process, wait_for
@@ -36,7 +36,7 @@ def read_sound(path: Path, alive: Callable[[], object] = lambda: None) -> SoundT
     loud = np.abs(np.pad(samples, (0, -len(samples) % step))).reshape(-1, step).max(axis=1)
     peaks = np.round(LOUDEST_PEAK * np.clip(loud / max(float(loud.max()), 1e-9), 0.0, 1.0)).astype(int)
     return SoundTrack(
-        readable(path.stem), str(path), tuple(peaks.tolist()), tuple(beats_of(samples, SOUND_RATE).tolist())
+        readable_name(path.stem), str(path), tuple(peaks.tolist()), tuple(beats_of(samples, SOUND_RATE).tolist())
     )
 
 

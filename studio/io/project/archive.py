@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from studio.core.errors import StudioError
-from studio.io.atomic_write import FolderNotWritable, remove_leftovers, replacing
+from studio.io.atomic_write import FolderNotWritable, atomic_replacement, remove_leftovers
 from studio.io.referenced_files import SNIFFED, refuse_devices, refuse_stand_in
-from studio.io.zipped import UnpacksTooFarError, unpacked
+from studio.io.zipped import UnpacksTooFarError, unzipped_members
 
 SEAL = b"morpho-studio sha256:"
 DIGEST_SIZE = 64
@@ -79,7 +79,7 @@ def write_archive(
     path = path.resolve()
     remove_leftovers(path)
     try:
-        with replacing(path) as part:
+        with atomic_replacement(path) as part:
             _write_members(part, members, report)
             _seal(part)
             _verify(part, members)
@@ -150,7 +150,7 @@ def _walked(content: bytes) -> Archive:
 def _repacked(path: Path, content: bytes) -> dict[str, bytes]:
     """Members of an archive that another program has repacked, perhaps compressed; none if it is not an archive."""
     try:
-        return unpacked(content, 20 * len(content) + _SPARE_BYTES)
+        return unzipped_members(content, 20 * len(content) + _SPARE_BYTES)
     except UnpacksTooFarError as error:
         raise StudioError(
             f"'{path.name}' {error}, and a project is not that much smaller when it is packed. Ask whom it comes from"

@@ -22,7 +22,7 @@ from studio.core.mesh.character import Character
 from studio.core.mesh.hand_shapes import HandShapes
 from studio.core.mesh.rig import Rig, RigFile
 from studio.core.mesh.skin import Blending, SkinnedMesh
-from studio.io.atomic_write import replacing_all
+from studio.io.atomic_write import atomic_replacements
 from studio.io.figure.textures import checked_picture
 from studio.io.importing import ImportOptions
 from studio.io.json_text import json_of
@@ -77,7 +77,7 @@ def write_character(character: Character, path: Path) -> None:
         "materials": _material_records(character.skin.appearance),
         "build": character.build.to_json(),
     }
-    with replacing_all(mesh_path, path) as (mesh_part, part):
+    with atomic_replacements(mesh_path, path) as (mesh_part, part):
         mesh_part.write_bytes(mesh)
         part.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8", newline="\n")
 
@@ -96,7 +96,7 @@ def read_character(path: Path) -> Character:
     except (ValueError, TypeError, ArithmeticError, LookupError) as error:
         raise StudioError(f"{path}: the measures are damaged. {error}") from error
     skin = read_mesh(content, str(mesh_path), record.get("materials", []))
-    if not skin.fits(build.layout.segment_count):
+    if not skin.fits_body(build.layout.segment_count):
         raise StudioError(f"{mesh_path}: 'segments' names a segment that this body does not have.")
     name, colour = (_member(record, member, str, path) for member in ("name", "colour"))
     try:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.core.normalized.normalize import detected_contacts, normalize
+from studio.core.normalized.normalize import detected_contacts, normalize_capture
 from studio.io.export import Take
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
@@ -62,6 +62,6 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
     annotations = take.annotations
     if annotations.contacts is None:
         annotations = replace(annotations, contacts=detected_contacts(take.capture, ""))
-    motion, actor = normalize(take.capture, normalising)
+    motion, actor = normalize_capture(take.capture, normalising)
     s4d = S4d(take.capture, motion, actor, annotations)
     write_s4d(path, s4d, lambda share, text: progress(_NORMALISED + (1.0 - _NORMALISED) * share, text))

@@ -17,7 +17,7 @@ from studio.core.captures.capture import Capture, Guess
 from studio.core.errors import StudioError
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import girdle_of, restore
+from studio.core.normalized.realize import girdle_of, restore_joint_poses
 from studio.core.rotations import IDENTITY_QUATERNION, to_matrix
 from studio.io.json_text import json_of
 from studio.io.npy import array_of
@@ -25,7 +25,7 @@ from studio.io.project.constraint_file import constraint_of, contacts_of
 from studio.io.project.value_json import Json, MemberCodec, from_json
 from studio.io.referenced_files import read_bytes
 from studio.io.s4d.writer import CHANNELS, RECORD, ROTATIONS, S4D_FORMAT, S4D_VERSION, TRANSLATIONS, S4d
-from studio.io.zipped import UnpacksTooFarError, unpacked
+from studio.io.zipped import UnpacksTooFarError, unzipped_members
 
 FloatArray = NDArray[np.float64]
 
@@ -103,7 +103,7 @@ def _members(path: Path) -> tuple[int, dict[str, bytes]]:
     content = read_bytes(path)
     try:
         names = (RECORD, CHANNELS, ROTATIONS, TRANSLATIONS)
-        return len(content), unpacked(content, 20 * len(content) + _SPARE_BYTES, names)
+        return len(content), unzipped_members(content, 20 * len(content) + _SPARE_BYTES, names)
     except UnpacksTooFarError as error:
         raise StudioError(f"{path.name} {error}, far more than it can hold: it is not a motion. Delete it.") from error
     except ValueError as error:
@@ -203,7 +203,7 @@ def _capture(record: _Record, motion: NormalizedMotion, actor: SourceRig) -> Cap
         name=motion.name,
         source=record.provenance.source,
         skeleton=actor.skeleton,
-        poses=restore(motion, actor),
+        poses=restore_joint_poses(motion, actor),
         frame_rate=motion.frame_rate,
         body_map=BodyMap({BodyPart.PELVIS: joints[0], **parts}, tuple(joints[:spine])),
         reference_rotations=record.actor.reference_rotations,

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
-from studio.core.names import readable
+from studio.core.names import readable_name
 from studio.io.figure.body import character_of
 from studio.io.figure.figure import (
     MOST_VERTICES,
@@ -76,7 +76,7 @@ def _figure(path: Path, about: dict[str, Any], arrays: Arrays) -> Figure:
     names = [name or f"joint{place}" for place, name in enumerate(about["names"])]
     unique = [name if name not in names[:place] else f"{name}_{place}" for place, name in enumerate(names)]
     return Figure(
-        name=readable(path.stem),
+        name=readable_name(path.stem),
         source=path.name,
         joint_names=tuple(unique),
         parents=parents,

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.names import counted
+from studio.core.names import counted_noun
 
 FloatArray = NDArray[np.float64]
 
@@ -25,5 +25,5 @@ def proper_rotations(names: list[str], relative: FloatArray) -> tuple[FloatArray
     shown = ", ".join(joints[:_NAMED]) + (f" and {len(joints) - _NAMED} more" if len(joints) > _NAMED else "")
     frames = int(wrong.any(axis=1).sum())
     return relative, (
-        f"In {counted(frames, 'frame')} scales mirror or flatten {shown}; there the joint is turned as at rest.",
+        f"In {counted_noun(frames, 'frame')} scales mirror or flatten {shown}; there the joint is turned as at rest.",
     )

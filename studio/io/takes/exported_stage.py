@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
-from studio.core.names import readable
+from studio.core.names import readable_name
 from studio.core.rotations import from_matrix, sign_continuous
 from studio.core.solver.performers.performing import Performance
 from studio.core.stage.placement import Placement
@@ -116,7 +116,7 @@ def exported_stage(
         replace(camera, name=name)
         for name, camera in zip(names[len(takes) + len(props) :], project.cameras.values(), strict=True)
     )
-    return ExportedStage(readable(path.stem), tuple(takes), props, rate, len(seconds), cameras)
+    return ExportedStage(readable_name(path.stem), tuple(takes), props, rate, len(seconds), cameras)
 
 
 def write_stage(stage: ExportedStage, path: Path, progress: Progress = lambda share, text: None) -> Format:

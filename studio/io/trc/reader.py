@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from studio.core.errors import StudioError
 from studio.core.markers.subjects import with_subjects
 from studio.core.markers.trial import MARKER_KIND, Trial
-from studio.core.names import counted, readable
+from studio.core.names import counted_noun, readable_name
 from studio.io.markers.unit import named_unit
 from studio.io.numbers import count_per_line, lines_of, number, table
 from studio.io.referenced_files import read_bytes
@@ -51,13 +51,13 @@ def read_trc(path: Path, progress: Callable[[float], object] = lambda share: Non
     points[unseen] = np.nan
     if markers not in (0, len(labels)):
         repairs.append(
-            f"{name}, line 3: the file says {counted(markers, 'marker')}; with a name, and read: {len(labels)}."
+            f"{name}, line 3: the file says {counted_noun(markers, 'marker')}; with a name, and read: {len(labels)}."
         )
     if frames not in (0, len(points)):
-        repairs.append(f"{name}, line 3: the file says {counted(frames, 'frame')}; found and read: {len(points)}.")
+        repairs.append(f"{name}, line 3: the file says {counted_noun(frames, 'frame')}; found and read: {len(points)}.")
     first = cells[0, 0]
     trial = Trial(
-        name=readable(path.stem),
+        name=readable_name(path.stem),
         source=name,
         labels=labels,
         kinds=(MARKER_KIND,) * len(labels),

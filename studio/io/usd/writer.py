@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
-from studio.core.names import readable
+from studio.core.names import readable_name
 from studio.core.rigs.joint_skin import JointSkin
 from studio.core.rotations import to_matrix
 from studio.core.stage.saved_camera import CAMERA_ASPECT, FARTHEST_SEEN, NEAREST_SEEN, VIEW_ANGLE, SavedCamera
-from studio.io.atomic_write import replacing_all
+from studio.io.atomic_write import atomic_replacements
 from studio.io.export import Take, plain_material, skin_of
 from studio.io.interrupts import deferred_interrupt
 from studio.io.registry import Progress
@@ -47,7 +47,7 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
         name = f"/{identifiers([take.name])[0]}"
         stage.SetDefaultPrim(stage.DefinePrim(name))
         return _put_take(
-            stage, take, name, readable(path.stem), lambda share: progress(0.9 * share, f"Writing {path.name}")
+            stage, take, name, readable_name(path.stem), lambda share: progress(0.9 * share, f"Writing {path.name}")
         )
 
     _write(path, fill, progress)
@@ -68,7 +68,7 @@ def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
             def reported(share: float, number: int = number) -> None:
                 progress(0.9 * (number + share) / len(stage.takes), f"Writing {path.name}")
 
-            pictures |= _put_take(made, take, f"/{top}/{name}", f"{readable(path.stem)}_{name}", reported)
+            pictures |= _put_take(made, take, f"/{top}/{name}", f"{readable_name(path.stem)}_{name}", reported)
         for prop, name in zip(stage.props, names[len(stage.takes) :], strict=False):
             _put_prop(made, prop, f"/{top}/{name}")
         for camera, name in zip(stage.cameras, names[len(stage.takes) + len(stage.props) :], strict=True):
@@ -96,7 +96,7 @@ def _write(path: Path, fill: Callable[[Any], dict[str, bytes]], progress: Progre
             progress(0.9, f"Writing {path.name}")
             written = _written(layer, stage, path.suffix.lower(), pictures, progress)
             beside = () if written.suffix == PACKED else tuple(pictures)
-            with replacing_all(path, *(path.with_name(name) for name in beside)) as parts:
+            with atomic_replacements(path, *(path.with_name(name) for name in beside)) as parts:
                 for part, name in zip(parts, (written.name, *beside), strict=True):
                     shutil.copyfile(Path(folder) / name, part)
     except Tf.ErrorException as error:

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from studio.core.constraints.base import Constraint
-from studio.core.stage.holding import grips
+from studio.core.stage.holding import grip_constraints
 from studio.core.stage.project import Project
 from studio.core.stage.prop import Carried, Prop
 from studio.library.scenes.papers import row
@@ -24,6 +24,6 @@ def three_boxes() -> Project:
     for width, (key, performer) in zip(BOX_WIDTHS, project.performers.items(), strict=True):
         name = f"Box of {performer.name.lower()}"
         box = props[f"box {key}"] = Prop(name, (0.22, width, 0.24), held=Carried(key, HANDS_CENTRE))
-        for place, grip in enumerate(grips("walk", key, f"box {key}", box, (0.0, last), 0)):
+        for place, grip in enumerate(grip_constraints("walk", key, f"box {key}", box, (0.0, last), 0)):
             asked[f"grip {key} {place}"] = grip
     return replace(project, props=props, constraints=asked)

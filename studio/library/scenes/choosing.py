@@ -12,16 +12,16 @@ from studio.core.constraints.follow import FollowProp
 from studio.core.mesh import hand_shapes
 from studio.core.mesh.character import Character
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.normalize import detected_contacts, normalize
-from studio.core.normalized.realize import realize
+from studio.core.normalized.normalize import detected_contacts, normalize_capture
+from studio.core.normalized.realize import realize_motion
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Motion, Performer, Project
 from studio.core.stage.prop import Prop, PropShape
 from studio.io.importing import load_capture
 from studio.library.indexing import bundled_library
 from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, bodies, material
-from studio.library.searching import Result, StrikeQuery, find
-from studio.library.striking import EASED_IN, aimed, tried
+from studio.library.searching import Result, StrikeQuery, search_strikes
+from studio.library.striking import EASED_IN, aimed_constraint, tried_strikes
 
 FIGHTER_BODIES = ("child", "adult_woman", "giant")
 GUARD_FRAMES = (240, 300)
@@ -39,12 +39,12 @@ MOST_STRIKES_TRIED = 4
 def one_target() -> Project:
     """Project of the scene. Raises StudioError if a bundled file cannot be read."""
     stuff = material(guard=("Guard", "straight_punch"))
-    guard, _ = normalize(stuff.captures["straight_punch"])
+    guard, _ = normalize_capture(stuff.captures["straight_punch"])
     library, people = bundled_library(), bodies(5)
     project = Project(stuff.captures, stuff.motions, {}, {}, {}, stuff.contacts)
     for place, key in enumerate(FIGHTER_BODIES):
         asked = target_of(guard, GUARD_FRAMES[1], people[key].morphology)
-        best = tried(find(library, asked, MOST_STRIKES_TRIED), asked)[0].found
+        best = tried_strikes(search_strikes(library, asked, MOST_STRIKES_TRIED), asked)[0].found
         project = _with_fighter(project, key, people[key], FIGHTER_SPACING * (1 - place), asked, best)
     return project
 
@@ -56,7 +56,7 @@ def target_of(
     root of ``body``, and above the ground.
     """
     pose = replace(guard, channels=guard.channels[frame : frame + 1])
-    x, y, _ = realize(pose, body)[0][0, 0].tolist()
+    x, y, _ = realize_motion(pose, body)[0][0, 0].tolist()
     return StrikeQuery(pose, body, (x + place[0], y, place[1]))
 
 
@@ -88,5 +88,5 @@ def _with_fighter(
         characters={**project.characters, key: replace(character, grip=hand_shapes.FIST_GRIP)},
         performers={**project.performers, key: performer},
         props={**project.props, target: ball},
-        constraints={**project.constraints, target: aimed(found, clip, FollowProp(target), asked.body)},
+        constraints={**project.constraints, target: aimed_constraint(found, clip, FollowProp(target), asked.body)},
     )

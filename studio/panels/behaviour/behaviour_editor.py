@@ -4,12 +4,12 @@ from PySide6.QtWidgets import QListWidget
 
 from studio.core.errors import StudioError
 from studio.core.stage.behaviour import Behaviour
-from studio.document.behaviour_commands import make_own, state_key
+from studio.document.behaviour_commands import detach_behaviour, state_key
 from studio.document.document import Document
-from studio.document.mnemonics import literal
+from studio.document.mnemonics import escaped_mnemonics
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor, EntityNameField
-from studio.panels.fields import ROW_HEIGHT, Choice, Section, labelled, press_button
+from studio.panels.fields import ROW_HEIGHT, Choice, Section, press_button, styled_label
 
 
 class BehaviourEditor(Editor[Behaviour]):
@@ -23,7 +23,7 @@ class BehaviourEditor(Editor[Behaviour]):
         self._start = Choice("Start state", ())
         self._start.value_chosen.connect(lambda name: self.change(f"Set {name} as start state", start=name))
         section.add_row("Start state", self._start)
-        self._players = labelled("", "value")
+        self._players = styled_label("", "value")
         self._players.setWordWrap(True)
         section.add_row("Used by", self._players)
         self._own = press_button("", self._make_own)
@@ -40,9 +40,9 @@ class BehaviourEditor(Editor[Behaviour]):
         self.column.addWidget(states)
         self.finish()
 
-    def concerns(self, collection: str, entity_id: str) -> bool:
+    def depends_on(self, collection: str, entity_id: str) -> bool:
         """True also for performers, which the form names."""
-        return super().concerns(collection, entity_id) or collection == "performers"
+        return super().depends_on(collection, entity_id) or collection == "performers"
 
     def refresh(self) -> None:
         """Update all fields from the document."""
@@ -61,7 +61,7 @@ class BehaviourEditor(Editor[Behaviour]):
         self._players.setText("\n".join(roles) or "no character yet")
         active = self.document.active_performer_id or ""
         self._own.setVisible(len(behaviour.cast) > 1 and behaviour.role_of(active) is not None)
-        self._own.setText(literal(f"Make unique for {called[active]}") if active else "")
+        self._own.setText(escaped_mnemonics(f"Make unique for {called[active]}") if active else "")
         if names != [self._states.item(row).text() for row in range(self._states.count())]:
             self._states.clear()
             self._states.addItems(names)
@@ -69,7 +69,7 @@ class BehaviourEditor(Editor[Behaviour]):
 
     def _make_own(self) -> None:
         performer_id = self.document.active_performer_id or ""
-        made = make_own(self.document, performer_id, self.entity_id)
+        made = detach_behaviour(self.document, performer_id, self.entity_id)
         self.document.selection.set(("performers", performer_id), ("behaviours", made))
 
     def _delete(self) -> None:

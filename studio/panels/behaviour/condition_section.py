@@ -16,8 +16,8 @@ from studio.core.stage.conditions import (
     TimeCondition,
 )
 from studio.core.stage.project import Project
-from studio.core.stage.whom import PELVIS_POINT, Whom
-from studio.panels.behaviour.part_editor import PartEditor, PointChoice, WhomRows
+from studio.core.stage.whom import PELVIS_POINT, BehaviourTarget
+from studio.panels.behaviour.part_editor import PartEditor, PointChoice, TargetChoiceRows
 from studio.panels.fields import Choice, NumberField, Section, TextField, press_button
 
 CONDITION_KINDS: dict[str, tuple[str, Condition]] = {
@@ -102,7 +102,7 @@ class ConditionSection(Section):
         self.add_row("Distance type", self._flat)
         self._point = PointChoice("Body point", lambda point: self._set_gap(point=point))
         self._point_caption = self.add_row("Body point", self._point)
-        self._whom = WhomRows(self, "To", self._set_whom)
+        self._whom = TargetChoiceRows(self, "To", self._set_whom)
 
     def _add_name(self, condition: Condition) -> None:
         is_key = isinstance(condition, KeyCondition)
@@ -131,5 +131,5 @@ class ConditionSection(Section):
         assert isinstance(self._condition, DistanceCondition)
         self._set("Set distance", gap=with_fields(self._condition.gap, **values))
 
-    def _set_whom(self, whom: Whom) -> None:
+    def _set_whom(self, whom: BehaviourTarget) -> None:
         self._set_gap(whom=whom)

@@ -14,10 +14,10 @@ from studio.core.stage.project import Project
 from studio.document import colours
 from studio.document.behaviour_commands import BehaviourEdit, edit_behaviour, state_key, transition_key
 from studio.document.document import Document
-from studio.document.mnemonics import literal
+from studio.document.mnemonics import escaped_mnemonics
 from studio.document.selection import Item
 from studio.panels.behaviour import diagram_drags
-from studio.panels.behaviour.diagram_items import Arrow, Box, StateItem, TransitionItem, bow_of
+from studio.panels.behaviour.diagram_items import Arrow, StateBox, StateItem, TransitionItem, bow_of
 from studio.panels.behaviour.words import clip_words, condition_words, manner_words
 
 SCENE = QRectF(-4000.0, -4000.0, 8000.0, 8000.0)
@@ -120,7 +120,7 @@ class Diagram(QGraphicsView):
 
     def connect_states(self, source: str, target: str) -> None:
         """Add a transition and select it, so that its form shows its conditions."""
-        if self.edit(lambda old: edits.connected(old, source, target), f"Add transition to {target}"):
+        if self.edit(lambda old: edits.with_new_transition(old, source, target), f"Add transition to {target}"):
             last = len(self.document.project.behaviours[self.behaviour_id].transitions) - 1
             self.select(("transitions", transition_key(self.behaviour_id, last)))
 
@@ -190,7 +190,7 @@ class Diagram(QGraphicsView):
         if self.behaviour is None or self.gesture is not None:
             return
         place = self.mapToScene(event.position().toPoint())
-        self.gesture = diagram_drags.begun(self, event, place)
+        self.gesture = diagram_drags.gesture_at_press(self, event, place)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Continue the current gesture; without one, highlight the item under the mouse."""
@@ -273,7 +273,7 @@ class Diagram(QGraphicsView):
             self.select(item)
         menu = QMenu(self)
         for text, run in self._choices(place):
-            menu.addAction(literal(text)).triggered.connect(lambda _=False, run=run: run())
+            menu.addAction(escaped_mnemonics(text)).triggered.connect(lambda _=False, run=run: run())
         menu.exec(event.globalPos())
 
     def _choices(self, place: QPointF) -> list[tuple[str, Callable[[], object]]]:
@@ -326,12 +326,12 @@ class Diagram(QGraphicsView):
         if self.gesture is not None:
             self.gesture.paint(painter)
 
-    def _box(self, behaviour: Behaviour, state: State) -> Box:
+    def _box(self, behaviour: Behaviour, state: State) -> StateBox:
         project = self.document.project
         active = self.document.active_performer_id
         inside = [role.performer_id for role in behaviour.cast if self.running.get(role.performer_id) == state.name]
         own = active if active in inside else None
-        return Box(
+        return StateBox(
             state.name,
             clip_words(state, project),
             tuple(manner_words(each, project) for each in state.manners),
@@ -364,7 +364,7 @@ class Diagram(QGraphicsView):
         taken = [item.rect for item in self.states.values()]
         taken += [area for arrow in self.arrows for area in (arrow.boundingRect(), arrow.label)]
         place = self.mapToScene(self.viewport().rect().center())
-        new = Box("State", "holds its pose", (), (0.0, 0.0)).rect.adjusted(
+        new = StateBox("State", "holds its pose", (), (0.0, 0.0)).rect.adjusted(
             -DIAGRAM_GRID, -DIAGRAM_MARGIN, DIAGRAM_GRID, DIAGRAM_MARGIN
         )
         while any(new.translated(place).intersects(each) for each in taken):

@@ -11,7 +11,7 @@ from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPen
 from studio.core.stage.behaviour import Behaviour
 from studio.document import colours
 from studio.document.behaviour_commands import state_key
-from studio.panels.behaviour.diagram_items import StateItem, towards
+from studio.panels.behaviour.diagram_items import StateItem, exit_point
 
 if TYPE_CHECKING:
     from studio.panels.behaviour.diagram import Diagram
@@ -50,7 +50,7 @@ class DiagramGesture:
         """Draw a preview of the gesture."""
 
 
-def begun(view: Diagram, event: QMouseEvent, place: QPointF) -> DiagramGesture | None:
+def gesture_at_press(view: Diagram, event: QMouseEvent, place: QPointF) -> DiagramGesture | None:
     """Gesture for a press at ``place``."""
     left = event.button() is Qt.MouseButton.LeftButton
     alt = bool(event.modifiers() & Qt.KeyboardModifier.AltModifier)
@@ -133,9 +133,9 @@ class DrawTransition(DiagramGesture):
         painter.setBrush(Qt.BrushStyle.NoBrush)
         end = self.now
         if target is not None and target is not source:
-            end = towards(target.rect, source.rect.center())
+            end = exit_point(target.rect, source.rect.center())
             painter.drawRoundedRect(target.rect.adjusted(-3, -3, 3, 3), 7, 7)
-        painter.drawLine(towards(source.rect, end), end)
+        painter.drawLine(exit_point(source.rect, end), end)
         painter.setBrush(QColor(colours.SELECTED_HANDLE))
         painter.drawEllipse(end, 3.0, 3.0)
 

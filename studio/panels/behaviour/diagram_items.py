@@ -34,7 +34,7 @@ def font(pixels: int, bold: bool = False) -> QFont:
 
 
 @dataclass(frozen=True)
-class Box:
+class StateBox:
     """State as shown: ``lit`` is the colour of the performer that is in it, ``dots`` those of others."""
 
     name: str
@@ -60,7 +60,7 @@ class Box:
 class StateItem(QGraphicsItem):
     """Box of a state; ``ready`` shows the rim from which an arrow can be drawn."""
 
-    def __init__(self, box: Box) -> None:
+    def __init__(self, box: StateBox) -> None:
         super().__init__()
         self.box, self.rect, self.ready = box, box.rect, False
         self.setZValue(2.0)
@@ -87,7 +87,7 @@ class StateItem(QGraphicsItem):
             painter.setPen(QPen(_faint(box.lit, 0.34 - 0.07 * step), 2.5))
             painter.drawRoundedRect(grown, RADIUS + step * 2.0, RADIUS + step * 2.0)
         ground = colours.SELECTED_ROW if box.selected else colours.CONTROL
-        painter.setBrush(QColor(colours.mixed(ground, box.lit, 0.35) if box.lit else ground))
+        painter.setBrush(QColor(colours.mixed_colour(ground, box.lit, 0.35) if box.lit else ground))
         edge = colours.SELECTED_HANDLE if box.selected else box.lit or "#3f4852"
         painter.setPen(QPen(QColor(edge), 1.6 if box.selected or box.lit else 1.0))
         painter.drawRoundedRect(rect, RADIUS, RADIUS)
@@ -162,7 +162,7 @@ class TransitionItem(QGraphicsItem):
     def paint(self, painter: QPainter, _option: QStyleOptionGraphicsItem, _widget: QWidget | None = None) -> None:
         """Draw the arrow."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        ink = QColor(self.ink)
+        ink = QColor(self.colour)
         painter.setBrush(Qt.BrushStyle.NoBrush)
         painter.setPen(QPen(ink, 2.0 if self.arrow.selected else 1.4))
         painter.drawPath(self._path)
@@ -170,7 +170,7 @@ class TransitionItem(QGraphicsItem):
         _paint_head(painter, self._path.currentPosition(), self._angle)
 
     @property
-    def ink(self) -> str:
+    def colour(self) -> str:
         """Colour of the arrow."""
         if self.arrow.selected:
             return colours.SELECTED_HANDLE
@@ -194,7 +194,7 @@ class WordsItem(QGraphicsItem):
         arrow, label = self._of.arrow, self._of.label
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         framed = arrow.selected or self._of.hovered
-        painter.setPen(QPen(QColor(self._of.ink), 1.0) if framed else Qt.PenStyle.NoPen)
+        painter.setPen(QPen(QColor(self._of.colour), 1.0) if framed else Qt.PenStyle.NoPen)
         painter.setBrush(QColor(colours.SELECTED_ROW if arrow.selected else colours.PANEL))
         painter.drawRoundedRect(label, 4.0, 4.0)
         for place, text in enumerate(arrow.words):
@@ -207,7 +207,7 @@ def bow_of(order: int, returns: bool) -> float:
     return (BOW if returns else 0.0) + NEXT_BOW * order
 
 
-def towards(rect: QRectF, place: QPointF) -> QPointF:
+def exit_point(rect: QRectF, place: QPointF) -> QPointF:
     """Point at which the line from the centre of a box to a position leaves the box."""
     centre = rect.center()
     dx, dy = place.x() - centre.x(), place.y() - centre.y()
@@ -239,7 +239,7 @@ def _path_of(arrow: Arrow) -> tuple[QPainterPath, float]:
         return _loop(arrow)
     start, end = arrow.source.center(), arrow.target.center()
     control = (start + end) / 2 + _aside(arrow) * arrow.bow * 2.0
-    begin, finish = towards(arrow.source, control), towards(arrow.target, control)
+    begin, finish = exit_point(arrow.source, control), exit_point(arrow.target, control)
     path = QPainterPath(begin)
     path.quadTo(control, finish)
     angle = math.atan2(finish.y() - control.y(), finish.x() - control.x())

@@ -11,9 +11,9 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.stage.behaviour import State
 from studio.core.stage.manners import WHOLE_CLIP, KeepDistance, LeanAway, Manner, Meet
 from studio.core.stage.project import Project
-from studio.core.stage.whom import Whom
+from studio.core.stage.whom import BehaviourTarget
 from studio.panels.behaviour.condition_section import DISTANCE_UNITS
-from studio.panels.behaviour.part_editor import PartEditor, PointChoice, WhomRows
+from studio.panels.behaviour.part_editor import PartEditor, PointChoice, TargetChoiceRows
 from studio.panels.fields import Choice, NumberField, Section, check_box, press_button
 
 TITLES: dict[type, str] = {KeepDistance: "Keep distance", LeanAway: "Lean away", Meet: "Reach for partner"}
@@ -40,7 +40,7 @@ class MannerSection(Section):
         if not isinstance(manner, KeepDistance):
             self._point = PointChoice("Body point", lambda point: self._set(point=point))
             self.add_row("Body point", self._point)
-        self._whom = WhomRows(self, "Target" if isinstance(manner, Meet) else "From", self._set_whom)
+        self._whom = TargetChoiceRows(self, "Target" if isinstance(manner, Meet) else "From", self._set_whom)
         match manner:
             case KeepDistance():
                 self._add_number("Distance", "distance")
@@ -106,7 +106,7 @@ class MannerSection(Section):
     def _set(self, **values: object) -> None:
         self._put(lambda: with_fields(self._manner, **values), self._words)
 
-    def _set_whom(self, whom: Whom) -> None:
+    def _set_whom(self, whom: BehaviourTarget) -> None:
         self._set(whom=whom)
 
     @property

@@ -6,10 +6,10 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QStackedLayout, QVBoxLayout, QWidget
 
 from studio.core.errors import StudioError
-from studio.document.behaviour_commands import let_play, shown_behaviour
+from studio.document.behaviour_commands import set_cast, shown_behaviour
 from studio.document.document import Document
 from studio.panels.behaviour.diagram import Diagram
-from studio.panels.fields import Choice, labelled, press_button
+from studio.panels.fields import Choice, press_button, styled_label
 
 NOBODY = "Select a character to edit its behaviour for live play."
 NO_BEHAVIOUR_HINT = (
@@ -82,11 +82,11 @@ class BehaviourPanel(QWidget):
         row = QHBoxLayout(bar)
         row.setContentsMargins(12, 4, 12, 4)
         row.setSpacing(8)
-        self._name: QLabel = labelled("", "title")
+        self._name: QLabel = styled_label("", "title")
         self._choice, self._partner = Choice("Behaviour", ()), Choice("Partner", ())
         self._choice.setToolTip("What it does during live play. Several characters can share one behaviour.")
         self._partner.setToolTip("Character it reacts to: it keeps its distance, blocks and strikes.")
-        self._against = labelled("against", "second")
+        self._against = styled_label("against", "second")
         for choice in (self._choice, self._partner):
             choice.setMinimumContentsLength(14)
         self._choice.value_chosen.connect(lambda key: self._let_play(str(key), str(self._partner.value or "")))
@@ -109,7 +109,7 @@ class BehaviourPanel(QWidget):
         column = QVBoxLayout(page)
         column.setContentsMargins(24, 12, 24, 12)
         column.setSpacing(12)
-        self._words = labelled(NOBODY, "hint")
+        self._words = styled_label(NOBODY, "hint")
         self._words.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._ready = QWidget()
         row = QHBoxLayout(self._ready)
@@ -131,7 +131,7 @@ class BehaviourPanel(QWidget):
         if performer_id is None:
             return
         try:
-            let_play(self.document, performer_id, behaviour_id or None, partner_id)
+            set_cast(self.document, performer_id, behaviour_id or None, partner_id)
         except StudioError as error:
             self.document.problem_reported.emit(str(error))
         self.document.selection.set(("performers", performer_id))

@@ -8,7 +8,7 @@ from studio.core.constraints.follow import FollowPerformer, FollowProp
 from studio.core.errors import StudioError
 from studio.core.stage.behaviour import Behaviour, State, Transition
 from studio.core.stage.project import Project
-from studio.core.stage.whom import PELVIS_POINT, FollowPartner, Whom
+from studio.core.stage.whom import PELVIS_POINT, BehaviourTarget, FollowPartner
 from studio.document.behaviour_commands import BehaviourEdit, behaviour_with, edit_behaviour
 from studio.panels.behaviour.words import point_choices, point_name
 from studio.panels.editor import Editor
@@ -40,7 +40,7 @@ class PartEditor(Editor[PartT_co], Generic[PartT_co]):
             return False
         return True
 
-    def concerns(self, collection: str, entity_id: str) -> bool:
+    def depends_on(self, collection: str, entity_id: str) -> bool:
         """True for performers, props and motions, which behaviours name."""
         return collection in ("behaviours", "performers", "props", "motions")
 
@@ -59,11 +59,11 @@ class PointChoice(Choice):
         self.show_value(point)
 
 
-class WhomRows:
+class TargetChoiceRows:
     """Rows for a target and its point; ``put`` is called with the user's choice."""
 
-    def __init__(self, section: Section, label: str, put: Callable[[Whom], None]) -> None:
-        self._whom: Whom = FollowPartner()
+    def __init__(self, section: Section, label: str, put: Callable[[BehaviourTarget], None]) -> None:
+        self._whom: BehaviourTarget = FollowPartner()
         self._put = put
         self._choice = Choice(label, ())
         self._choice.value_chosen.connect(self._chosen)
@@ -71,7 +71,7 @@ class WhomRows:
         self._point = PointChoice("Point followed", lambda point: put(_at(self._whom, point)))
         self._caption = section.add_row("Point followed", self._point)
 
-    def show_whom(self, whom: Whom, project: Project, with_point: bool = True) -> None:
+    def show_whom(self, whom: BehaviourTarget, project: Project, with_point: bool = True) -> None:
         """Show the document's values; props, and horizontal distances, have no points."""
         self._whom = whom
         point = getattr(whom, "point", PELVIS_POINT)
@@ -87,7 +87,7 @@ class WhomRows:
     def _chosen(self, value: tuple[str, str]) -> None:
         kind, key = value
         point = getattr(self._whom, "point", PELVIS_POINT)
-        made: dict[str, Whom] = {
+        made: dict[str, BehaviourTarget] = {
             "partner": FollowPartner(point),
             "performers": FollowPerformer(key, point),
             "props": FollowProp(key),
@@ -95,7 +95,7 @@ class WhomRows:
         self._put(made[kind])
 
 
-def _who(whom: Whom) -> tuple[str, str]:
+def _who(whom: BehaviourTarget) -> tuple[str, str]:
     match whom:
         case FollowPerformer():
             return "performers", whom.performer_id
@@ -104,5 +104,5 @@ def _who(whom: Whom) -> tuple[str, str]:
     return "partner", ""
 
 
-def _at(whom: Whom, point: BodyPoint) -> Whom:
+def _at(whom: BehaviourTarget, point: BodyPoint) -> BehaviourTarget:
     return FollowPerformer(whom.performer_id, point) if isinstance(whom, FollowPerformer) else FollowPartner(point)

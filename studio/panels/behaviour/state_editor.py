@@ -20,7 +20,7 @@ from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.behaviour.manner_section import TITLES, MannerSection, PutManner
 from studio.panels.behaviour.part_editor import PartEditor
-from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, TextField, check_box, labelled
+from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, TextField, check_box, styled_label
 
 ADD = "Add reaction"
 NEW_MANNERS: dict[str, Manner] = {TITLES[type(each)]: each for each in (KeepDistance(), LeanAway(), Meet())}
@@ -43,7 +43,7 @@ class StateEditor(PartEditor[State]):
         self._add = Choice("Add reaction", [(None, ADD), *((title, title) for title in NEW_MANNERS)])
         self._add.value_chosen.connect(self._add_manner)
         row.addWidget(self._add)
-        row.addWidget(labelled("Constraints of the clip stay active while the state lasts.", "hint"))
+        row.addWidget(styled_label("Constraints of the clip stay active while the state lasts.", "hint"))
         self.column.addWidget(below)
         self.finish()
 

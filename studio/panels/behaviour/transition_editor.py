@@ -14,7 +14,7 @@ from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.behaviour.condition_section import ConditionSection, PutCondition
 from studio.panels.behaviour.part_editor import PartEditor
-from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, press_button, styled_label
 
 
 class TransitionEditor(PartEditor[Transition]):
@@ -33,7 +33,7 @@ class TransitionEditor(PartEditor[Transition]):
         )
         self._blend.setSpecialValueText("automatic")
         section.add_row("Blend", self._blend)
-        self._order = labelled("", "value")
+        self._order = styled_label("", "value")
         self._earlier = press_button("Move up", self._try_earlier)
         self._earlier.setToolTip("If several transitions apply, the first in this order is taken.")
         section.add_row("Order", self._order, self._earlier)
@@ -46,7 +46,7 @@ class TransitionEditor(PartEditor[Transition]):
         row = QVBoxLayout(below)
         row.setContentsMargins(FIELD_ICON_PX, 12, FIELD_ICON_PX, 0)
         row.addWidget(press_button("Add condition", self._add))
-        row.addWidget(labelled("All conditions must be true in the same frame.", "hint"))
+        row.addWidget(styled_label("All conditions must be true in the same frame.", "hint"))
         self.column.addWidget(below)
         self.finish()
 
@@ -102,7 +102,7 @@ class TransitionEditor(PartEditor[Transition]):
         self._set("Add condition", conditions=(*self.entity.conditions, ClipEndCondition()))
 
     def _try_earlier(self) -> None:
-        new, place = edits.tried_earlier(self.behaviour, self.place)
+        new, place = edits.with_transition_moved_up(self.behaviour, self.place)
         performers = [item for item in self.document.selection.items if item[0] == "performers"]
         behaviour_id = self.behaviour_id
         if self.edit(lambda _: new, "Move transition up"):

@@ -15,7 +15,7 @@ from studio.core.stage.conditions import (
 )
 from studio.core.stage.manners import ARM_POINT, FIST_POINT, HEAD_POINT, KeepDistance, LeanAway, Manner
 from studio.core.stage.project import Project
-from studio.core.stage.whom import FollowPartner, Whom
+from studio.core.stage.whom import BehaviourTarget, FollowPartner
 from studio.document.length_units import length_text
 from studio.engine.point_names import POINT_NAMES, point_words
 
@@ -51,7 +51,7 @@ def point_choices() -> list[tuple[BodyPoint, str]]:
     return [(point, name.capitalize()) for point, name in {**NAMED, **joints}.items()]
 
 
-def whom_name(whom: Whom, project: Project) -> str:
+def target_name(whom: BehaviourTarget, project: Project) -> str:
     """Name of the target: the partner, a performer or a prop."""
     match whom:
         case FollowPartner():
@@ -68,7 +68,7 @@ def condition_words(condition: Condition, project: Project) -> str:
     match condition:
         case DistanceCondition():
             gap = condition.gap
-            where = whom_name(gap.whom, project)
+            where = target_name(gap.whom, project)
             if not gap.flat and isinstance(gap.whom, FollowPartner | FollowPerformer):
                 where = f"{where}'s {point_name(gap.whom.point)}"
             return f"{where} {'<' if condition.closer else '>'} {condition.distance:.2f} {gap.unit}"
@@ -83,7 +83,7 @@ def condition_words(condition: Condition, project: Project) -> str:
 
 def manner_words(manner: Manner, project: Project) -> str:
     """Text of a manner in which a state is played, for its box."""
-    whom = whom_name(manner.whom, project)
+    whom = target_name(manner.whom, project)
     match manner:
         case KeepDistance():
             return f"keeps {manner.distance:.2f} {manner.gap.unit} from {whom}"
@@ -92,7 +92,7 @@ def manner_words(manner: Manner, project: Project) -> str:
     return f"{point_name(manner.point)} meets {_point_of(manner.whom)}"
 
 
-def _point_of(whom: Whom) -> str:
+def _point_of(whom: BehaviourTarget) -> str:
     return point_name(whom.point) if isinstance(whom, FollowPartner | FollowPerformer) else "prop"
 
 

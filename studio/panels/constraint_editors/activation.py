@@ -68,7 +68,7 @@ class ActivationSection(Section):
 
     def _change(self, what: str, **times: float) -> None:
         editor = self._editor
-        editor.put(
+        editor.replace_entity(
             lambda: replace(editor.entity, activation=with_fields(editor.entity.activation, **times)),
             f"{what} of {editor.entity.name}",
         )
@@ -95,7 +95,7 @@ class ActivationSection(Section):
 
     def _set_shape(self, shape: EaseShape) -> None:
         editor = self._editor
-        editor.put(
+        editor.replace_entity(
             lambda: replace(editor.entity, activation=replace(editor.entity.activation, shape=shape)),
             f"Set interpolation of {editor.entity.name}",
         )

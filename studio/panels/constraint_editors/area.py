@@ -87,7 +87,7 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
             widget.setVisible(turned)
 
     def _set_centre(self, place: tuple[float, ...]) -> None:
-        self._source.put(place, f"Move {self.entity.name}")
+        self._source.set_numbers(place, f"Move {self.entity.name}")
 
     def _set(self, verb: str, **values: object) -> None:
         self.change(f"{verb} {self.entity.name}", **values)
@@ -114,4 +114,4 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         self._set("Set shape of", shape=shape, size=size)
 
     def _set_heading(self, degrees: float) -> None:
-        self._direction.put(math.radians(degrees), f"Rotate {self.entity.name}")
+        self._direction.set_number(math.radians(degrees), f"Rotate {self.entity.name}")

@@ -2,7 +2,7 @@
 
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.panels.constraint_editors.common import ConstraintEditor
-from studio.panels.constraint_editors.present import mass_now
+from studio.panels.constraint_editors.present import current_centre_of_mass
 from studio.panels.constraint_editors.target_rows import TargetRows
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.fields import NumberField, Section, Segments, check_box
@@ -53,13 +53,13 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
 
     def _set_mode(self, mode: str) -> None:
         """Set the target; a position begins at the active body's present centre of mass."""
-        now = (mass_now(self) or (0.0, 0.0, 0.0))[:2]
+        now = (current_centre_of_mass(self) or (0.0, 0.0, 0.0))[:2]
         place = {OWN_BALANCE: None, PLACE_BALANCE: now, SUPPORT_BALANCE: Support()}[mode]
         self.change(f"Set position of {self.entity.name}", place=place)
 
     def _set_place(self, place: tuple[float, ...]) -> None:
         flat = isinstance(self.entity.place, tuple) and len(self.entity.place) == 2
-        self._source.put(place[:2] if flat else place, f"Move position of {self.entity.name}")
+        self._source.set_numbers(place[:2] if flat else place, f"Move position of {self.entity.name}")
 
     def _set_margin(self, centimetres: float) -> None:
         self.change(f"Set margin of {self.entity.name}", place=Support(centimetres * BALANCE_STEP))

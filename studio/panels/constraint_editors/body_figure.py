@@ -105,9 +105,9 @@ class BodyFigure(QWidget):
                 colour = colours.EDGE
                 if self._weights.get(part, 0.0) > 0.0:
                     share = 0.35 + 0.65 * self._weights[part]
-                    colour = colours.mixed(colours.EDGE, colours.KINDS["position"], share)
+                    colour = colours.mixed_colour(colours.EDGE, colours.KINDS["position"], share)
                 if part == self._under:
-                    colour = colours.mixed(colour, "#ffffff", 0.18)
+                    colour = colours.mixed_colour(colour, "#ffffff", 0.18)
                 painter.setPen(QColor(colour))
                 painter.setBrush(QColor(colour))
                 radius = min(shape.width(), shape.height()) / 2 if part == BodyPart.HEAD else 4

@@ -11,7 +11,7 @@ from studio.core.constraints.base import CHAIN_LINKS, Constraint
 from studio.panels.constraint_editors.body_figure import BodyFigure
 from studio.panels.constraint_editors.segment_weights import SegmentWeights, weight_field
 from studio.panels.editor import Editor
-from studio.panels.fields import NumberField, Section, labelled
+from studio.panels.fields import NumberField, Section, styled_label
 
 TRUNK_SEGMENTS = (BodyPart.ABDOMEN, BodyPart.THORAX)
 
@@ -77,7 +77,7 @@ class ChainSection(Section):
         grid.setHorizontalSpacing(8)
         grid.setVerticalSpacing(2)
         for place, link in enumerate(CHAIN_LINKS):
-            name = labelled("", "second")
+            name = styled_label("", "second")
             field = weight_field("Weight")
             self._editor.bind(field, self._setter(link))
             grid.addWidget(name, place, 0)
@@ -112,7 +112,7 @@ class ChainSection(Section):
     def _set(self, link: str, weight: float) -> None:
         editor = self._editor
         words = link_words(editor.entity.point.part)[link].lower()
-        editor.put(
+        editor.replace_entity(
             lambda: replace(editor.entity, chain=with_fields(editor.entity.chain, **{link: weight})),
             f"Set weight of {words} for {editor.entity.name}",
         )

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from studio.core.constraints.clear import Arms, ClearConstraint
 from studio.panels.constraint_editors.common import CENTIMETRE, ConstraintEditor
-from studio.panels.fields import NumberField, Section, Segments, labelled
+from studio.panels.fields import NumberField, Section, Segments, styled_label
 
 ARM_CHOICES = ((Arms.BOTH, "Both"), (Arms.LEFT, "Left"), (Arms.RIGHT, "Right"))
 
@@ -26,7 +26,7 @@ class ClearEditor(ConstraintEditor[ClearConstraint]):
         self._gives = Segments("May move", [(True, "Wrist, elbow"), (False, "Elbow")])
         self._gives.value_chosen.connect(self._set_gives)
         section.add_row("May move", self._gives)
-        section.add_wide(labelled("Self-contacts of the actor are kept.", "hint"))
+        section.add_wide(styled_label("Self-contacts of the actor are kept.", "hint"))
 
     def refresh(self) -> None:
         """Update all fields from the document."""

@@ -115,7 +115,7 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
         if is_moving(self.entity):
             self.refresh_moment()
 
-    def concerns(self, collection: str, entity_id: str) -> bool:
+    def depends_on(self, collection: str, entity_id: str) -> bool:
         """True also for other constraints, whose priorities are an order, performers, which residuals name, and props,
         which targets name.
         """

@@ -5,7 +5,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.engine.point_names import point_words
 from studio.panels.constraint_editors.common import ConstraintEditor, point_choices
-from studio.panels.constraint_editors.present import place_now
+from studio.panels.constraint_editors.present import current_position
 from studio.panels.constraint_editors.target_rows import NumberRows, TargetRows
 from studio.panels.constraint_editors.vector_row import VECTOR_LIMIT, VectorRow
 from studio.panels.fields import Choice, NumberField, Section
@@ -46,10 +46,10 @@ class DistanceEditor(ConstraintEditor[DistanceConstraint]):
                 self._place.show_values(now)
 
     def _set_distance(self, metres: float) -> None:
-        self._length.put(metres, f"Set distance of {self.entity.name}")
+        self._length.set_number(metres, f"Set distance of {self.entity.name}")
 
     def _set_place(self, place: tuple[float, ...]) -> None:
-        self._source.put(place, f"Move position of {self.entity.name}")
+        self._source.set_numbers(place, f"Move position of {self.entity.name}")
 
     def _set_other(self, choice: tuple[BodyPart, bool] | None) -> None:
         """Set the other end; a fixed position begins at the former one."""
@@ -57,6 +57,6 @@ class DistanceEditor(ConstraintEditor[DistanceConstraint]):
         if choice is not None:
             other = BodyPoint(choice[0], at_end=choice[1])
         elif isinstance(self.entity.other, BodyPoint):
-            other = place_now(self, self.entity.other) or (0.0, 0.0, 1.0)
+            other = current_position(self, self.entity.other) or (0.0, 0.0, 1.0)
         if other is not None:
             self.change(f"Set second point of {self.entity.name}", other=other)

@@ -17,7 +17,7 @@ class OrientationEditor(ConstraintEditor[OrientationConstraint]):
             self,
             section,
             "motion space",
-            lambda target: self._source.put(target, f"Rotate target of {self.entity.name}"),
+            lambda target: self._source.set_numbers(target, f"Rotate target of {self.entity.name}"),
         )
 
     def refresh_moment(self) -> None:

@@ -7,9 +7,9 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.parallel import ParallelConstraint
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.cone_row import ConeRow
-from studio.panels.constraint_editors.present import turn_now
+from studio.panels.constraint_editors.present import current_rotation
 from studio.panels.constraint_editors.vector_row import VectorRow
-from studio.panels.fields import Choice, Section, labelled
+from studio.panels.fields import Choice, Section, styled_label
 
 
 class ParallelEditor(ConstraintEditor[ParallelConstraint]):
@@ -27,7 +27,7 @@ class ParallelEditor(ConstraintEditor[ParallelConstraint]):
         self._take.setToolTip("Set the other axis so that it is parallel at the playhead")
         self._take.clicked.connect(self._take_axis)
         section.add_wide(self._take)
-        section.add_wide(labelled("Axes are local to their segments.", "hint"))
+        section.add_wide(styled_label("Axes are local to their segments.", "hint"))
 
     def refresh(self) -> None:
         """Update all fields from the document."""
@@ -50,7 +50,7 @@ class ParallelEditor(ConstraintEditor[ParallelConstraint]):
             self.change(f"Set other axis of {self.entity.name}", other_axis=axis)
 
     def _take_axis(self) -> None:
-        turn, other = (turn_now(self, point.part) for point in (self.entity.point, self.entity.other))
+        turn, other = (current_rotation(self, point.part) for point in (self.entity.point, self.entity.other))
         if turn is not None and other is not None:
             axis = tuple((other.T @ turn @ self.entity.axis).tolist())
             self.change(f"Set other axis of {self.entity.name} from pose", other_axis=axis)

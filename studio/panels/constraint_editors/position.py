@@ -24,4 +24,4 @@ class PositionEditor(ConstraintEditor[PositionConstraint | LookAtConstraint]):
             self._target.show_values(now)
 
     def _set_target(self, target: tuple[float, ...]) -> None:
-        self._source.put(target, f"Move target of {self.entity.name}")
+        self._source.set_numbers(target, f"Move target of {self.entity.name}")

@@ -9,7 +9,7 @@ from studio.engine.performance import posed_performers
 from studio.panels.editor import Editor
 
 
-def moment_now(editor: Editor[Constraint]) -> TargetContext | None:
+def current_context(editor: Editor[Constraint]) -> TargetContext | None:
     """Active performer at the playhead, among all others; None without performers."""
     document = editor.document
     posed = posed_performers(document.project, editor.live.result, document.playhead.time)
@@ -17,25 +17,25 @@ def moment_now(editor: Editor[Constraint]) -> TargetContext | None:
     return None if pose is None else TargetContext(document.project, posed, pose)
 
 
-def place_now(editor: Editor[Constraint], point: BodyPoint) -> Vector | None:
+def current_position(editor: Editor[Constraint], point: BodyPoint) -> Vector | None:
     """Position of a point of the body, metres in the motion's space; None without performers."""
-    from studio.core.solver.adapt import place_of  # not before a result is there: it loads kernels
+    from studio.core.solver.adapt import body_point_positions  # not before a result is there: it loads kernels
 
-    moment = moment_now(editor)
-    return None if moment is None else _vector(place_of(point, moment.pose.motion)[moment.pose.row])
+    moment = current_context(editor)
+    return None if moment is None else _vector(body_point_positions(point, moment.pose.motion)[moment.pose.row])
 
 
-def mass_now(editor: Editor[Constraint]) -> Vector | None:
-    """Position of the body's centre of mass, as ``place_now``."""
+def current_centre_of_mass(editor: Editor[Constraint]) -> Vector | None:
+    """Position of the body's centre of mass, as ``current_position``."""
     from studio.core.quality.metrics import centre_of_mass  # as above
 
-    moment = moment_now(editor)
+    moment = current_context(editor)
     return None if moment is None else _vector(centre_of_mass(moment.pose.motion)[moment.pose.row])
 
 
-def turn_now(editor: Editor[Constraint], part: BodyPart) -> np.ndarray | None:
+def current_rotation(editor: Editor[Constraint], part: BodyPart) -> np.ndarray | None:
     """Rotation matrix (3, 3) of a segment in the motion's space; None without performers."""
-    moment = moment_now(editor)
+    moment = current_context(editor)
     if moment is None:
         return None
     motion = moment.pose.motion

@@ -6,7 +6,7 @@ from PySide6.QtWidgets import QAbstractItemView, QListWidget, QListWidgetItem
 
 from studio.core.constraints.base import Constraint
 from studio.core.errors import StudioError
-from studio.document.priorities import put_priorities, ties_of, ties_with_moved
+from studio.document.priorities import put_priorities, shared_priorities, shared_priorities_after_move
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section, check_box
 
@@ -68,7 +68,7 @@ class PrioritySection(Section):
         self._list.setFixedHeight(PRIORITY_ROW_PX * len(rows))
         order = list(constraints)
         place = order.index(self._editor.entity_id)
-        ties = ties_of(constraints, order)
+        ties = shared_priorities(constraints, order)
         with QSignalBlocker(self._tied):
             self._tied.setChecked(ties[place])
         self._tied.setEnabled(place > 0)
@@ -94,13 +94,13 @@ class PrioritySection(Section):
         before = list(self._editor.document.project.constraints_of(self._editor.entity.motion_id))
         current = self._list.currentItem()
         moved = _moved([current.data(ID)] if current else [], before, order) or self._editor.entity_id
-        ties = ties_with_moved(constraints, order, {moved})
+        ties = shared_priorities_after_move(constraints, order, {moved})
         self._put_places(order, ties, f"Reorder priority of {constraints[moved].name}")
 
     def _tie(self, tied: bool) -> None:
         constraints = self._editor.document.project.constraints_of(self._editor.entity.motion_id)
         order = list(constraints)
-        ties = ties_of(constraints, order)
+        ties = shared_priorities(constraints, order)
         ties[order.index(self._editor.entity_id)] = tied
         self._put_places(order, ties, f"{'Share' if tied else 'Separate'} priority level of {self._editor.entity.name}")
 

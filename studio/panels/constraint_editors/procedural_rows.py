@@ -20,7 +20,7 @@ RULES = (
 _MAKERS = {each.kind: each for each in (CirclePlace, PendulumPlace, NoisePlace)}
 
 
-def ruled(kind: str, place: Vector) -> ProceduralPlace:
+def ruled_position(kind: str, place: Vector) -> ProceduralPlace:
     """Position by one of ``RULES`` about ``place``."""
     return _MAKERS[kind](centre=place)
 

@@ -17,7 +17,7 @@ class RailEditor(ConstraintEditor[RailConstraint]):
         section.add_row("Slide along", self._shape)
         self._source = TargetRows(self, section, "centre")
         self._centre = VectorRow(
-            self, section, "Centre", lambda place: self._source.put(place, f"Move {self.entity.name}")
+            self, section, "Centre", lambda place: self._source.set_numbers(place, f"Move {self.entity.name}")
         )
         self._direction = VectorRow(self, section, "Direction", self._set_direction, unit="")
         self._length = self.bind(NumberField("Length", "m", 0.001, VECTOR_LIMIT, 0.05, 3), self._set_length)

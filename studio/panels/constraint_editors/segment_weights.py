@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QWidget
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BONES, SINGLE, THIGHS, UPPER_ARMS, BodyPoint, Chain, Constraint, limb_bones
 from studio.panels.editor import Editor
-from studio.panels.fields import Choice, NumberField, labelled, press_button
+from studio.panels.fields import Choice, NumberField, press_button, styled_label
 
 
 def weight_field(name: str) -> NumberField:
@@ -21,7 +21,7 @@ def weight_field(name: str) -> NumberField:
     return field
 
 
-def weighable(constraint: Constraint) -> tuple[BodyPart, ...]:
+def weightable_parts(constraint: Constraint) -> tuple[BodyPart, ...]:
     """Segments whose own weights affect a constraint: of limbs, those of its points, or those that a
     balance rotates.
     """
@@ -51,7 +51,7 @@ class SegmentWeights(QWidget):
             remove.setAccessibleName(f"Remove weight override of {part.label}")
             remove.setToolTip("Reset to group weight")
             remove.setFixedWidth(30)
-            self._rows[part] = labelled(part.label, "second"), field, remove
+            self._rows[part] = styled_label(part.label, "second"), field, remove
             for column, widget in enumerate(self._rows[part]):
                 grid.addWidget(widget, place, column)
         self._add = Choice("Segment", ())
@@ -67,13 +67,13 @@ class SegmentWeights(QWidget):
             for widget in row:
                 widget.setVisible(part in own)
             row[1].show_value(own.get(part, 0.0))
-        left = [(part, part.label) for part in weighable(self._editor.entity) if part not in own]
+        left = [(part, part.label) for part in weightable_parts(self._editor.entity) if part not in own]
         self._add.offer(left)
         self._add.show_value(None)
         self._add.setVisible(bool(left))
 
     def put(self, part: BodyPart, weight: float) -> None:
-        """Set a segment's own weight, as one step or a part of the gesture's."""
+        """Set a segment's own weight, as one undo step, or within that of a drag."""
         self._change(
             lambda chain: ((part, weight) if each == part else (each, old) for each, old in chain.segments),
             f"Set weight of {part.label.lower()}",
@@ -99,4 +99,4 @@ class SegmentWeights(QWidget):
             chain = editor.entity.chain
             return replace(editor.entity, chain=replace(chain, segments=tuple(segments(chain))))
 
-        editor.put(made, f"{text} for {editor.entity.name}")
+        editor.replace_entity(made, f"{text} for {editor.entity.name}")

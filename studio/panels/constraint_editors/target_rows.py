@@ -15,14 +15,14 @@ from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.target import Place, Turn, own_place_of, with_own_place
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
-from studio.document.mnemonics import literal
+from studio.document.mnemonics import escaped_mnemonics
 from studio.engine.moments import TargetContext
 from studio.engine.performance import motion_time, stage_time
 from studio.engine.point_names import POINT_NAMES, point_words
-from studio.panels.constraint_editors.present import moment_now
-from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled
+from studio.panels.constraint_editors.present import current_context
+from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled_position
 from studio.panels.editor import Editor, NamedEntity
-from studio.panels.fields import Choice, Section, check_box, labelled, press_button, short
+from studio.panels.fields import Choice, Section, check_box, elided_name, press_button, styled_label
 
 FIXED_KIND, KEYED_KIND = "fixed", Keys.kind
 OWN_KIND = OwnPlace.kind
@@ -95,21 +95,21 @@ class TargetRows:
         """Target's numbers at the playhead; None while they are unknown."""
         if isinstance(self.target, tuple):
             return self.target
-        moment = moment_now(self._editor)
+        moment = current_context(self._editor)
         fixed = moment.fixed(self._editor.entity) if moment else None
         return getattr(fixed, self._field, None)
 
-    def put(self, numbers: Any, text: str) -> None:
+    def set_numbers(self, numbers: Any, text: str) -> None:
         """Set the target's numbers: fixed, as a key at the playhead, as another centre, or as another offset from the
         followed entity.
         """
-        editor, moment = self._editor, moment_now(self._editor)
+        editor, moment = self._editor, current_context(self._editor)
         if isinstance(self.target, tuple) or moment is None:
             editor.change(text, **{self._field: numbers})
         elif self._turns:
-            editor.put(lambda: moment.with_target_rotation(editor.entity, numbers), text)
+            editor.replace_entity(lambda: moment.with_target_rotation(editor.entity, numbers), text)
         else:
-            editor.put(lambda: moment.moved(editor.entity, numbers), text)
+            editor.replace_entity(lambda: moment.moved(editor.entity, numbers), text)
 
     def refresh(self) -> None:
         """Show the target's kind and its rows; nothing if the value is no target."""
@@ -155,7 +155,7 @@ class TargetRows:
         for widget in (self._apart, self._apart_caption):
             widget.setVisible(shown)
         if own is not None and performer is not None:
-            self._apart.setText(literal(f"Unique for {short(performer.name, self._apart)}"))
+            self._apart.setText(escaped_mnemonics(f"Unique for {elided_name(performer.name, self._apart)}"))
             self._apart.setAccessibleName(f"Offset unique for {performer.name}")
             self._apart.setChecked(document.active_performer_id in dict(own.own))
 
@@ -171,7 +171,7 @@ class TargetRows:
         """Make keys or a rule relative to each character's own position, or shared by all."""
         editor = self._editor
         text = f"{'Per character' if each else 'Shared'}: {editor.entity.name}"
-        editor.put(lambda: with_fields(editor.entity, **{self._field: self._counted(each)}), text)
+        editor.replace_entity(lambda: with_fields(editor.entity, **{self._field: self._counted(each)}), text)
 
     def _counted(self, each: bool) -> KeyedPlace | KeyedOwnPlace | ProceduralPlace:
         """Keys or rule per character or shared, with the active character's present position unchanged."""
@@ -218,12 +218,12 @@ class TargetRows:
             self.refresh()
             return
         text = f"{dict(PLACE_KINDS)[kind]}: {editor.entity.name}"
-        editor.put(lambda: with_fields(editor.entity, **{self._field: self._first(kind, things)}), text)
+        editor.replace_entity(lambda: with_fields(editor.entity, **{self._field: self._first(kind, things)}), text)
 
     def _first(self, kind: str, things: Sequence[tuple[Any, str]]) -> Place | Turn:
         """First target of another kind, at the present position of the old one if possible."""
         editor, point, now = self._editor, self._editor.entity.point, self.now()
-        moment = moment_now(editor)
+        moment = current_context(editor)
         match kind:
             case FollowBody.kind:
                 return FollowBody(next(wrist for wrist in WRISTS if wrist.part != point.part))
@@ -243,7 +243,11 @@ class TargetRows:
             return self._own_place(now)
         origin = self._own_place(now) if self._is_per_character else None
         if kind in dict(RULES):
-            return ruled(kind, _full(now)) if origin is None else replace(ruled(kind, (0.0, 0.0, 0.0)), origin=origin)
+            return (
+                ruled_position(kind, _full(now))
+                if origin is None
+                else replace(ruled_position(kind, (0.0, 0.0, 0.0)), origin=origin)
+            )
         seconds = self._known_moment().pose.seconds
         if origin is not None:
             return origin.keyed(seconds)
@@ -261,7 +265,7 @@ class TargetRows:
         return now
 
     def _known_moment(self) -> TargetContext:
-        moment = moment_now(self._editor)
+        moment = current_context(self._editor)
         if moment is None:
             raise ValueError("No character has a clip yet, so there is no time for a key.")
         return moment
@@ -313,7 +317,7 @@ class KeyRow:
 
     def __init__(self, editor: Editor[NamedEntity], section: Section, field: str) -> None:
         self._editor, self._field = editor, field
-        self._words = labelled("", "value")
+        self._words = styled_label("", "value")
         self._words.setAccessibleName("Keys")
         self._buttons = [
             press_button("‹", lambda: self._go(-1)),
@@ -407,7 +411,7 @@ class NumberRows:
         value = getattr(self._editor.entity, self._field)
         return float(value.at([self._keys._seconds()])[0, 0]) if isinstance(value, KeyedNumber) else float(value)
 
-    def put(self, number: float, text: str) -> None:
+    def set_number(self, number: float, text: str) -> None:
         """Set the number: constant, or as a key at the playhead if it is keyed."""
         value = getattr(self._editor.entity, self._field)
         new = value.with_key(self._keys._seconds(), number) if isinstance(value, KeyedNumber) else number

@@ -5,9 +5,9 @@ from PySide6.QtWidgets import QPushButton
 from studio.core.constraints.upright import UprightConstraint
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.panels.constraint_editors.cone_row import ConeRow
-from studio.panels.constraint_editors.present import turn_now
+from studio.panels.constraint_editors.present import current_rotation
 from studio.panels.constraint_editors.vector_row import VectorRow
-from studio.panels.fields import Section, labelled
+from studio.panels.fields import Section, styled_label
 
 
 class UprightEditor(ConstraintEditor[UprightConstraint]):
@@ -22,7 +22,7 @@ class UprightEditor(ConstraintEditor[UprightConstraint]):
         self._take.setToolTip("Set the axis to the one that points along the direction at the playhead")
         self._take.clicked.connect(self._take_axis)
         section.add_wide(self._take)
-        section.add_wide(labelled("Direction in motion space, axis local to the segment.", "hint"))
+        section.add_wide(styled_label("Direction in motion space, axis local to the segment.", "hint"))
 
     def refresh(self) -> None:
         """Update all fields from the document."""
@@ -41,7 +41,7 @@ class UprightEditor(ConstraintEditor[UprightConstraint]):
             self.change(f"Set axis of {self.entity.name}", axis=axis)
 
     def _take_axis(self) -> None:
-        turn = turn_now(self, self.entity.point.part)
+        turn = current_rotation(self, self.entity.point.part)
         if turn is not None:
             axis = tuple((turn.T @ self.entity.direction).tolist())
             self.change(f"Set axis of {self.entity.name} from pose", axis=axis)

@@ -38,8 +38,8 @@ class BodyResidual:
         if self.worst is None:
             return self.inactive, self.inactive.colour
         if self.worst.held:
-            return "held", colours.mixed(colours.HELD, colours.TEXT, 0.35)
-        if self.worst.partly:
+            return "held", colours.mixed_colour(colours.HELD, colours.TEXT, 0.35)
+        if self.worst.is_hardly_visible:
             return "partly", colours.PARTLY
         return "short", colours.NOT_REACHED
 

@@ -9,10 +9,10 @@ from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QTreeWidget, QTreeWidgetIt
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.roles import ROLE, ROLES, SIDE_WORDS
 from studio.core.markers.take import MarkerTake
-from studio.core.markers.trial import bare_label, subject_of, whole
+from studio.core.markers.trial import label_without_subject, seen_mask, subject_of
 from studio.document import colours
 from studio.io.markers.maps import find_map, fitted, known_maps, save_map
-from studio.panels.fields import FIELD_ICON_PX, Choice, Section, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, Choice, Section, press_button, styled_label
 from studio.panels.markers.cloud import MarkerCloud
 from studio.panels.markers.marker_figure import MarkerFigure
 
@@ -74,7 +74,7 @@ class MarkerAssistant(QWidget):
 
     def _make_place(self) -> Section:
         section = Section("Position")
-        self._place, self._hint = labelled("", "title"), labelled("", "hint")
+        self._place, self._hint = styled_label("", "title"), styled_label("", "hint")
         self._clear = press_button("Clear", self.clear_role, "link")
         self._clear.setToolTip("Unassign the marker")
         section.head.addWidget(self._clear)
@@ -98,14 +98,14 @@ class MarkerAssistant(QWidget):
     @property
     def words(self) -> str:
         """Sentence about the limbs that can be tracked with the marker map, or the missing markers."""
-        there = self.marker_map.among(self._labels())
+        there = self.marker_map.restricted_to(self._labels())
         parts = [word for word, has in (("legs", there.has_legs()), ("arms", there.has_arms())) if has]
         if len(parts) == 2:
             return "Legs and arms can be solved."
         if parts:
             other = "arms" if parts == ["legs"] else "legs"
             return f"The {parts[0]} can be solved; the {other} stay in rest pose."
-        lacking, more = there.lacking()[:4], len(there.lacking()) > 4
+        lacking, more = there.missing_positions()[:4], len(there.missing_positions()) > 4
         return f"The skeleton cannot be solved yet. Still missing: {', '.join(lacking)}{' and others' if more else ''}."
 
     def choose_role(self, role: str) -> None:
@@ -172,8 +172,8 @@ class MarkerAssistant(QWidget):
     def _fill(self) -> None:
         self.list.clear()
         for label, bare in seen_labels(self._trial, self.subject).items():
-            share = float(whole(self._trial.track(label)).mean())
-            item = QTreeWidgetItem([bare_label(bare), "", f"{100 * share:.0f} %"])
+            share = float(seen_mask(self._trial.track(label)).mean())
+            item = QTreeWidgetItem([label_without_subject(bare), "", f"{100 * share:.0f} %"])
             item.setTextAlignment(2, Qt.AlignmentFlag.AlignRight)
             self.list.addTopLevelItem(item)
 

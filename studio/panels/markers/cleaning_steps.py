@@ -7,7 +7,7 @@ from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
 from studio.core.markers.cleaning import FillLongGaps, FillShortGaps, LowPass, Step, StepReport, UndoSwaps
-from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, labelled, press_button
+from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, press_button, styled_label
 
 OFFERED: tuple[tuple[Callable[[], Step], str], ...] = (
     (UndoSwaps, "Fix marker swaps"),
@@ -66,7 +66,7 @@ class StepList(QWidget):
         for place, step in enumerate(self.steps):
             self._rows.addWidget(self._make_row(place, step))
         if not self.steps:
-            note = labelled("No filtering: recorded data is used.", "hint")
+            note = styled_label("No filtering: recorded data is used.", "hint")
             note.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)
             self._rows.addWidget(note)
 
@@ -87,9 +87,9 @@ class StepList(QWidget):
                 self._number(section, place, "Cut-off", field, step.cutoff, lambda value: LowPass(cutoff=value))
         if place < len(self._reports):
             report = self._reports[place]
-            section.add_wide(labelled(report.summary, "value"))
+            section.add_wide(styled_label(report.summary, "value"))
             if report.details:
-                section.add_wide(labelled("; ".join(report.details), "hint"))
+                section.add_wide(styled_label("; ".join(report.details), "hint"))
         return section
 
     def _number(

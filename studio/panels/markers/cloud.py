@@ -8,7 +8,7 @@ from PySide6.QtCore import QEvent, QPointF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from studio.core.markers.trial import Trial, bare_label, whole
+from studio.core.markers.trial import Trial, label_without_subject, seen_mask
 from studio.document import colours
 from studio.io.up_axis import turn_to_world
 
@@ -54,7 +54,7 @@ class MarkerCloud(QWidget):
         places = tuple(self._trial.labels.index(label) for label in labels)
         if places != self._places:
             self._places = places
-            self._labels = tuple(bare_label(label) for label in labels)
+            self._labels = tuple(label_without_subject(label) for label in labels)
             self._extent = self._reach()
             self._frame = self._best_frame() if not self._seen(self._frame).any() else self._frame
         self._used, self._marked = used, marked
@@ -67,11 +67,11 @@ class MarkerCloud(QWidget):
         """
         points = self._at(self._best_frame())
         sides = [points[[k for k, label in enumerate(self._labels) if label in side]] for side in (left, right)]
-        sides = [side[whole(side)] for side in sides]
+        sides = [side[seen_mask(side)] for side in sides]
         if all(len(side) for side in sides):
             across = sides[0].mean(axis=0) - sides[1].mean(axis=0)
         else:
-            level = points[whole(points)][:, :2]
+            level = points[seen_mask(points)][:, :2]
             across = np.linalg.svd(level - level.mean(axis=0))[2][0] if len(level) > 1 else np.array([0.0, 1.0])
         self._angle = float(np.arctan2(-across[0], across[1]))
         self.update()
@@ -85,7 +85,7 @@ class MarkerCloud(QWidget):
     def dots(self) -> dict[str, QPointF]:
         """Widget position of each visible marker at the current frame."""
         points = self._at(self._frame)
-        seen = whole(points)
+        seen = seen_mask(points)
         if not seen.any():
             return {}
         points = points - 0.5 * (points[seen].min(axis=0) + points[seen].max(axis=0))
@@ -149,15 +149,17 @@ class MarkerCloud(QWidget):
         return np.asarray(self._trial.metres * self._trial.points[frame, list(self._places)] @ self._turn)
 
     def _seen(self, frame: int) -> NDArray[np.bool_]:
-        return whole(self._at(frame)) if self._places else np.zeros(0, dtype=bool)
+        return seen_mask(self._at(frame)) if self._places else np.zeros(0, dtype=bool)
 
     def _best_frame(self) -> int:
-        return int(np.argmax(whole(self._trial.points[:, list(self._places)]).sum(axis=1)))
+        return int(np.argmax(seen_mask(self._trial.points[:, list(self._places)]).sum(axis=1)))
 
     def _reach(self) -> tuple[float, float]:
         """Half of the usual extent horizontally and vertically, in metres."""
         frames = np.linspace(0, self._trial.frame_count - 1, 40).astype(int)
-        sizes = [np.ptp(points[whole(points)], axis=0) for points in map(self._at, frames) if whole(points).any()]
+        sizes = [
+            np.ptp(points[seen_mask(points)], axis=0) for points in map(self._at, frames) if seen_mask(points).any()
+        ]
         if not sizes:
             return 1.0, 1.0
         across = float(np.percentile(np.hypot(*np.array(sizes)[:, :2].T), 80))

@@ -11,9 +11,9 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QHBoxLayout, QTreeWidget, QTreeWidgetItem, QVBoxLayout, QWidget
 
 from studio.core.markers.force_plates import plate_force, sample_times
-from studio.core.markers.trial import MARKER_KIND, VIRTUAL_KIND, ForcePlate, Trial, bare_label
+from studio.core.markers.trial import MARKER_KIND, VIRTUAL_KIND, ForcePlate, Trial, label_without_subject
 from studio.document import colours
-from studio.panels.fields import FIELD_ICON_PX, labelled
+from studio.panels.fields import FIELD_ICON_PX, styled_label
 
 FloatArray = NDArray[np.float64]
 Curves = list[tuple[str, FloatArray, FloatArray]]
@@ -54,7 +54,7 @@ class SignalPlot(QWidget):
         self._playhead = pg.InfiniteLine(angle=90, pen=pg.mkPen(colours.PLAYHEAD, width=1))
         self.plot.scene().sigMouseClicked.connect(self._clicked)
         column.addWidget(self.plot, 1)
-        self.note = labelled(_events_words(trial), "hint")
+        self.note = styled_label(_events_words(trial), "hint")
         column.addWidget(self.note)
         self._sources: list[tuple[QTreeWidgetItem, Callable[[], Curves], str]] = []
         self._markers: dict[str, QTreeWidgetItem] = {}
@@ -100,7 +100,7 @@ class SignalPlot(QWidget):
     def _mark(self) -> None:
         current = self.list.currentItem()
         chosen = [
-            bare_label(label)
+            label_without_subject(label)
             for label, item in self._markers.items()
             if item is current or item.checkState(0) is Qt.CheckState.Checked
         ]

@@ -58,7 +58,7 @@ class DragHandle(EditGesture[Constraint]):
         self.put_all(lambda _, each: replace(each, activation=moved(each)))
         time = time_of(moved(self.original), self.part)
         text = f"{self.part}  {self.shown.moment(time * subject.frame_rate)}"
-        self.mark = DragHint(subject.to_stage(time), text, caught.caught)
+        self.mark = DragHint(subject.to_stage(time), text, caught.magnet)
 
 
 class MoveActivation(EditGesture[Constraint]):
@@ -86,7 +86,7 @@ class MoveActivation(EditGesture[Constraint]):
         self.put_all(lambda _, each: moved(each, seconds, free))
         start = curve.start + seconds
         text = f"{seconds:+.3f} s  starts {self.shown.moment(start * subject.frame_rate)}"
-        self.mark = DragHint(subject.to_stage(start), text, caught.caught)
+        self.mark = DragHint(subject.to_stage(start), text, caught.magnet)
 
     def _catch(self, begin: float, free: bool) -> Snapped:
         """Snapped begin: by a magnet near one of the four times, else by the frame of the begin."""
@@ -94,6 +94,6 @@ class MoveActivation(EditGesture[Constraint]):
         for part in HANDLES:
             ahead = time_of(curve, part) - curve.start
             caught = self.snap(begin + ahead, free)
-            if caught.caught is not None:
-                return Snapped(caught.time - ahead, caught.caught)
+            if caught.magnet is not None:
+                return Snapped(caught.time - ahead, caught.magnet)
         return self.snap(begin, free)

@@ -21,7 +21,7 @@ def gesture_at(hit: Hit, shown: RowContext, press: QPointF, stretch: bool = Fals
     """Drag for a hit, or None; ``stretch`` changes the speed of a clip."""
     if hit.part == ItemPart.TIME:
         return Scrub(shown.document.playhead, shown.axis)
-    if hit.kind in MOVED and shown.project.get(hit.kind, hit.id) is None:
+    if hit.kind in MOVE_GESTURES and shown.project.get(hit.kind, hit.id) is None:
         return None  # deleted since the button was pressed
     if hit.kind == "constraints" and hit.part in HANDLES:
         return DragHandle(shown, hit.id, hit.part, press)
@@ -46,7 +46,7 @@ def gesture_at(hit: Hit, shown: RowContext, press: QPointF, stretch: bool = Fals
     return None
 
 
-MOVED = ("constraints", "contacts", "clips", "props", "labels", "corrections", "sounds", "footage")
+MOVE_GESTURES = ("constraints", "contacts", "clips", "props", "labels", "corrections", "sounds", "footage")
 """Kinds of things whose bars are dragged as a whole."""
 
 
@@ -54,7 +54,7 @@ def cursor_at(hit: Hit) -> Cursor:
     """Cursor for a hit: arrows for movable parts, a hand for choices, a cross where a contact or label may be added."""
     if hit.part in HANDLES or hit.part in (*EDGES, ItemPart.KEY) or hit.kind == "playhead":
         return Cursor.SizeHorCursor
-    if hit.part == ItemPart.BODY and hit.kind in MOVED:
+    if hit.part == ItemPart.BODY and hit.kind in MOVE_GESTURES:
         return Cursor.OpenHandCursor
     if hit.part == ItemPart.FOLD or (
         hit.part == ItemPart.LABEL and hit.kind in ("constraints", "plot", "performers", "corrections")

@@ -8,13 +8,20 @@ from PySide6.QtCore import QPointF
 from studio.core.curves.keyed import KeyedNumber
 from studio.core.curves.retiming import scaled_speed
 from studio.core.stage.clip import Clip
-from studio.core.stage.clip_row import ClipEdit, begun_at, edited, ended_at, frame_at, players_of
+from studio.core.stage.clip_row import (
+    ClipEdit,
+    frame_at,
+    players_of,
+    with_clip_edited,
+    with_first_frame,
+    with_last_frame,
+)
 from studio.core.stage.project import Performer
 from studio.document.clip_edits import name_of
 from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import ItemPart, RowContext
 from studio.timeline.snapping import Snapped
-from studio.timeline.time_words import moment
+from studio.timeline.time_words import time_text
 
 SHORTEST_STRETCH = 1e-6
 """Seconds that a stretched clip lasts at least, before the range of speeds is applied."""
@@ -55,7 +62,7 @@ class ClipGesture(EditGesture[Clip]):
     def drag(self, position: QPointF, free: bool) -> None:
         """Drag the clips, which exist."""
 
-    def put_each(self, edit: ClipEdit) -> None:
+    def show_clips_edited(self, edit: ClipEdit) -> None:
         """Show the rows with the dragged clips edited from their state at the begin; without performers that were
         removed.
         """
@@ -67,13 +74,13 @@ class ClipGesture(EditGesture[Clip]):
 
     def _with_edit(self, performer: Performer, edit: ClipEdit) -> Performer:
         for clip_id in self.clip_ids:
-            performer = edited(performer, clip_id, edit)
+            performer = with_clip_edited(performer, clip_id, edit)
         return performer
 
     def cancel(self) -> None:
         """Restore the clips as before the drag; no undo step remains."""
         if self.is_there:
-            self.put_each(lambda clip: (clip,))
+            self.show_clips_edited(lambda clip: (clip,))
         self.finish()
 
     def _find_magnets(self) -> tuple[float, ...]:
@@ -96,13 +103,13 @@ class MoveClips(ClipGesture):
         begin, length = self.original.start, end_of(self.shown, self.original) - self.original.start
         caught = self.snap(begin + self.moved(position), free)
         end = self.snap(begin + length + self.moved(position), free)
-        if caught.caught is None and end.caught is not None:
-            caught = Snapped(end.time - length, end.caught)
+        if caught.magnet is None and end.magnet is not None:
+            caught = Snapped(end.time - length, end.magnet)
         seconds = caught.time - begin
-        self.put_each(lambda clip: (replace(clip, start=clip.start + seconds),))
+        self.show_clips_edited(lambda clip: (replace(clip, start=clip.start + seconds),))
         start = begin + seconds
-        text = f"{seconds:+.3f} s  starts {moment(start * self.shown.axis.frame_rate, start)}"
-        self.mark = DragHint(start, text, caught.caught)
+        text = f"{seconds:+.3f} s  starts {time_text(start * self.shown.axis.frame_rate, start)}"
+        self.mark = DragHint(start, text, caught.magnet)
 
 
 class TrimClip(ClipGesture):
@@ -119,11 +126,11 @@ class TrimClip(ClipGesture):
         grabbed = clip.start if first else end_of(self.shown, clip)
         caught = self.snap(grabbed + self.moved(position), free)
         seconds = caught.time - grabbed
-        self.put_each(lambda each: (self._trimmed(each, seconds),))
+        self.show_clips_edited(lambda each: (self._trimmed(each, seconds),))
         trimmed = self._trimmed(clip, seconds)
-        place = caught.time if caught.caught is not None else grabbed + self.moved(position)
+        place = caught.time if caught.magnet is not None else grabbed + self.moved(position)
         self.mark = DragHint(
-            place, f"{self.part} {trimmed.first if first else trimmed.last} of the motion", caught.caught
+            place, f"{self.part} {trimmed.first if first else trimmed.last} of the motion", caught.magnet
         )
 
     def _trimmed(self, clip: Clip, seconds: float) -> Clip:
@@ -131,11 +138,13 @@ class TrimClip(ClipGesture):
         project = self.shown.project
         rate = project.frame_rate_of(clip)
         if self.part == ItemPart.FIRST:
-            return begun_at(clip, rate, min(max(round(frame_at(clip, rate, clip.start + seconds)), 0), clip.last))
+            return with_first_frame(
+                clip, rate, min(max(round(frame_at(clip, rate, clip.start + seconds)), 0), clip.last)
+            )
         count = project.captures[project.motions[clip.motion_id].capture_id].poses.frame_count
         once = clip.length(rate) / clip.repeats
         last = round(frame_at(clip, rate, clip.start + once + seconds / clip.repeats))
-        return ended_at(clip, max(min(last, count - 1), clip.first), count)
+        return with_last_frame(clip, max(min(last, count - 1), clip.first), count)
 
 
 class StretchClip(ClipGesture):
@@ -177,11 +186,11 @@ class StretchClip(ClipGesture):
                 return (replace(clip, start=clip.start + shift),)
             return (replace(clip, speed=speed, start=clip.start + (shift if first else 0.0)),)
 
-        self.put_each(edit)
+        self.show_clips_edited(edit)
         words = f"{length / max(length + change, SHORTEST_STRETCH):.3g} × former speed"
         if not isinstance(speed, KeyedNumber):
             words = f"Speed × {speed:.3g}"
-        self.mark = DragHint(grabbed + shift, f"{words}  {length + change:.3f} s", caught.caught)
+        self.mark = DragHint(grabbed + shift, f"{words}  {length + change:.3f} s", caught.magnet)
 
 
 def end_of(shown: RowContext, clip: Clip) -> float:

@@ -15,7 +15,7 @@ LONGEST_NEW = 0.3
 """Seconds of a contact that is added by hand."""
 
 
-def free_stretch(
+def gap_between_contacts(
     shown: RowContext, point: ContactPoint | Touch, frame: int, without: Collection[str] = ()
 ) -> tuple[int, int] | None:
     """First and last frame of the gap about ``frame`` between contacts of the point; None within a contact."""
@@ -34,7 +34,7 @@ def free_stretch(
 
 def new_contact(shown: RowContext, point: ContactPoint | Touch, frame: int) -> ContactInterval | None:
     """Contact about ``frame``, at most 0.3 s long and up to its neighbours; None within a contact."""
-    subject, room = shown.subject, free_stretch(shown, point, frame)
+    subject, room = shown.subject, gap_between_contacts(shown, point, frame)
     if room is None:
         return None
     length = min(int(LONGEST_NEW * subject.frame_rate), room[1] - room[0])
@@ -59,7 +59,9 @@ class DragContact(EditGesture[ContactInterval]):
         self.text = f"{'Move' if part == ItemPart.BODY else 'Trim'} {self.words}"
         # Contacts that move together leave each other room; those that are trimmed stop at each other.
         self._rooms = {
-            key: free_stretch(shown, each.point, each.first, self.originals if part == ItemPart.BODY else (key,))
+            key: gap_between_contacts(
+                shown, each.point, each.first, self.originals if part == ItemPart.BODY else (key,)
+            )
             or (each.first, each.last)
             for key, each in self.originals.items()
         }
@@ -73,17 +75,17 @@ class DragContact(EditGesture[ContactInterval]):
         """Drag by whole frames; ``free`` turns off magnets."""
         subject, old = self.shown.subject, self.original
         caught = self._catch(old.last if self.part == ItemPart.LAST else old.first, position, free)
-        if self.part == ItemPart.BODY and caught.caught is None:
+        if self.part == ItemPart.BODY and caught.magnet is None:
             behind = subject.stage_time(old.last) - subject.stage_time(old.first)
             end = self._catch(old.last, position, free)
-            caught = Snapped(end.time - behind, end.caught) if end.caught is not None else caught
+            caught = Snapped(end.time - behind, end.magnet) if end.magnet is not None else caught
         grabbed = old.last if self.part == ItemPart.LAST else old.first
         frames = self._within(round(subject.motion_frame(caught.time)) - grabbed)
         self.put_all(lambda key, each: self._dragged(key, each, frames))
         contact = self._dragged(self.entity_id, old, frames)
         shown_frame = contact.last if self.part == ItemPart.LAST else contact.first
         text = self.shown.moment(shown_frame)
-        self.mark = DragHint(subject.stage_time(shown_frame), text, caught.caught)
+        self.mark = DragHint(subject.stage_time(shown_frame), text, caught.magnet)
 
     def _catch(self, grabbed: int, position: QPointF, free: bool) -> Snapped:
         """Snapped time of one of its ends."""

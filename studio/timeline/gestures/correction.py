@@ -8,7 +8,7 @@ from studio.core.stage.correction import Correction
 from studio.timeline.gestures.activation import time_of, with_time
 from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import ItemPart, RowContext
-from studio.timeline.time_words import moment
+from studio.timeline.time_words import time_text
 
 
 class DragCorrectionRange(EditGesture[Correction]):
@@ -32,8 +32,8 @@ class DragCorrectionRange(EditGesture[Correction]):
             return replace(correction, activation=with_time(curve, self.part, time_of(curve, self.part) + seconds))
 
         self.put_all(lambda _, each: moved(each))
-        words = moment(caught.time * self.shown.axis.frame_rate, caught.time)
-        self.mark = DragHint(caught.time, f"{self.part}  {words}", caught.caught)
+        words = time_text(caught.time * self.shown.axis.frame_rate, caught.time)
+        self.mark = DragHint(caught.time, f"{self.part}  {words}", caught.magnet)
 
 
 class MoveCorrection(EditGesture[Correction]):
@@ -56,5 +56,5 @@ class MoveCorrection(EditGesture[Correction]):
             return replace(later, keys=correction.keys) if free else later
 
         self.put_all(lambda _, each: moved(each))
-        words = moment(caught.time * self.shown.axis.frame_rate, caught.time)
-        self.mark = DragHint(caught.time, f"{seconds:+.3f} s  starts {words}", caught.caught)
+        words = time_text(caught.time * self.shown.axis.frame_rate, caught.time)
+        self.mark = DragHint(caught.time, f"{seconds:+.3f} s  starts {words}", caught.magnet)

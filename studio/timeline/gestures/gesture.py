@@ -9,7 +9,7 @@ from PySide6.QtCore import QPointF, Qt
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Entity
 from studio.timeline.shown import RowContext
-from studio.timeline.snapping import Snapped, beat_times, magnets_of, snapped
+from studio.timeline.snapping import Snapped, beat_times, magnets_of, snapped_time
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class DragHint:
 
     time: float
     text: str
-    caught: float | None = None
+    magnet: float | None = None
 
 
 class TimelineGesture:
@@ -69,7 +69,7 @@ class EditGesture(TimelineGesture, Generic[EntityT]):
         count = len(self.originals)
         return f"{count} {self.collection}" if count > 1 else str(getattr(self.original, "name", ""))
 
-    def put(self, entity: EntityT) -> None:
+    def show_edited(self, entity: EntityT) -> None:
         """Show the grabbed entity with the edit of the drag."""
         self.put_all(lambda key, each: entity if key == self.entity_id else each)
 
@@ -96,7 +96,7 @@ class EditGesture(TimelineGesture, Generic[EntityT]):
 
     def snap(self, stage_time: float, free: bool) -> Snapped:
         """Stage time snapped to frames, the playhead and contacts."""
-        return snapped(self.shown.axis, stage_time, self._magnets, free)
+        return snapped_time(self.shown.axis, stage_time, self._magnets, free)
 
     def _find_magnets(self) -> tuple[float, ...]:
         stage_time = self.shown.subject.stage_time

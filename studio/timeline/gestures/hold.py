@@ -5,7 +5,7 @@ from PySide6.QtCore import QPointF
 from studio.core.stage.prop import Prop
 from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import ItemPart, RowContext
-from studio.timeline.time_words import moment
+from studio.timeline.time_words import time_text
 from studio.timeline.tracks.hold import hold_under
 
 
@@ -35,5 +35,7 @@ class DragHold(EditGesture[Prop]):
             begin = min(begin + way, last) if self.part == ItemPart.FIRST else begin + way
         if self.part != ItemPart.FIRST and end is not None:
             end = max(end + way, first) if self.part == ItemPart.LAST else end + way
-        self.put(self.original.with_span(hold, begin, end))
-        self.mark = DragHint(caught.time, moment(caught.time * self.shown.axis.frame_rate, caught.time), caught.caught)
+        self.show_edited(self.original.with_span(hold, begin, end))
+        self.mark = DragHint(
+            caught.time, time_text(caught.time * self.shown.axis.frame_rate, caught.time), caught.magnet
+        )

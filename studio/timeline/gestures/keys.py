@@ -7,8 +7,8 @@ from studio.document.keyed_fields import KeyRef
 from studio.timeline.gestures.gesture import DragHint, TimelineGesture
 from studio.timeline.sheet import TimelineLayout
 from studio.timeline.shown import RowContext
-from studio.timeline.snapping import key_magnets, snapped
-from studio.timeline.time_words import moment
+from studio.timeline.snapping import key_magnets, snapped_time
+from studio.timeline.time_words import time_text
 from studio.timeline.tracks.brush import KEY_REACH
 from studio.timeline.tracks.keys import fields_in, key_height, keys_between, stage_times
 
@@ -28,16 +28,16 @@ class DragKeys(TimelineGesture):
         """Move the grabbed key with the mouse; ``free`` turns off snapping."""
         axis, here = self.shown.axis, self.shown.document.playhead.time
         wanted = self._grabbed + axis.time_at(position.x()) - self._press_time
-        caught = snapped(axis, wanted, self._magnets, free)
-        words = moment(caught.time * axis.frame_rate, caught.time)
+        caught = snapped_time(axis, wanted, self._magnets, free)
+        words = time_text(caught.time * axis.frame_rate, caught.time)
         if not self.scaling:
             self._drag.move(caught.time - self._grabbed)
             frames = (caught.time - self._grabbed) * axis.frame_rate
-            self.mark = DragHint(caught.time, f"{words}  {frames:+.4g} frames", caught.caught)
+            self.mark = DragHint(caught.time, f"{words}  {frames:+.4g} frames", caught.magnet)
         elif abs(self._grabbed - here) * axis.frame_rate > 1e-3:
             factor = (caught.time - here) / (self._grabbed - here)
             self._drag.scale(factor, here)
-            self.mark = DragHint(caught.time, f"{words}  × {max(factor, 0.01):.3g}", caught.caught)
+            self.mark = DragHint(caught.time, f"{words}  × {max(factor, 0.01):.3g}", caught.magnet)
 
     def finish(self) -> None:
         """Request a solve of the whole clip."""

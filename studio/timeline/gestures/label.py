@@ -7,7 +7,7 @@ from PySide6.QtCore import QPointF
 from studio.core.captures.annotations import Label
 from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import ItemPart, RowContext
-from studio.timeline.time_words import moment
+from studio.timeline.time_words import time_text
 
 
 class DragLabel(EditGesture[Label]):
@@ -26,9 +26,9 @@ class DragLabel(EditGesture[Label]):
         grabbed = old.last if self.part == ItemPart.LAST else old.first
         caught = self.snap(subject.stage_time(grabbed) + self.moved(position), free)
         label = self._dragged(round(subject.motion_frame(caught.time)))
-        self.put(label)
+        self.show_edited(label)
         frame = label.last if self.part == ItemPart.LAST else label.first
-        self.mark = DragHint(subject.stage_time(frame), moment(frame, frame / subject.frame_rate), caught.caught)
+        self.mark = DragHint(subject.stage_time(frame), time_text(frame, frame / subject.frame_rate), caught.magnet)
 
     def _dragged(self, frame: int) -> Label:
         old: Label = self.original

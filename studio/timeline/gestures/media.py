@@ -8,7 +8,7 @@ from studio.core.stage.footage import Footage
 from studio.core.stage.sound_track import SoundTrack
 from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import RowContext
-from studio.timeline.time_words import moment
+from studio.timeline.time_words import time_text
 
 
 class MoveMedia(EditGesture[SoundTrack | Footage]):
@@ -22,5 +22,7 @@ class MoveMedia(EditGesture[SoundTrack | Footage]):
     def update(self, position: QPointF, free: bool) -> None:
         """Move the start, snapped to frames, contacts and the playhead."""
         caught = self.snap(self.original.start + self.moved(position), free)
-        self.put(replace(self.original, start=caught.time))
-        self.mark = DragHint(caught.time, moment(caught.time * self.shown.axis.frame_rate, caught.time), caught.caught)
+        self.show_edited(replace(self.original, start=caught.time))
+        self.mark = DragHint(
+            caught.time, time_text(caught.time * self.shown.axis.frame_rate, caught.time), caught.magnet
+        )

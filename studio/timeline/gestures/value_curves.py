@@ -6,8 +6,8 @@ from studio.document.channels import key_values, with_handle, with_values
 from studio.document.key_edits import KeyDrag, replace_fields
 from studio.timeline.gestures.gesture import DragHint, TimelineGesture
 from studio.timeline.shown import RowContext
-from studio.timeline.snapping import key_magnets, snapped
-from studio.timeline.time_words import moment
+from studio.timeline.snapping import key_magnets, snapped_time
+from studio.timeline.time_words import time_text
 from studio.timeline.tracks.value_curves import (
     HandleRef,
     ValueCurves,
@@ -49,7 +49,7 @@ class DragCurveKeys(TimelineGesture):
         way, channel = position - self._press, self._grabbed.channel
         self._is_moved |= abs(way.x()) >= LOCK
         self._is_raised |= abs(way.y()) >= LOCK
-        caught = snapped(self.shown.axis, self._time + way.x() / self.shown.axis.scale, self._magnets, free)
+        caught = snapped_time(self.shown.axis, self._time + way.x() / self.shown.axis.scale, self._magnets, free)
         seconds = caught.time - self._time if self._is_moved else 0.0
         rise = self._curves.value_of(self.shown, self._area, channel, -way.y()) if self._is_raised else 0.0
         rise *= FINE_KEY_DRAG if self.modifiers & Modifier.ShiftModifier else 1.0
@@ -62,8 +62,8 @@ class DragCurveKeys(TimelineGesture):
         self._drag.move(seconds, {channel.field: changed})
         time = self._time + seconds
         value = key_values(channel, changed)[self._grabbed.place]
-        text = f"{moment(time * self.shown.axis.frame_rate, time)}  {channel.name} {value:.4g} {channel.unit}"
-        self.mark = DragHint(time, text.strip(), caught.caught if self._is_moved else None)
+        text = f"{time_text(time * self.shown.axis.frame_rate, time)}  {channel.name} {value:.4g} {channel.unit}"
+        self.mark = DragHint(time, text.strip(), caught.magnet if self._is_moved else None)
 
     def finish(self) -> None:
         """Request a solve of the whole clip."""

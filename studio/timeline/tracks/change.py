@@ -8,7 +8,7 @@ from PySide6.QtGui import QColor, QPainter, QPolygonF
 
 from studio.core.normalized.compose import Composite
 from studio.core.normalized.joining import FOOT_STEP_LIMIT
-from studio.core.normalized.pieces import Played
+from studio.core.normalized.pieces import PlayedPiece
 from studio.core.stage.clip import Clip
 from studio.document import colours
 from studio.timeline.shown import RowContext
@@ -19,7 +19,7 @@ CHANGE_HALF_WIDTH = 4.0
 
 
 @dataclass(frozen=True)
-class TakeOver:
+class ClipTransition:
     """Transition into a clip ``after`` seconds from its start; a ``cut`` without blend, a cross-fade if it ``fades``,
     else inertialised.
     """
@@ -43,7 +43,7 @@ class TakeOver:
         return f"Transition at {at}{alike}: continues from the current pose; planted feet stay until they are lifted"
 
 
-def take_over(shown: RowContext, performer_id: str, clip: Clip) -> TakeOver | None:
+def clip_transition(shown: RowContext, performer_id: str, clip: Clip) -> ClipTransition | None:
     """Transition into a clip of a performer; None for the first one, and while it is unknown.
 
     During a drag of the clip it is the last solved one, and moves with it.
@@ -57,14 +57,14 @@ def take_over(shown: RowContext, performer_id: str, clip: Clip) -> TakeOver | No
     return None
 
 
-def _from(before: Played, played: Played, composite: Composite) -> TakeOver | None:
+def _from(before: PlayedPiece, played: PlayedPiece, composite: Composite) -> ClipTransition | None:
     """Transition; None if the clip continues the one before, as parts of a split clip do."""
     after = composite.timing.stage_time(played.first) - played.piece.start
     overlaps, changes = before.piece.end > played.piece.start, composite.motion.changes
     change = next((each for each in changes if each.first == played.first), None)
     if change is None and (changes or not overlaps):
         return None
-    return TakeOver(after, change is not None and change.cut, change is None, overlaps)
+    return ClipTransition(after, change is not None and change.cut, change is None, overlaps)
 
 
 def paint_take_over(painter: QPainter, bar: QRectF, x: float, cut: bool) -> None:

@@ -9,9 +9,9 @@ from studio.core.stage.clip import Clip
 from studio.document import colours
 from studio.engine.empty_stage import HIDDEN, empty_words
 from studio.timeline.shown import Hit, ItemPart, RowContext, label_area
-from studio.timeline.time_words import rate
+from studio.timeline.time_words import rate_text
 from studio.timeline.tracks.brush import LABEL_INDENT, font, hairline, paint_dot, paint_fold, paint_label, translucent
-from studio.timeline.tracks.change import paint_take_over, take_over
+from studio.timeline.tracks.change import clip_transition, paint_take_over
 
 CLIP_ROW_HEIGHT = 24
 CLIP_EDGE_REACH = 5.0
@@ -37,7 +37,10 @@ def bars_of(shown: RowContext, row: QRect, performer_id: str) -> list[tuple[Clip
 def clip_text(shown: RowContext, clip: Clip) -> str:
     """``front_kick · 70 frames at 30 Hz``, and changes of its playback."""
     motion, frames = shown.project.motions[clip.motion_id], clip.last - clip.first + 1
-    words = [motion.name, f"{frames} frame{'' if frames == 1 else 's'} at {rate(shown.project.frame_rate_of(clip))}"]
+    words = [
+        motion.name,
+        f"{frames} frame{'' if frames == 1 else 's'} at {rate_text(shown.project.frame_rate_of(clip))}",
+    ]
     if isinstance(clip.speed, KeyedNumber):
         words.append("keyed speed")
     elif clip.speed != 1.0:
@@ -65,7 +68,7 @@ def paint_clips(painter: QPainter, row: QRect, shown: RowContext, performer_id: 
     if failure:
         _paint_failure(painter, row, shown, bars, failure)
         return
-    end, comings = -1e9, [take_over(shown, performer_id, clip) for clip, _ in bars]
+    end, comings = -1e9, [clip_transition(shown, performer_id, clip) for clip, _ in bars]
     afters = [
         0.0 if comes is None or comes.fades else min(max(comes.after * shown.axis.scale, 0.0), bar.width())
         for comes, (_, bar) in zip(comings, bars, strict=True)
@@ -84,7 +87,7 @@ def paint_clips(painter: QPainter, row: QRect, shown: RowContext, performer_id: 
             paint_take_over(painter, bar, begins[place], comes.cut)
         nearest = min(begins[place + 1 :], default=bar.right())
         room = bar.adjusted(overlap if fades else after, 0, min(nearest - bar.right(), 0.0), 0)
-        paint_clip_text(painter, row_text(shown, clip), seen_part(shown, room))
+        paint_clip_text(painter, row_text(shown, clip), visible_part(shown, room))
         end = max(end, bar.right())
 
 
@@ -136,7 +139,7 @@ def paint_clip_bar(painter: QPainter, shown: RowContext, performer_id: str, clip
     selected = shown.is_selected("clips", clip.id)
     tint = SELECTED_TINT if selected else TINT
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    painter.setBrush(QColor(colours.mixed(colours.CONTROL, colour, tint)))
+    painter.setBrush(QColor(colours.mixed_colour(colours.CONTROL, colour, tint)))
     painter.setPen(hairline(colours.SELECTED_HANDLE if selected else colours.PANEL, 1.2 if selected else 1.0))
     painter.drawPath(path)
 
@@ -150,7 +153,7 @@ def _paint_repeats(painter: QPainter, clip: Clip, bar: QRectF) -> None:
         painter.drawLine(QPointF(x, bar.bottom() - 5), QPointF(x, bar.bottom()))
 
 
-def seen_part(shown: RowContext, room: QRectF) -> QRectF:
+def visible_part(shown: RowContext, room: QRectF) -> QRectF:
     """Part of a rectangle within the ends of the axis."""
     return room.intersected(QRectF(shown.axis.left, room.top(), shown.axis.width, room.height()))
 
@@ -160,10 +163,12 @@ def paint_clip_text(painter: QPainter, words: str, room: QRectF, colour: str = c
     painter.setFont(font())
     painter.setPen(QColor(colour))
     area = room.adjusted(10, 0, -4, 0)
-    painter.drawText(area, Qt.AlignmentFlag.AlignVCenter, shortened(words, painter.fontMetrics(), round(area.width())))
+    painter.drawText(
+        area, Qt.AlignmentFlag.AlignVCenter, elided_text(words, painter.fontMetrics(), round(area.width()))
+    )
 
 
-def shortened(words: str, metrics: QFontMetrics, width: int) -> str:
+def elided_text(words: str, metrics: QFontMetrics, width: int) -> str:
     """As many of the parts between dots as fit completely; the first one is elided."""
     parts = words.split(PARTED)
     for count in range(len(parts), 1, -1):
@@ -180,11 +185,11 @@ def paint_clip_label(painter: QPainter, row: QRect, shown: RowContext, performer
     text = colours.TEXT if performer.visible else colours.TEXT_THIRD
     name = performer.name if performer.visible else f"{performer.name}, hidden"
     paint_label(painter, label_area(row).adjusted(14, 0, 0, 0), name, text)
-    if folds(shown, performer_id):
+    if is_foldable(shown, performer_id):
         paint_fold(painter, row, not shown.apart)
 
 
-def folds(shown: RowContext, performer_id: str) -> bool:
+def is_foldable(shown: RowContext, performer_id: str) -> bool:
     """True if this performer's row folds and unfolds those of all performers."""
     performers = list(shown.project.performers)
     return len(performers) > 1 and (not shown.apart or performer_id == performers[0])

@@ -8,8 +8,8 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.target import key_times
 from studio.document import colours
 from studio.engine.residuals import Inactive, unsolved_words
-from studio.timeline.shown import HANDLES, Hit, ItemPart, RowContext, label_area, within
-from studio.timeline.subject import Body
+from studio.timeline.shown import HANDLES, Hit, ItemPart, RowContext, clipped_span, label_area
+from studio.timeline.subject import BodyOnTimeline
 from studio.timeline.tracks.brush import hairline, paint_dot, paint_fold, paint_label, translucent
 from studio.timeline.tracks.error_strip import PITCH, paint_strip, paint_unknown
 
@@ -52,7 +52,7 @@ def handle_points(shown: RowContext, row: QRect, constraint: Constraint) -> dict
     return {part: QPointF(x, y) for part, x, y in zip(HANDLES, xs, heights, strict=True)}
 
 
-def looks_of(constraint: Constraint | None) -> object:
+def activation_look(constraint: Constraint | None) -> object:
     """All of a constraint that its row shows except results: rows of equal values look the same."""
     if constraint is None:
         return None
@@ -111,7 +111,7 @@ def paint_constraint_label(painter: QPainter, row: QRect, shown: RowContext, con
         top = top.adjusted(0, 0, -14, 0)
     paint_label(painter, top, f"{order}  {constraint.name}", name_colour)
     if not folded:
-        text, colour = verdict(shown, constraint_id)
+        text, colour = residual_text(shown, constraint_id)
         paint_label(painter, QRect(area.left(), top.top() + 18, area.width(), 20), text, colour, 11)
 
 
@@ -121,7 +121,7 @@ def constraint_hit(shown: RowContext, row: QRect, constraint_id: str, point: QPo
     near = {
         part: place
         for part, place in handle_points(shown, row, constraint).items()
-        if within(point, place.x(), place.y(), ACTIVATION_HANDLE_REACH)
+        if clipped_span(point, place.x(), place.y(), ACTIVATION_HANDLE_REACH)
     }
     if near:
         return Hit("constraints", constraint_id, _nearest(near, point))
@@ -178,14 +178,14 @@ def _paint_strips(painter: QPainter, row: QRect, shown: RowContext, constraint_i
             paint_unknown(painter, shown.axis.right, left, right, top, body.colour)
 
 
-def bodies_of(shown: RowContext, row: QRect, constraint_id: str) -> tuple[Body, ...]:
+def bodies_of(shown: RowContext, row: QRect, constraint_id: str) -> tuple[BodyOnTimeline, ...]:
     """Bodies with strips in a row: all, or folded the one with the worst residual, or an unknown one."""
     bodies = tuple(shown.subject.bodies)
     asked = [body for body in bodies if shown.applies_to(constraint_id, body.performer_id)]
     if not is_folded(row) or not asked:
         return bodies
 
-    def weight(body: Body) -> float:
+    def weight(body: BodyOnTimeline) -> float:
         if shown.strip(constraint_id, body.performer_id) is None:
             return float("inf")
         worst = shown.residual(constraint_id, body.performer_id)
@@ -200,7 +200,7 @@ def strip_body(shown: RowContext, row: QRect, constraint_id: str, y: float) -> s
     return bodies[place].performer_id if 0 <= place < len(bodies) else None
 
 
-def verdict(shown: RowContext, constraint_id: str) -> tuple[str, str]:
+def residual_text(shown: RowContext, constraint_id: str) -> tuple[str, str]:
     """``Child 42 mm at frame 23`` in the state's colour, that it is met on all, or that this is unknown."""
     if not shown.project.constraints[constraint_id].enabled:
         return "off", colours.TEXT_THIRD
@@ -226,10 +226,12 @@ def verdict(shown: RowContext, constraint_id: str) -> tuple[str, str]:
         return f"held{on}{' at full activation' if eases else ''}", colours.TEXT_THIRD
     worst, name = max(missed, key=lambda each: each[0].weight)
     text = f"{name} {worst.words} at {shown.frame_words(worst.frame)}"
-    colour = colours.PARTLY if worst.partly else colours.mixed(colours.NOT_REACHED, colours.TEXT, 0.25)
+    colour = (
+        colours.PARTLY if worst.is_hardly_visible else colours.mixed_colour(colours.NOT_REACHED, colours.TEXT, 0.25)
+    )
     return f"{text}, {worst.remark}" if worst.remark else text, colour
 
 
-def row_ground(selected: bool) -> QColor:
+def row_background(selected: bool) -> QColor:
     """Grey behind a label."""
     return QColor(colours.SELECTED_ROW if selected else colours.PANEL)

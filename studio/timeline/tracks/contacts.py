@@ -31,7 +31,7 @@ LANES: dict[str, tuple[ContactPoint | Touch, ...]] = {
 """The rows and the points whose contacts lie in them, from above."""
 PERMANENT_ROWS = ("left foot", "right foot")
 """Rows that are there without a contact, too."""
-FILLS = (colours.mixed(colours.KINDS["contact"], colours.PANEL, 0.30), colours.KINDS["contact"])
+FILLS = (colours.mixed_colour(colours.KINDS["contact"], colours.PANEL, 0.30), colours.KINDS["contact"])
 
 
 def rows_with(points: set[ContactPoint | Touch]) -> tuple[str, ...]:
@@ -44,7 +44,7 @@ def row_of(point: ContactPoint | Touch) -> str:
     return next(row for row, lanes in LANES.items() if point in lanes)
 
 
-def lane(row: QRect, point: ContactPoint | Touch) -> QRectF:
+def lane_rect(row: QRect, point: ContactPoint | Touch) -> QRectF:
     """Rectangle of a contact point's bars within its ``row``, in pixels."""
     lanes, line = LANES[row_of(point)], THIN_LINE if is_folded(row) else CONTACT_LINE_PX
     middle = row.top() + row.height() / 2
@@ -59,7 +59,7 @@ def is_folded(row: QRect) -> bool:
 
 def contact_bar(shown: RowContext, row: QRect, contact: ContactInterval) -> QRectF:
     """Rectangle of a contact: from its first frame to its last, at least three pixels."""
-    line, (first, last) = lane(row, contact.point), played_frames(shown, contact)
+    line, (first, last) = lane_rect(row, contact.point), played_frames(shown, contact)
     left, right = shown.x_of_frame(first), shown.x_of_frame(last)
     spare = max(LEAST_BAR - (right - left), 0.0) / 2
     return QRectF(left - spare, line.top(), right - left + 2 * spare, line.height())
@@ -75,7 +75,7 @@ def paint_contacts(painter: QPainter, row: QRect, shown: RowContext, row_id: str
     """Draw bars, joined if they overlap in pixels, as in a capture of an hour; the selected one has a light edge."""
     contacts = _contacts(shown, row_id)
     for point, fill in zip(LANES[row_id], FILLS, strict=False):
-        line = lane(row, point)
+        line = lane_rect(row, point)
         own = [played_frames(shown, each) for _, each in contacts if each.point == point]
         for left, right in seen_bars(shown, own):
             bar = QRectF(left, line.top(), right - left, line.height())

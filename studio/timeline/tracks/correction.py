@@ -6,7 +6,7 @@ from PySide6.QtGui import QPainter, QPainterPath, QPolygonF
 
 from studio.core.curves.activation import ActivationCurve
 from studio.document import colours
-from studio.timeline.shown import HANDLES, Hit, ItemPart, RowContext, label_area, within
+from studio.timeline.shown import HANDLES, Hit, ItemPart, RowContext, clipped_span, label_area
 from studio.timeline.tracks.brush import hairline, paint_dot, paint_label, translucent
 from studio.timeline.tracks.layer import INDENT
 
@@ -69,7 +69,7 @@ def correction_hit(shown: RowContext, row: QRect, correction_id: str, point: QPo
     near = {
         part: (place - point).manhattanLength()
         for part, place in handle_points(shown, row, curve).items()
-        if within(point, place.x(), place.y(), CORRECTION_HANDLE_REACH)
+        if clipped_span(point, place.x(), place.y(), CORRECTION_HANDLE_REACH)
     }
     if near:
         return Hit("corrections", correction_id, min(near, key=lambda part: near[part]))

@@ -9,7 +9,7 @@ from PySide6.QtGui import QBrush, QColor, QPainter
 
 from studio.document import colours
 from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext
-from studio.timeline.strip_states import Strip, strip_heights
+from studio.timeline.strip_states import ErrorStrip, strip_heights
 from studio.timeline.tracks.brush import paint_dot, translucent
 
 PITCH = 5
@@ -36,7 +36,7 @@ def paint_unknown(painter: QPainter, axis_right: float, left: float, right: floa
 
 
 def paint_strip(
-    painter: QPainter, shown: RowContext, strip: Strip, left: float, right: float, top: int, colour: str
+    painter: QPainter, shown: RowContext, strip: ErrorStrip, left: float, right: float, top: int, colour: str
 ) -> None:
     """Draw a line from pixel ``left`` to ``right`` at the bottom of its five pixels, after the body's dot."""
     xs = np.arange(round(max(left, ROW_LABEL_WIDTH + ROOM_FOR_DOT)), round(min(right, shown.axis.right + 20)) + 1)
@@ -57,7 +57,7 @@ def paint_strip(
 
 
 def _columns(
-    shown: RowContext, strip: Strip, xs: NDArray[np.int64], first: int, last: int
+    shown: RowContext, strip: ErrorStrip, xs: NDArray[np.int64], first: int, last: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """State and height of each pixel column, by the worst of the frames ``first`` to ``last`` in it."""
     stage_seconds = shown.axis.start + (xs - shown.axis.left) / shown.axis.scale

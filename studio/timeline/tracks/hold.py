@@ -8,7 +8,7 @@ from studio.document import colours
 from studio.document.keyed_fields import fields_of
 from studio.timeline.shown import Hit, ItemPart, RowContext, label_area
 from studio.timeline.tracks.brush import paint_bar, paint_label, translucent
-from studio.timeline.tracks.clip import CLIP_EDGE_REACH, paint_clip_text, seen_part
+from studio.timeline.tracks.clip import CLIP_EDGE_REACH, paint_clip_text, visible_part
 
 HOLD_ROW_HEIGHT = 22
 
@@ -38,7 +38,7 @@ def paint_hold(painter: QPainter, row: QRect, shown: RowContext, prop_id: str) -
         holder, bar = project.performers[hold.performer_id], hold_bar(shown, row, hold)
         colour = project.characters[holder.character_id].colour
         paint_bar(painter, bar, translucent(colour, 0.6 if selected else 0.35), 3, edge)
-        paint_clip_text(painter, f"carried by {holder.name}", seen_part(shown, bar))
+        paint_clip_text(painter, f"carried by {holder.name}", visible_part(shown, bar))
 
 
 def paint_hold_label(painter: QPainter, row: QRect, shown: RowContext, prop_id: str) -> None:

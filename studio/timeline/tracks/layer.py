@@ -9,7 +9,7 @@ from studio.core.stage.layer import Layer, Region
 from studio.document import colours
 from studio.timeline.shown import RowContext, label_area
 from studio.timeline.tracks.brush import paint_label
-from studio.timeline.tracks.clip import CURVE_STEPS, clip_bar, clip_text, paint_clip_bar, paint_clip_text, seen_part
+from studio.timeline.tracks.clip import CURVE_STEPS, clip_bar, clip_text, paint_clip_bar, paint_clip_text, visible_part
 
 LAYER_ROW_HEIGHT = 22
 INDENT = 28
@@ -39,7 +39,7 @@ def paint_layers(painter: QPainter, row: QRect, shown: RowContext, row_id: str) 
     for layer, (clip, bar) in zip(_layers(shown, row_id), clip_bars(shown, row, row_id), strict=True):
         low = bar.adjusted(0, (1.0 - max(layer.weight, LEAST_BAR_PART)) * bar.height(), 0, 0)
         paint_clip_bar(painter, shown, performer_of(row_id), clip, _outline(shown, low, layer))
-        paint_clip_text(painter, layer_text(shown, layer), seen_part(shown, bar))
+        paint_clip_text(painter, layer_text(shown, layer), visible_part(shown, bar))
 
 
 def paint_layer_label(painter: QPainter, row: QRect, row_id: str) -> None:

@@ -11,7 +11,15 @@ from PySide6.QtWidgets import QWidget
 from studio.document import colours
 from studio.document.length_units import shown_unit
 from studio.engine.scheduler import SolveScheduler
-from studio.timeline.curves import Curve, CurveQuery, Plotted, Quantity, error_measure, plotted_constraint, seen_curve
+from studio.timeline.curves import (
+    Curve,
+    CurveQuery,
+    Plotted,
+    Quantity,
+    displayed_curve,
+    error_measure,
+    plotted_constraint,
+)
 from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext, label_area
 from studio.timeline.tracks.brush import font, paint_fold, paint_label, translucent
 
@@ -124,7 +132,7 @@ class PlotPicture(QObject):
             pen = pg.mkPen(QColor(curve.colour), width=CURVE_LINE_PX * painter.device().devicePixelRatio())
             pen.setCapStyle(Qt.PenCapStyle.FlatCap)  # other caps would show where segments meet
             line.setPen(pen)
-            times, values = seen_curve(curve, axis)
+            times, values = displayed_curve(curve, axis)
             line.setData(
                 times, values, antialias=len(times) <= axis.width
             )  # smooth steep lines take Qt five times longer

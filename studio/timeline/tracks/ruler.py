@@ -33,7 +33,7 @@ def paint_ruler(painter: QPainter, area: QRect, axis: TimeAxis, playhead: Playhe
 
     During ``live`` play it says that the playhead is paused.
     """
-    painter.fillRect(area, QColor(colours.mixed(colours.BAR, colours.LIVE, 0.22) if live else colours.BAR))
+    painter.fillRect(area, QColor(colours.mixed_colour(colours.BAR, colours.LIVE, 0.22) if live else colours.BAR))
     if live:
         painter.setFont(font(11))
         painter.setPen(QColor(colours.LIVE))

@@ -13,7 +13,7 @@ from PySide6.QtGui import QColor, QPainter
 from studio.document import colours
 from studio.document.channels import Channel, Side, channels_of, handle_of, key_values, values_at
 from studio.document.keyed_fields import Keyed, KeyedField, KeyRef, counted_in, keyed_value, selected_fields, to_stage
-from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext, within
+from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext, clipped_span
 from studio.timeline.tracks.brush import font, hairline, paint_dot, paint_key, translucent
 
 FloatArray = NDArray[np.float64]
@@ -179,7 +179,7 @@ class ValueCurves:
     def hit(self, shown: RowContext, area: QRect, position: QPointF) -> HandleRef | None:
         """Handle, or else key, under the mouse; of several the nearest, in the active channel first."""
         for candidates in (self.handles(shown, area), self.points(shown, area)):
-            near = [(each, at) for each, at in candidates if within(position, at.x(), at.y(), CURVE_KEY_REACH)]
+            near = [(each, at) for each, at in candidates if clipped_span(position, at.x(), at.y(), CURVE_KEY_REACH)]
             if near:
                 return min(
                     near, key=lambda each: (each[1] - position).manhattanLength() - (each[0].channel == self.active)

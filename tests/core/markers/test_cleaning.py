@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studio.core.errors import StudioError
-from studio.core.markers.cleaning import USUAL_STEPS, FillLongGaps, FillShortGaps, LowPass, UndoSwaps, clean
+from studio.core.markers.cleaning import USUAL_STEPS, FillLongGaps, FillShortGaps, LowPass, UndoSwaps, cleaned_trial
 from studio.core.markers.gaps import find_gaps
 from studio.core.markers.trial import Trial
 from studio.io.c3d.reader import read_c3d
@@ -72,7 +72,7 @@ def test_without_stiff_neighbours_a_long_gap_stays_open_and_is_told() -> None:
 def test_what_was_seen_is_never_changed_by_filling() -> None:
     truth, _ = made_trial()
     gappy = _with_gap(_with_gap(truth, "lefttoe", 10, 13), "lefttoe", 60, 99)
-    cleaned, _ = clean(gappy, USUAL_STEPS)
+    cleaned, _ = cleaned_trial(gappy, USUAL_STEPS)
     seen = np.isfinite(gappy.points)
     assert np.array_equal(cleaned.points[seen], gappy.points[seen])
     assert not list(find_gaps(cleaned.points, tuple(range(len(cleaned.labels)))))
@@ -82,7 +82,7 @@ def test_the_trial_itself_stays_as_it_was_recorded() -> None:
     truth, _ = made_trial()
     gappy = _with_gap(truth, "lefttoe", 10, 13)
     before = gappy.points.copy()
-    clean(gappy, (UndoSwaps(), FillShortGaps(), FillLongGaps(), LowPass()))
+    cleaned_trial(gappy, (UndoSwaps(), FillShortGaps(), FillLongGaps(), LowPass()))
     assert np.array_equal(gappy.points, before, equal_nan=True)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from studio.core.captures.capture import Capture
 from studio.core.captures.remarks import remarks_on
-from studio.core.markers.jumps import jumps
+from studio.core.markers.jumps import marker_jumps
 from studio.core.markers.trial import Trial
 from studio.io.c3d.writer import write_c3d
 from studio.io.importing import load_capture
@@ -23,7 +23,7 @@ def _moved(trial: Trial, label: str, frames: slice, by: float) -> Trial:
 
 
 def test_nothing_jumps_in_a_walk() -> None:
-    assert jumps(made_trial()[0]) == {}
+    assert marker_jumps(made_trial()[0]) == {}
 
 
 @pytest.mark.parametrize(
@@ -32,7 +32,7 @@ def test_nothing_jumps_in_a_walk() -> None:
 def test_a_marker_that_is_elsewhere_for_some_frames_or_from_one_on_jumps_there_and_back(
     frames: slice, into: list[int]
 ) -> None:
-    [(label, (far, by))] = jumps(_moved(made_trial()[0], "leftheel", frames, 0.1)).items()
+    [(label, (far, by))] = marker_jumps(_moved(made_trial()[0], "leftheel", frames, 0.1)).items()
     assert label == "leftheel"
     assert np.flatnonzero(far).tolist() == into
     assert by == pytest.approx(0.1, abs=0.03)
@@ -42,7 +42,7 @@ def test_a_marker_that_comes_back_elsewhere_after_a_gap_jumps_only_where_it_was_
     trial = made_trial()[0]
     points = _moved(trial, "leftheel", slice(60, None), 0.1).points.copy()
     points[50:60, trial.labels.index("leftheel")] = np.nan
-    assert jumps(trial.with_points(points)) == {}
+    assert marker_jumps(trial.with_points(points)) == {}
 
 
 def test_a_kick_that_stops_at_its_target_within_a_frame_does_not_jump() -> None:
@@ -50,7 +50,7 @@ def test_a_kick_that_stops_at_its_target_within_a_frame_does_not_jump() -> None:
     path = np.stack([way, np.zeros(120), np.zeros(120)], axis=1)
     path[60:] = path[59]
     kick = Trial("kick", "kick", ("toe",), ("marker",), path[:, None], np.zeros((120, 1)), 100.0, 1, "m")
-    assert jumps(kick) == {}
+    assert marker_jumps(kick) == {}
 
 
 @pytest.fixture

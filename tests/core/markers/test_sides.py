@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from studio.core.markers.marker_map import MarkerMap
-from studio.core.markers.sides import exchanged_places, with_exchanged
+from studio.core.markers.sides import exchanged_places, with_sides_exchanged
 from tests.core.markers.made import made_trial
 
 LEG = {"knee", "inner_knee", "thigh", "ankle", "inner_ankle", "shank", "heel", "toe"}
@@ -22,10 +22,10 @@ def test_what_was_exchanged_is_found_again(names: set[str], moves: bool) -> None
     trial, marker_map = made_trial()
     if not moves:
         trial = replace(trial, points=np.tile(trial.points[:1], (20, 1, 1)), residuals=trial.residuals[:20])
-    wrong = with_exchanged(marker_map, tuple(names))
+    wrong = with_sides_exchanged(marker_map, tuple(names))
     found = exchanged_places(trial, wrong)
     assert set(found) == names
-    assert with_exchanged(wrong, found) == marker_map
+    assert with_sides_exchanged(wrong, found) == marker_map
 
 
 def test_a_body_that_lies_or_turns_is_sorted_by_itself() -> None:
@@ -34,7 +34,7 @@ def test_a_body_that_lies_or_turns_is_sorted_by_itself() -> None:
     turn *= np.linalg.det(turn)
     turned = trial.with_points(trial.points @ turn)
     assert exchanged_places(turned, marker_map) == ()
-    assert set(exchanged_places(turned, with_exchanged(marker_map, tuple(LEG)))) == LEG
+    assert set(exchanged_places(turned, with_sides_exchanged(marker_map, tuple(LEG)))) == LEG
 
 
 @pytest.mark.parametrize("names", [{"wrist", "outer_wrist"}, {"ankle", "inner_ankle", "heel", "toe"}])
@@ -47,7 +47,7 @@ def test_ends_of_limbs_that_stand_still_are_found_though_the_others_are_nearer(n
             frame[:, trial.labels.index(f"{side}{name}"), 1] *= 0.4
     still = replace(trial, points=np.tile(frame, (20, 1, 1)), residuals=trial.residuals[:20])
     assert exchanged_places(still, marker_map) == ()
-    assert set(exchanged_places(still, with_exchanged(marker_map, tuple(names)))) == names
+    assert set(exchanged_places(still, with_sides_exchanged(marker_map, tuple(names)))) == names
 
 
 def test_folded_arms_are_nobody_elses() -> None:

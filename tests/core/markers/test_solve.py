@@ -6,7 +6,7 @@ import pytest
 from studio.core.body.canonical import BodyPart
 from studio.core.body.kinematics import joint_world
 from studio.core.markers.solve import SolvedBody, solve_body
-from studio.core.markers.take import MarkerTake, follow
+from studio.core.markers.take import MarkerTake, track_body
 from studio.core.rotations import angle_between, multiply
 from tests.core.markers.made import made_body, made_trial
 
@@ -103,7 +103,7 @@ def test_what_is_never_filled_moves_on_as_seen_from_the_pelvis() -> None:
     points = trial.points.copy()
     points[100:, trial.labels.index("leftwrist")] = np.nan
     points[:10, [trial.labels.index(label) for label in ("leftfronthip", "rightfronthip")]] = np.nan
-    followed = follow(MarkerTake(trial.with_points(points), marker_map, steps=()))
+    followed = track_body(MarkerTake(trial.with_points(points), marker_map, steps=()))
     assert followed.first_frame == 10
     assert followed.unseen == 50
     assert all(np.isfinite(track).all() for track in followed.joints.values())

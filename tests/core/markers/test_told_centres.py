@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from studio.core.markers.label_words import side_and_part
-from studio.core.markers.told_centres import told_centres
+from studio.core.markers.told_centres import measured_centre_labels
 
 PELVIS = {"L asis": 0.125, "R asis": -0.125}
 """Places of points to the left, in metres."""
@@ -17,7 +17,7 @@ def _told(places: dict[str, float], pelvis: dict[str, float] = PELVIS) -> dict[s
         labels.setdefault((side, part), []).append(label)
     heights = {label: {"hip": 0.9, "ankle": 0.1}.get(label.partition(" ")[2], 0.5) for label in pelvis | places}
     tracks = {label: np.tile([0.0, y, heights[label]], (10, 1)) for label, y in (pelvis | places).items()}
-    return told_centres(labels, tracks)
+    return measured_centre_labels(labels, tracks)
 
 
 def test_knees_too_near_to_be_markers_on_their_outer_sides_are_centres() -> None:

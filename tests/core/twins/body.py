@@ -20,9 +20,9 @@ def carried_points(layout: BodyLayout, segment: int) -> set[int]:
     points = {layout.distal_points()[each] for each in segments}
     thorax = layout.spine_count - 1
     if thorax in segments:
-        points |= {layout.collar(0), layout.collar(1)}
+        points |= {layout.collar_point(0), layout.collar_point(1)}
     if segment == 0:
-        points |= {layout.hip(0), layout.hip(1)}
+        points |= {layout.hip_point(0), layout.hip_point(1)}
     return points
 
 
@@ -50,8 +50,8 @@ def bone_lengths(layout: BodyLayout, positions: np.ndarray) -> np.ndarray:
     ties = [
         positions[..., point, :] - positions[..., carrier, :]
         for point, carrier in (
-            *((layout.collar(side), layout.neck_base) for side in (0, 1)),
-            *((layout.hip(side), 0) for side in (0, 1)),
+            *((layout.collar_point(side), layout.neck_base) for side in (0, 1)),
+            *((layout.hip_point(side), 0) for side in (0, 1)),
         )
     ]
     return np.linalg.norm(np.concatenate([ends, np.stack(ties, axis=-2)], axis=-2), axis=-1)

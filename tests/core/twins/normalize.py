@@ -5,7 +5,7 @@ import numpy as np
 from studio.core.body.morphology import Morphology
 from studio.core.kernels import layout as at
 from studio.core.normalized.encode import BODY_FORWARD
-from studio.core.normalized.normalize import heading
+from studio.core.normalized.normalize import smoothed_heading
 from studio.core.rotations import frame_along, from_matrix, normalized, shortest_arc, sign_continuous
 
 FloatArray = np.ndarray
@@ -19,7 +19,7 @@ def channels_of(body: Morphology, points: FloatArray, rotations: FloatArray, fra
     ankle = np.array([0.0, 0.0, body.ankle_height.mean()])
     hips = points[:, 0] + pelvis @ body.hip_offset.mean(axis=0)
     channels[:, at.HIPS : at.HIPS + 3] = (hips - ankle) / body.leg_length
-    yaw = heading(pelvis, frame_rate)
+    yaw = smoothed_heading(pelvis, frame_rate)
     channels[:, at.YAW] = yaw
     put = _QuaternionWriter(channels)
     put(at.PELVIS, _about_z(-yaw) @ pelvis)
@@ -35,9 +35,9 @@ def channels_of(body: Morphology, points: FloatArray, rotations: FloatArray, fra
         put(at.HAND + 4 * side, _local(rotations[:, arm + 2], rotations[:, arm + 3]))
         put(at.FOOT + 4 * side, _local(pelvis, rotations[:, leg + 2]))
         put(at.TOE + 4 * side, _local(rotations[:, leg + 2], rotations[:, leg + 3]))
-        _encode_limb(channels, put, side, carrier, points, rotations, layout.collar(side) + 1, arm + 1)
-        _encode_limb(channels, put, 2 + side, pelvis, points, rotations, layout.hip(side), leg)
-        hip = _apply_inverse(pelvis, points[:, layout.hip(side)] - points[:, 0])
+        _encode_limb(channels, put, side, carrier, points, rotations, layout.collar_point(side) + 1, arm + 1)
+        _encode_limb(channels, put, 2 + side, pelvis, points, rotations, layout.hip_point(side), leg)
+        hip = _apply_inverse(pelvis, points[:, layout.hip_point(side)] - points[:, 0])
         play = at.HIP_SHIFT + 3 * side
         channels[:, play : play + 3] = (hip - body.hip_offset[side]) / body.leg_length
     stray = _apply_inverse(rotations[:, neck], points[:, head] - points[:, neck]) / body.neck

@@ -36,7 +36,7 @@ def realize_frame(row: np.ndarray, places: np.ndarray, body: Morphology, play: b
     rotations[head] = carried @ quaternion(at.HEAD)
     positions[head + 1] = positions[head] + rotations[head] @ [0.0, 0.0, body.head]
     for side in range(2):
-        arm, collar = layout.spine_count + 2 + 4 * side, layout.collar(side)
+        arm, collar = layout.spine_count + 2 + 4 * side, layout.collar_point(side)
         positions[collar] = positions[neck] + rotations[thorax] @ body.collar_base[side]
         carried = rotations[thorax] @ quaternion(at.CLAVICLE + 4 * side)
         rotations[arm] = carried @ frame_along(body.clavicle_rest[side], np.array([1.0, 0.0, 0.0]))
@@ -44,7 +44,7 @@ def realize_frame(row: np.ndarray, places: np.ndarray, body: Morphology, play: b
         _limb(row, side, carried, body.arm[side], collar + 1, arm + 1, positions, rotations)
         rotations[arm + 3] = rotations[arm + 2] @ quaternion(at.HAND + 4 * side)
         positions[collar + 4] = positions[collar + 3] + rotations[arm + 3] @ body.hand[side]
-        leg, hip = layout.spine_count + 10 + 4 * side, layout.hip(side)
+        leg, hip = layout.spine_count + 10 + 4 * side, layout.hip_point(side)
         stray = play * body.leg_length * row[at.HIP_SHIFT + 3 * side : at.HIP_SHIFT + 3 * side + 3]
         positions[hip] = positions[0] + pelvis @ (body.hip_offset[side] + stray)
         _limb(row, 2 + side, pelvis, body.leg[side], hip, leg, positions, rotations)

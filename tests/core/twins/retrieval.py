@@ -4,10 +4,10 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from studio.core.kernels import pose_search as at
-from studio.core.retrieval import Query, SearchMatch, SearchTable, pose_distances
+from studio.core.retrieval import PoseQuery, SearchMatch, SearchTable, pose_distances
 
 
-def brute_force(table: SearchTable, query: Query, count: int, allowed: np.ndarray) -> list[SearchMatch]:
+def brute_force(table: SearchTable, query: PoseQuery, count: int, allowed: np.ndarray) -> list[SearchMatch]:
     best = []
     for clip, (actor, limb, begin, length) in enumerate(table.clips):
         if not allowed[clip]:

@@ -10,7 +10,7 @@ def smoothstep(t):
 
 
 @kernel
-def smooth_penetration(height, margin):
+def penetration_correction(height, margin):
     """Correction in metres to be added to ``height`` to keep it above 0: twice continuously differentiable, 0 from
     ``margin`` metres on (METHOD (7)).
     """

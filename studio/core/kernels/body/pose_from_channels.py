@@ -70,13 +70,13 @@ def realize_frames(channels, positions, measures, actor, play, out_positions, ou
     ``actor`` the ActorProportions; ``play`` 1 keeps the actor's shifts of hips and head, 0 drops them. Writes (F, K +
     23, 3) metres and (F, K + 18, 3, 3), motion space.
     """
-    spine_from, spine_share = sample_spine(positions, measures[0])
-    realize_each(channels, measures, actor, spine_from, spine_share, play, out_positions, out_rotations)
+    spine_from, spine_share = spine_sampling(positions, measures[0])
+    realize_all_frames(channels, measures, actor, spine_from, spine_share, play, out_positions, out_rotations)
 
 
 @kernel
-def realize_each(channels, measures, actor, spine_from, spine_share, play, out_positions, out_rotations):
-    """Pose all frames; ``spine_from`` and ``spine_share`` come from ``sample_spine``."""
+def realize_all_frames(channels, measures, actor, spine_from, spine_share, play, out_positions, out_rotations):
+    """Pose all frames; ``spine_from`` and ``spine_share`` come from ``spine_sampling``."""
     for frame in range(channels.shape[0]):
         row = measures[frame if measures.shape[0] > 1 else 0]
         pose = Pose(out_positions[frame], out_rotations[frame])
@@ -86,7 +86,7 @@ def realize_each(channels, measures, actor, spine_from, spine_share, play, out_p
 
 
 @allocating_kernel
-def sample_spine(positions, measures):
+def spine_sampling(positions, measures):
     """For each of a body's K spine segments, the index (K,) of the motion's segment at or below it and the
     interpolation factor (K,) to the next.
 

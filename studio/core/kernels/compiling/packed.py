@@ -53,7 +53,7 @@ class PackedModel(models.PrimitiveModel):
 
 
 @unbox(Packed)
-def refuse(packed: Any, _value: Any, code: Any) -> Any:
+def raise_unboxing_error(packed: Any, _value: Any, code: Any) -> Any:
     """Raise TypeError: Python has no packed tuples to pass."""
     code.pyapi.err_set_string("PyExc_TypeError", "A packed tuple is made by kernels only.")
     return NativeValue(ir.Constant(code.context.get_value_type(packed), None), is_error=cgutils.true_bit)

@@ -24,7 +24,7 @@ from studio.core.kernels.body_indices import (
     THIGH_SEGMENT,
 )
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
-from studio.core.kernels.limbs.limb import middle_joint, place_limb, soft_extension, soft_least_reach
+from studio.core.kernels.limbs.limb import middle_joint, place_limb, soft_extension, soft_minimum_reach
 from studio.core.kernels.records import LimbShape
 
 KNEE_TARGET, KNEE_TARGET_ACTIVE = 3, 6
@@ -141,7 +141,7 @@ def leg_frame(channels, measures, side, soft_threshold, ankle, hip, pelvis):
     if distance > 1e-9:
         per = 1.0 / distance
         frame = aim_z_axis(frame, per * x, per * y, per * z)
-    reach = soft_least_reach(length * soft_extension(distance / length, soft_threshold), (upper, lower))
+    reach = soft_minimum_reach(length * soft_extension(distance / length, soft_threshold), (upper, lower))
     off_plane, own = (
         channels[at.LIMB_OFF_PLANE + 2 + side] * length,
         length * (1.0 - channels[at.LIMB_SLACK + 2 + side]),

@@ -111,7 +111,7 @@ def soft_flexion(reach, bones):
 
 
 @kernel
-def soft_least_reach(reach, bones):
+def soft_minimum_reach(reach, bones):
     """Distance in metres of a limb's end from its root for a target at ``reach``: nearer than the least of
     ``soft_flexion`` it approaches the difference of the bones softly.
     """

@@ -19,12 +19,20 @@ from studio.core.kernels.body.parts import end_pose, limb_parts, restore_end, ro
 from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb_limits import allowed_reach, effective_point, limit_limb
-from studio.core.kernels.limbs.reach import aim_at, bend_and_aim, bend_range, distance_range, swivel_rotation, swivel_to
+from studio.core.kernels.limbs.reach import (
+    aim_at,
+    bend_and_aim,
+    bend_coefficients,
+    distance_range,
+    swivel_rotation,
+    swivel_to,
+)
 from studio.core.kernels.limbs.stiffness import limit_rotation, stiff_reach
 from studio.core.kernels.limits.limb_joint_limits import clamp_elbow_or_knee, damped_swivel, soft_clamp_above
-from studio.core.kernels.limits.swing_twist import bend_slant_turn
+from studio.core.kernels.limits.swing_twist import bend_carrying_twist
 from studio.core.kernels.tasks.goals import end_position, interpolate_point, is_dormant, is_position, is_rotation
-from studio.core.kernels.tasks.task import ACTIVE, PRIORITY_TOLERANCE
+from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
+from studio.core.kernels.tasks.task_status import ACTIVE
 
 NEGLIGIBLE_ERROR = 0.25 * PRIORITY_TOLERANCE
 """Error in metres or radians that is ignored."""
@@ -85,8 +93,8 @@ def reach_range(limb, segment, holds_end, point, limits, pose):
     if limits.shape[0] == 0:
         fold, reach = distance_range(positions[root], positions[root + 1], hinge, tip)
         return fold, reach, own
-    c0, c1, angle, side = bend_range(positions[root], positions[root + 1], hinge, tip)
-    bend, bends = bend_slant_turn(rotations[upper], rotations[upper + 1])[0], limits[limb].bends
+    c0, c1, angle, side = bend_coefficients(positions[root], positions[root + 1], hinge, tip)
+    bend, bends = bend_carrying_twist(rotations[upper], rotations[upper + 1])[0], limits[limb].bends
     first, last = angle + side * min(bend - bends[1], 0.0), angle + side * max(bend - bends[0], 0.0)
     least, most = max(min(first, last), 0.0), min(max(first, last), math.pi)
     fold, reach = c0 - 2.0 * c1 * math.cos(least), c0 - 2.0 * c1 * math.cos(most)

@@ -10,16 +10,16 @@ import math
 
 from studio.core.kernels import layout as at
 from studio.core.kernels.algebra.rotation_tuples import rotation_from_matrix, rotation_from_vector, transform_point
-from studio.core.kernels.algebra.smooth_steps import smooth_penetration
+from studio.core.kernels.algebra.smooth_steps import penetration_correction
 from studio.core.kernels.algebra.vectors import distance, offset_between
 from studio.core.kernels.body.parts import end_pose, limb_parts, restore_end, rotate_part
 from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.reach import bend_and_aim
 from studio.core.kernels.limits.limb_joint_limits import damped_swivel
-from studio.core.kernels.limits.swing_twist import bend_slant_turn
+from studio.core.kernels.limits.swing_twist import bend_carrying_twist
 from studio.core.kernels.tasks.goals import moves_point
-from studio.core.kernels.tasks.task import ACTIVE
+from studio.core.kernels.tasks.task_status import ACTIVE
 
 GROUND_MARGIN = 0.05
 """Greatest height above the ground, in metres, below which a part of a limb begins to rise; 3/16 of it is kept."""
@@ -97,7 +97,7 @@ def middle_rise(limb, margin, problem):
 def rise_between(before, now, margin):
     """Metres by which a part at the height ``now``, ``before`` in the unsolved pose, rises."""
     least = min(before, 0.0)
-    rise = smooth_penetration(now - least, min(before - least, margin))
+    rise = penetration_correction(now - least, min(before - least, margin))
     return rise if rise > NEGLIGIBLE_RISE else 0.0
 
 
@@ -171,7 +171,7 @@ def bend_lower(limb, rise, problem):
     phase, goal, weight = circle_to_rise((x, y, z), offset_between(positions[root + 1], positions[root + 2]), rise)
     angle, least, most = math.copysign(max(abs(phase) - goal, 0.0), phase), -math.inf, math.inf
     if limits.shape[0] > 0:
-        bend = bend_slant_turn(rotations[upper], rotations[upper + 1])[0]
+        bend = bend_carrying_twist(rotations[upper], rotations[upper + 1])[0]
         least, most = min(limits[limb].bends[0] - bend, 0.0), max(limits[limb].bends[1] - bend, 0.0)
     other = math.copysign(2.0 * math.pi - abs(phase) - goal, -phase)
     if not least <= angle <= most and least <= other <= most:

@@ -32,7 +32,7 @@ COS_HYPEREXTENDED = math.cos(HYPEREXTENDED)
 
 
 @small_kernel
-def distance_terms(root, middle, hinge, point):
+def distance_coefficients(root, middle, hinge, point):
     """Coefficients (c0, c1 cos b, c1 sin b) of the squared distance from root to point, c0 - 2 c1 cos b, at the present
     bend b (METHOD (15)).
 
@@ -51,11 +51,11 @@ def distance_terms(root, middle, hinge, point):
 
 
 @kernel
-def bend_range(root, middle, hinge, point):
+def bend_coefficients(root, middle, hinge, point):
     """Coefficients (c0, c1), present bend b and side of METHOD (15): d^2 = c0 - 2 c1 cos b; the side is -1 for a
     backward bend.
     """
-    c0, cosine, sine = distance_terms(root, middle, hinge, point)
+    c0, cosine, sine = distance_coefficients(root, middle, hinge, point)
     angle = math.atan2(sine, cosine)
     side = -1.0 if -HYPEREXTENDED < angle < 0.0 else 1.0
     angle = abs(angle) if angle > -HYPEREXTENDED else angle + 2.0 * math.pi
@@ -65,7 +65,7 @@ def bend_range(root, middle, hinge, point):
 @kernel
 def distance_range(root, middle, hinge, point):
     """(least, greatest) distance root-point over all bends, in metres (METHOD (15))."""
-    c0, cosine, sine = distance_terms(root, middle, hinge, point)
+    c0, cosine, sine = distance_coefficients(root, middle, hinge, point)
     twice = 2.0 * math.sqrt(cosine * cosine + sine * sine)
     return math.sqrt(max(0.0, c0 - twice)), math.sqrt(max(0.0, c0 + twice))
 
@@ -107,7 +107,7 @@ def bend_to_distance(distance, rotation, root, middle, point):
     full extension too. METHOD (15).
     """
     hinge = rotation[0, 0], rotation[1, 0], rotation[2, 0]
-    c0, cosine, sine = distance_terms(root, middle, hinge, point)
+    c0, cosine, sine = distance_coefficients(root, middle, hinge, point)
     c1 = math.sqrt(cosine * cosine + sine * sine)
     if c1 < 1e-9:
         return IDENTITY

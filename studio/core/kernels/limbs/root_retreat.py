@@ -17,8 +17,8 @@ from studio.core.kernels.search.body_placement import pose_body, solve_limbs
 from studio.core.kernels.search.level_step import TASK_MET
 from studio.core.kernels.tasks.goals import end_position, is_position
 from studio.core.kernels.tasks.limb_rows import LIMB_FALLS_SHORT
-from studio.core.kernels.tasks.task import ACTIVE
 from studio.core.kernels.tasks.task_kinds import residual_of
+from studio.core.kernels.tasks.task_status import ACTIVE
 
 ROOT_RETREAT_STEPS = 30
 """Retreat steps at most. Each leaves a third to two thirds of the residual; more than ``TASK_MET`` left over misleads

@@ -27,7 +27,7 @@ from studio.core.kernels.body_indices import (
 )
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.search.joints import pose_point
-from studio.core.kernels.tasks.task import ACTIVE
+from studio.core.kernels.tasks.task_status import ACTIVE
 
 RELEASE_POWER = 32
 """Power of a weight by which its bound vanishes towards 1: a weight of 0.9 acts as 0.93."""
@@ -63,7 +63,7 @@ def restrict_stiff_limbs(level, tasks):
 
 
 @kernel
-def carry_leg(side, start, segment_rotations, pose):
+def move_stiff_leg(side, start, segment_rotations, pose):
     """Pose a leg in its pelvis as in the motion, with the motion's foot rotation: a stiff leg moves with the hips."""
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     hip, thigh, pelvis = (

@@ -17,7 +17,7 @@ from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.limb import MAX_EXTENSION, SOFT_IK_THRESHOLD, soft_extension
 from studio.core.kernels.limbs.reach import bend_and_aim, distance_range
-from studio.core.kernels.tasks.task import INACTIVE
+from studio.core.kernels.tasks.task_status import INACTIVE
 
 
 @kernel
@@ -36,9 +36,9 @@ def follow_contacts(level, problem):
         contact, other = problem.body.hand_contacts[side], limb_parts(1 - side, spine_count)[2] + 2
         together = contact.together if has_task(1 - side, level, tasks) else 0.0
         wrist = limb_parts(side, spine_count)[2] + 2
-        x, y, z = carried_point(wrist, chest, chest, start, pose)
-        far, there = pose.positions[other], carried_point(other, chest, chest, start, pose)
-        under = carried_point(wrist, contact.segment, contact.origin, start, pose)
+        x, y, z = contact_wrist_position(wrist, chest, chest, start, pose)
+        far, there = pose.positions[other], contact_wrist_position(other, chest, chest, start, pose)
+        under = contact_wrist_position(wrist, contact.segment, contact.origin, start, pose)
         rests = (1.0 - together) * contact.resting
         goal = (
             x + together * (far[0] - there[0]) + rests * (under[0] - x),
@@ -70,7 +70,7 @@ def has_task(limb, level, tasks):
 
 
 @small_kernel
-def carried_point(point, segment, origin, start, pose):
+def contact_wrist_position(point, segment, origin, start, pose):
     """Position (x, y, z) of a point of the pose ``start`` carried by a segment, which begins at ``origin``."""
     rotation = compose(
         rotation_from_matrix(pose.rotations[segment]), inverse_rotation(rotation_from_matrix(start.rotations[segment]))

@@ -119,11 +119,11 @@ def signed_distance_to_body(x, y, z, girth, capsules, out_direction):
 @kernel
 def soft_clamp(t):
     """``t`` clamped to [0, 1] with corners rounded over a tenth."""
-    return t + ramp(-t, 0.1) - ramp(t - 1.0, 0.1)
+    return t + linear_ramp(-t, 0.1) - linear_ramp(t - 1.0, 0.1)
 
 
 @kernel
-def ramp(x, band):
+def linear_ramp(x, band):
     """max(x, 0) with its corner rounded over ``band`` on either side; never below it."""
     if x <= -band:
         return 0.0
@@ -247,11 +247,11 @@ def arm_step(side, near, frame, fractions, clearance, clearing, positions, out_s
         if probe == 2:
             copy_point(direction, entry)
         if near > 0.0:
-            short = ramp(required[probe] - distance, near)
+            short = linear_ramp(required[probe] - distance, near)
         else:
             narrower = max(own[probe] - distance, 0.0)
             fade = SHORTEST_APPROACH + narrower * LONGEST_APPROACH / (narrower + LONGEST_APPROACH)
-            short = ramp(required[probe] + CONTACT_MARGIN - distance, fade)
+            short = linear_ramp(required[probe] + CONTACT_MARGIN - distance, fade)
         if short > 0.0:
             add_probe_step(short, k, fractions, (arc, lever, direction, line), out_step)
     return out_step.any()

@@ -1,7 +1,7 @@
 """Strict priorities with self-collision constraints above tasks: a frame is solved tier by tier (METHOD 10).
 
 Tier 0 has the highest self-collision constraints and all tasks above and beside them; every lower priority is a tier of
-its own. A frame is solved and cleared down to each tier with an active task, and the result is saved (``KeptTier``).
+its own. A frame is solved and cleared down to each tier with an active task, and the result is saved (``SavedTier``).
 Where a tier violates a tier above it, the body moves only a fraction of the way from the saved pose.
 """
 
@@ -16,7 +16,7 @@ from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.limbs.limb_tasks import KEEPS_BLEND
 from studio.core.kernels.limits.arm_clearance import place_capsules
 from studio.core.kernels.limits.self_collision import measure_side_distances, write_penetration
-from studio.core.kernels.records import KeptTier
+from studio.core.kernels.records import SavedTier
 from studio.core.kernels.search.backtracking import (
     BACKTRACKING_TARGET,
     BACKTRACKING_TOLERANCE,
@@ -27,17 +27,17 @@ from studio.core.kernels.search.backtracking import (
 from studio.core.kernels.search.body_placement import pose_body
 from studio.core.kernels.search.joints import pose_limb
 from studio.core.kernels.search.level_step import ALLOWED_VIOLATION
-from studio.core.kernels.tasks.task import IN_TRANSITION, INACTIVE
 from studio.core.kernels.tasks.task_kinds import residual_of, update_goals
+from studio.core.kernels.tasks.task_status import IN_TRANSITION, INACTIVE
 from studio.core.kernels.time.activation_blend import blend_states, write_limb_joint_rotations
 
 
 @allocating_kernel
 def make_kept_tier(clearance, constraints, joints):
-    """Scratch of a ``KeptTier``, empty without self-collision constraints."""
+    """Scratch of a ``SavedTier``, empty without self-collision constraints."""
     clears = clearance.required_distances.shape[0]
     count = constraints if clears > 0 else 0
-    return KeptTier(
+    return SavedTier(
         np.empty((joints if clears > 0 else 0, 3)),
         np.empty((16 if clears > 0 else 0, 3, 3)),
         np.empty(count + clears),
@@ -160,7 +160,7 @@ def report_tier_residuals(fraction, tier, frame, clip, problem):
         if tasks[c].status != INACTIVE:
             residual = residual_of(c, problem)
             if tasks[c].status == IN_TRANSITION:
-                residual = blend_residual(
+                residual = interpolated_residual(
                     fraction,
                     clip.constraints.activations[tier, c, frame] * residual,
                     kept.first_residuals[c],
@@ -180,7 +180,7 @@ def measure_frame_penetration(frame, clip, pose):
 
 
 @kernel
-def blend_residual(fraction, residual, there, here):
+def interpolated_residual(fraction, residual, there, here):
     """Residual reported for a task in transition: at ``fraction`` between those of two poses, ``there`` and ``here``.
 
     If the task is inactive in the first pose, NaN, its measured ``residual`` fades out instead.

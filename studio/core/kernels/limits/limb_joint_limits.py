@@ -36,7 +36,7 @@ from studio.core.kernels.body.parts import limb_parts, rotate_part
 from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE, SEGMENTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limits.swing_twist import (
-    bend_slant_turn,
+    bend_carrying_twist,
     direction_in_axes,
     range_fraction,
     rotate_about_axis,
@@ -142,7 +142,7 @@ def note_unsolved_angles(limb, joints, limits, pose):
         row.own_fractions[joint] = swing_fraction(row.radii[joint], x, y)
         update_caps(row, joint, (x, y, twist))
         copy_point(row.caps[joint], row.agreed_caps[joint])
-    row.own_bend, row.own_slant, row.own_turn = bend_slant_turn(rotations[upper], rotations[upper + 1])
+    row.own_bend, row.own_slant, row.own_turn = bend_carrying_twist(rotations[upper], rotations[upper + 1])
     row.is_active, row.blocked_task, row.caps_unset = 0, -1, 1
 
 
@@ -198,7 +198,7 @@ def update_caps(row, joint, swing):
 
 
 @kernel
-def untwisted(row, joint, swing):
+def clamped_twist(row, joint, swing):
     """(swing x, swing y, twist) with the twist clamped to its range, and blended to the source motion's the further out
     it is.
 
@@ -217,13 +217,13 @@ def untwisted(row, joint, swing):
     kept = min(max(rotation, least), most)
     if kept == rotation and fraction <= max(SOFT_LIMIT, row.own_fractions[joint]):
         return swing
-    share = fade_out(abs(rotation - kept) * half / (math.pi - half * abs(kept))) if kept != rotation else 1.0
-    share *= fade_out((fraction - max(SOFT_LIMIT, row.own_fractions[joint])) / UNTWIST_RANGE)
+    share = limit_fade(abs(rotation - kept) * half / (math.pi - half * abs(kept))) if kept != rotation else 1.0
+    share *= limit_fade((fraction - max(SOFT_LIMIT, row.own_fractions[joint])) / UNTWIST_RANGE)
     return x, y, middle + half * (own_turn + share * (kept - own_turn))
 
 
 @kernel
-def fade_out(fraction):
+def limit_fade(fraction):
     """1 at 0 and below, 0 at 1 and beyond, smooth between."""
     fraction = min(max(fraction, 0.0), 1.0)
     return 1.0 - fraction * fraction * (3.0 - 2.0 * fraction)
@@ -307,7 +307,7 @@ def clamp_joint(limb, joint, anew, noting, limits, pose):
         if fraction == 0.0:
             return False
     swing = swing_of(row, joint, rotations[parent], rotations[segment])
-    desired = untwisted(row, joint, swing) if anew else swing
+    desired = clamped_twist(row, joint, swing) if anew else swing
     if noting:
         update_caps(row, joint, desired)
     x, y, twist, sure = clamped_to_caps(row, joint, desired)
@@ -332,7 +332,7 @@ def clamp_elbow_or_knee(limb, limits, pose):
 def clamp_bend(row, upper, pivot, pose):
     """Clamp one elbow or knee to its limits; True if it moved."""
     positions, rotations = pose
-    bend, slant, rotation = bend_slant_turn(rotations[upper], rotations[upper + 1])
+    bend, slant, rotation = bend_carrying_twist(rotations[upper], rotations[upper + 1])
     middle, half = 0.5 * (row.bends[0] + row.bends[1]), 0.5 * (row.bends[1] - row.bends[0])
     fraction, own_part = range_fraction(middle, half, bend), range_fraction(middle, half, row.own_bend)
     twist, own_twist = (

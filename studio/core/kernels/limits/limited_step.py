@@ -16,7 +16,7 @@ from studio.core.kernels.algebra.rotation_tuples import (
 from studio.core.kernels.body.parts import rotate_part
 from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel, small_kernel
-from studio.core.kernels.limbs.reach import bend_range
+from studio.core.kernels.limbs.reach import bend_coefficients
 from studio.core.kernels.limits.swing_twist import (
     range_fraction,
     swing_and_twist,
@@ -104,7 +104,7 @@ def radial_error(e, r):
 @kernel
 def bend_margins(root, middle, hinge, point, spans):
     """(least, greatest) rotation about the hinge that keeps ``point`` between two distances from the root."""
-    c0, c1, angle, side = bend_range(root, middle, hinge, point)
+    c0, c1, angle, side = bend_coefficients(root, middle, hinge, point)
     if c1 < 1e-9:
         return 0.0, 0.0
     least = math.acos(min(max((c0 - spans[0] * spans[0]) / (2.0 * c1), -1.0), 1.0))
@@ -136,9 +136,9 @@ def hildreth_step(limit, r, c, e, h, z, bends):
     a = damped_inverse(r, c, damping)
     y = rotate_vector(a, e[0], e[1], e[2])
     x, bend = cross_product(r, y), dot_product(c, y)
-    swing_turn, swing_bend = response_to_bound(swings, 0.0, r, c, a, damping)
-    twist_turn, twist_bend = response_to_bound(twists, 0.0, r, c, a, damping)
-    own_turn, own_bend = response_to_bound((0.0, 0.0, 0.0), 1.0, r, c, a, damping)
+    swing_turn, swing_bend = bound_response(swings, 0.0, r, c, a, damping)
+    twist_turn, twist_bend = bound_response(twists, 0.0, r, c, a, damping)
+    own_turn, own_bend = bound_response((0.0, 0.0, 0.0), 1.0, r, c, a, damping)
     swing_give, twist_give = max(dot_product(swings, swing_turn), 1e-9), max(dot_product(twists, twist_turn), 1e-9)
     swing_push = twist_push = bend_push = 0.0
     for _ in range(HILDRETH_ITERATIONS):
@@ -184,7 +184,7 @@ def damped_inverse(r, c, damping):
 
 
 @kernel
-def response_to_bound(rotation, bend, r, c, a, damping):
+def bound_response(rotation, bend, r, c, a, damping):
     """Change (rotation, bend) of the damped least-squares step per unit multiplier of a bound whose gradient is
     (rotation, bend).
 

@@ -22,9 +22,10 @@ from studio.core.kernels.limits.arm_clearance import (
     push_arm_out,
 )
 from studio.core.kernels.records import CAPSULE, ClearanceScratch, Pose
-from studio.core.kernels.tasks.goals import is_considered, is_rotation
-from studio.core.kernels.tasks.task import INACTIVE, PRIORITY_TOLERANCE
+from studio.core.kernels.tasks.goals import has_residual, is_rotation
+from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.kernels.tasks.task_kinds import residual_of, update_goals
+from studio.core.kernels.tasks.task_status import INACTIVE
 
 TASK_BELOW, TASK_BESIDE, TASK_ABOVE, TASK_IS_CONTACT = range(4)
 """Relation of a task to a self-collision constraint; a contact stands above all."""
@@ -116,7 +117,7 @@ def clear_after_tasks(frame, tier, acted, waited, clip, problem):
             )
             if activation > 0.0 and clearance.tiers[q] <= tier and (acted or late):
                 held = clearing.arm_holds
-                arm_holds(side, problem.tasks, clearance.above[q], spine_count, held)
+                arm_task_fractions(side, problem.tasks, clearance.above[q], spine_count, held)
                 freedom = clearance.freedoms[q]
                 free = (
                     activation if late else 1.0,
@@ -167,14 +168,14 @@ def violates_priority(frame, above, clip, problem):
     changed, tasks = False, problem.tasks
     update_goals(tasks.shape[0], True, problem)
     for c in range(tasks.shape[0]):
-        if above[c] >= TASK_ABOVE and is_considered(tasks[c]):
+        if above[c] >= TASK_ABOVE and has_residual(tasks[c]):
             change = residual_of(c, problem) - clip.residuals[c, frame]
             changed = changed or abs(change) > CLEARANCE_VIOLATION
     return changed
 
 
 @kernel
-def arm_holds(side, tasks, above, spine_count, out_holds):
+def arm_task_fractions(side, tasks, above, spine_count, out_holds):
     """Write the fractions (3,) from 0 to 1 to which higher tasks hold an arm's wrist, its hand's rotation and its
     swivel.
     """

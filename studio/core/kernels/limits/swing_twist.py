@@ -49,7 +49,7 @@ def range_fraction(middle, half, angle):
 
 
 @kernel
-def bend_slant_turn(upper, lower):
+def bend_carrying_twist(upper, lower):
     """(flexion, carrying angle, twist) of elbow or knee: R_upper^T R_lower = Rx(flexion) Ry(carrying) Rz(twist)."""
     xx = yx = zx = zy = zz = 0.0
     for axis in range(3):

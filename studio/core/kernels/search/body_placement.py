@@ -22,21 +22,21 @@ from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.legs import place_leg, place_leg_points
 from studio.core.kernels.limbs.limb_tasks import KEEPS_BLEND, NEGLIGIBLE_ERROR, solve_limb
 from studio.core.kernels.limbs.limbs_above_ground import GROUND_MARGIN, end_rise, middle_rise, raise_limb
-from studio.core.kernels.limbs.stiffness import carry_leg
+from studio.core.kernels.limbs.stiffness import move_stiff_leg
 from studio.core.kernels.limbs.touching_arms import follow_contacts, follows_contact
 from studio.core.kernels.limits.limb_joint_limits import clamp_joint, is_well_within
 from studio.core.kernels.records import FrameProblem
 from studio.core.kernels.search.joints import pose_arm, pose_limb, pose_point, pose_trunk
-from studio.core.kernels.tasks.area_shapes import engage_area
+from studio.core.kernels.tasks.area_shapes import activate_area
 from studio.core.kernels.tasks.goals import (
     has_own_goal,
-    is_considered,
+    has_residual,
     is_distance,
     is_dormant,
     limb_follows,
 )
-from studio.core.kernels.tasks.task import ACTIVE
 from studio.core.kernels.tasks.task_kinds import residual_of, update_goals
+from studio.core.kernels.tasks.task_status import ACTIVE
 
 POINTS_ONLY = 2
 """Value of ``idle_limbs`` for a limb whose points alone were posed."""
@@ -185,7 +185,7 @@ def solve_limb_tasks(busy, level, problem):
     stiff, moving = 0, False
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if is_considered(row) and row.level <= level:
+        if has_residual(row) and row.level <= level:
             moving = moving or not has_own_goal(row)
             row.engaged = 0
             for end in range(2):
@@ -200,7 +200,7 @@ def solve_limb_tasks(busy, level, problem):
                     if attempt > 0:
                         reset_limb_pose(limb, problem)
                     if limb >= 2:
-                        carry_leg(limb - 2, start, search.segment_rotations, pose)
+                        move_stiff_leg(limb - 2, start, search.segment_rotations, pose)
                 solve_limb(limb, level, problem)
         follow_contacts(level, problem)
         if not moving:
@@ -208,7 +208,7 @@ def solve_limb_tasks(busy, level, problem):
         update_goals(level, True, problem)
         if attempt == LIMB_REPEATS:
             return
-        if engage_areas(level, problem):
+        if activate_areas(level, problem):
             for limb in range(4):
                 if busy >> limb & 1:
                     reset_limb_pose(limb, problem)
@@ -232,12 +232,12 @@ def has_unshared_residual(level, problem):
 
 
 @kernel
-def engage_areas(level, problem):
+def activate_areas(level, problem):
     """Activate area constraints whose points are inside after all else was solved; True if there are new ones."""
     tasks = problem.tasks
     found = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
         if is_dormant(row) and row.status == ACTIVE and row.level <= level:
-            found = engage_area(row, problem.areas[c], problem.pose) or found
+            found = activate_area(row, problem.areas[c], problem.pose) or found
     return found

@@ -16,7 +16,7 @@ import math
 
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limits.limited_step import LEAST_DAMPING
-from studio.core.kernels.search.joints import SOFT_JOINT_LIMIT, shorten_along
+from studio.core.kernels.search.joints import SOFT_JOINT_LIMIT, scale_along_axis
 
 SPRING_STRENGTH = 0.01
 """Strength of the spring to the motion, relative to the residual."""
@@ -56,7 +56,7 @@ def full_newton_step(count, rows, chain, segment_rotations, state, step, damped,
         for axis in range(3):
             step[k, axis] = solution[3 * k + axis]
         if damping[k].fraction < 1.0:
-            shorten_along(damping[k].fraction, damping[k].axis, step[k])
+            scale_along_axis(damping[k].fraction, damping[k].axis, step[k])
     return along
 
 
@@ -239,7 +239,7 @@ def add_spring_gradient(spring, damping, segment_rotations, state, joints, dampe
             x, y, z = state[k, 0], state[k, 1], state[k, 2]
             force[k, axis] = 2.0 * (rotation[axis, 0] * x + rotation[axis, 1] * y + rotation[axis, 2] * z)
         if damping[k].fraction < 1.0:
-            shorten_along(damping[k].fraction, damping[k].axis, force[k])
+            scale_along_axis(damping[k].fraction, damping[k].axis, force[k])
         for axis in range(3):
             system[3 * k + axis, size] -= spring / own[3 * k] * force[k, axis]
 

@@ -132,7 +132,7 @@ def update_joint_damping(state, joints, limits, segment_rotations, out_damping):
 
 
 @kernel
-def shorten_along(fraction, axis, vector):
+def scale_along_axis(fraction, axis, vector):
     """Scale ``vector`` (3,) by ``fraction`` along a unit ``axis`` (3,)."""
     along = (fraction - 1.0) * (axis[0] * vector[0] + axis[1] * vector[1] + axis[2] * vector[2])
     vector[0] += along * axis[0]

@@ -11,10 +11,11 @@ from studio.core.kernels.limits.limited_step import NEARLY_MET
 from studio.core.kernels.search.full_newton_step import full_newton_step
 from studio.core.kernels.search.joints import update_joint_damping
 from studio.core.kernels.search.null_space_step import apply_step, null_space_step
-from studio.core.kernels.tasks.goals import is_considered
+from studio.core.kernels.tasks.goals import has_residual
 from studio.core.kernels.tasks.jacobian_rows import add_root_reach_rows, add_rows
 from studio.core.kernels.tasks.second_order import INEQUALITY_ROW, optimal_step_length
-from studio.core.kernels.tasks.task import ACTIVE, PRIORITY_TOLERANCE
+from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
+from studio.core.kernels.tasks.task_status import ACTIVE
 
 TASK_MET, ALLOWED_VIOLATION = 0.6 * PRIORITY_TOLERANCE, 0.4 * PRIORITY_TOLERANCE
 """Residual in metres at which a task is met, and change in metres or radians that one level may cause above."""
@@ -55,7 +56,7 @@ def take_level_step(level, restoring, all_joints, is_late, root_stays, damping, 
     feet = chain.joint_of_segment[-1] >= 0 and not root_stays
     count = add_root_reach_rows(every, 0, problem) if feet else 0
     for c in range(tasks.shape[0]):
-        if is_considered(tasks[c]) and tasks[c].level < level:
+        if has_residual(tasks[c]) and tasks[c].level < level:
             count = add_rows(c, level, every, True, count, problem)
     own = count
     if not restoring:

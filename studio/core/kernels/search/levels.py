@@ -53,14 +53,14 @@ from studio.core.kernels.search.redundancy import may_rotate_limbs, set_reachabl
 from studio.core.kernels.tasks.balance import centre_of_mass
 from studio.core.kernels.tasks.goals import (
     end_position,
+    has_residual,
     is_balance,
-    is_considered,
     is_position,
     is_rotation,
     moves_point,
 )
-from studio.core.kernels.tasks.task import ACTIVE, DROPPED, INACTIVE
 from studio.core.kernels.tasks.task_kinds import residual_of
+from studio.core.kernels.tasks.task_status import ACTIVE, INACTIVE, drop_task
 
 LEVEL_STEPS, LATE_LEVEL_STEPS = 4, 5
 """Steps of a level, and further ones while it is nearly met or still gains: a body far out of reach would take many
@@ -171,7 +171,7 @@ def take_steps(level, fresh, problem):
     if is_level_met(level, problem):
         return
     frees = may_rotate_limbs(min(tasks.shape[0] + level, chain.weights.shape[0] - 1), chain)
-    stays = fresh and not frees_root(level, tasks, chain)
+    stays = fresh and not level_moves_root(level, tasks, chain)
     whole = stays and not frees
     tries = THOROUGH_STEPS if frees or whole else LEVEL_STEPS
     if not frees and retreat_root(level, problem):
@@ -242,7 +242,7 @@ def drop_conflicting_tasks(level, problem):
         for other in range(tasks.shape[0]):
             named = tasks[other].limbs[0] == limb or tasks[other].limbs[1] == limb
             if named and tasks[other].level == level and tasks[other].status == ACTIVE:
-                tasks[other].status, tasks[other].engaged = DROPPED, 0
+                drop_task(tasks[other])
                 found = True
     return found
 
@@ -270,7 +270,7 @@ def restore_feasibility(level, most, both_ways, problem):
 
 
 @kernel
-def frees_root(level, tasks, chain):
+def level_moves_root(level, tasks, chain):
     """True if any task of this level may move the root."""
     root = chain.joint_of_segment[-1]
     frees = False
@@ -286,7 +286,7 @@ def drop_level(level, tasks):
     """Drop the tasks of a level that cannot be met beside the levels above at this frame."""
     for c in range(tasks.shape[0]):
         if tasks[c].level == level and tasks[c].status != INACTIVE:
-            tasks[c].status, tasks[c].engaged = DROPPED, 0
+            drop_task(tasks[c])
 
 
 @kernel
@@ -327,7 +327,7 @@ def priority_violation(level, both_ways, problem):
     worst = 0.0
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if is_considered(row) and row.level < level:
+        if has_residual(row) and row.level < level:
             change = residual_of(c, problem) - row.kept_residual
             worst = max(worst, abs(change) if both_ways else change)
     return worst
@@ -343,7 +343,7 @@ def save_task_results(first, level, problem):
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if not is_considered(row) or row.level >= level:
+        if not has_residual(row) or row.level >= level:
             continue
         residual = residual_of(c, problem)
         if row.level >= first:

@@ -20,7 +20,7 @@ import numpy as np
 from studio.core.kernels.algebra.vectors import copy_point
 from studio.core.kernels.compiling import kernel, small_kernel, summing_kernel
 from studio.core.kernels.limits.root_reach_limit import limit_root_step
-from studio.core.kernels.search.joints import ROOT_TRANSLATION, SOFT_JOINT_LIMIT, shorten_along
+from studio.core.kernels.search.joints import ROOT_TRANSLATION, SOFT_JOINT_LIMIT, scale_along_axis
 from studio.core.kernels.tasks.second_order import INEQUALITY_ROW, add_row_hessian
 
 MAX_ERROR = 0.3
@@ -60,7 +60,7 @@ def null_space_step(equality_count, count, damping, rows, chain, equations, posi
     slope = 0.0
     for _ in range(ACTIVE_SET_ITERATIONS):
         slope = solve_active_set(equality_count, count, damping, rows, chain, equations, positions)
-        if not remove_slack_bound(equality_count, roles, equations) and not add_violated_bound(
+        if not deactivate_bound(equality_count, roles, equations) and not add_violated_bound(
             equality_count, count, rows.errors, rows.margins, equations
         ):
             break
@@ -104,7 +104,7 @@ def damp_jacobian(count, jacobian, damping):
     for k in range(damping.shape[0]):
         if damping[k].fraction < 1.0:
             for row in range(count):
-                shorten_along(damping[k].fraction, damping[k].axis, jacobian[row, k])
+                scale_along_axis(damping[k].fraction, damping[k].axis, jacobian[row, k])
 
 
 @kernel
@@ -150,7 +150,7 @@ def damp_direction(damping, direction):
     """Scale a direction (N, 3) by the root of the joints' damping."""
     for k in range(damping.shape[0]):
         if damping[k].fraction < 1.0:
-            shorten_along(damping[k].fraction, damping[k].axis, direction[k])
+            scale_along_axis(damping[k].fraction, damping[k].axis, direction[k])
 
 
 @kernel
@@ -381,7 +381,7 @@ def add_violated_bound(equality_count, count, errors, margins, equations):
 
 
 @kernel
-def remove_slack_bound(equality_count, roles, equations):
+def deactivate_bound(equality_count, roles, equations):
     """Remove the inequality with the most negative multiplier from the active set; True if there is one."""
     active, coefficients = equations.active, equations.coefficients
     found, least = -1, 0.0

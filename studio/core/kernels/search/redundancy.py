@@ -12,7 +12,7 @@ from studio.core.kernels.limbs.limb import soft_extension
 from studio.core.kernels.search.joints import may_rotate
 from studio.core.kernels.tasks.balance import accumulate_masses, centre_of_mass, write_balance_jacobian
 from studio.core.kernels.tasks.goals import is_balance
-from studio.core.kernels.tasks.task import ACTIVE
+from studio.core.kernels.tasks.task_status import ACTIVE
 
 SOFT_MASS_TRAVEL, USABLE_MASS_TRAVEL = 0.5, 0.65
 """Fraction of the reachable travel of the centre of mass that is requested freely, and fraction of the travel predicted
@@ -85,7 +85,7 @@ def set_reachable_balance_goals(level, problem):
         displacement = length_in_axes(offset_between(mass, row.goal_positions[0]), row.axes)
         if displacement < 1e-6:
             continue
-        reach = USABLE_MASS_TRAVEL * reachable_mass_travel(row, mass, chain.weights[c], problem) / displacement
+        reach = USABLE_MASS_TRAVEL * mass_travel_product(row, mass, chain.weights[c], problem) / displacement
         fraction = (
             reach * soft_extension(displacement / reach, SOFT_MASS_TRAVEL) / displacement if reach > 1e-9 else 0.0
         )
@@ -104,7 +104,7 @@ def may_rotate_limbs(row, chain):
 
 
 @kernel
-def reachable_mass_travel(row, mass, weights, problem):
+def mass_travel_product(row, mass, weights, problem):
     """Dot product (square metres) of the vector from the centre of ``mass`` (3,) to its target with the displacement of
     that centre when every helping joint is rotated to its limit.
     """

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from studio.core.kernels.algebra.rotation_tuples import rotation_from_matrix, rotation_from_vector, write_rotation
-from studio.core.kernels.algebra.smooth_steps import smooth_penetration, smoothstep
+from studio.core.kernels.algebra.smooth_steps import penetration_correction, smoothstep
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.support.foot_rotation import correct_rotation
 from studio.core.kernels.support.gap_interpolation import interpolate_gaps, interpolate_gaps_smoothly, release_weights
@@ -195,7 +195,7 @@ def pitch_to_reach(foot, offsets, pivot, ankle, hip, reach):
     if nearer <= 0.0:
         return 0.0
     length = math.sqrt(over_x * over_x + over_y * over_y + over_z * over_z)
-    pitch = smooth_penetration(reach - span, ROLL_MARGIN * reach) / max(nearer, LEAST_ROLL_GAIN * length)
+    pitch = penetration_correction(reach - span, ROLL_MARGIN * reach) / max(nearer, LEAST_ROLL_GAIN * length)
     return limited_toe_pitch(foot, pitch) if pivot == 1 else -limited_heel_pitch(foot, pitch)
 
 

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from studio.core.kernels.algebra.smooth_steps import smooth_penetration, smoothstep
+from studio.core.kernels.algebra.smooth_steps import penetration_correction, smoothstep
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.support.sole import (
     ANKLE_HEIGHT,
@@ -68,7 +68,7 @@ def toe_bends(soles, states, ground, weights, ankles, feet, toes, out_bends):
         joint = (
             ankles[frame, 2] + foot[2, 0] * sole[TOE_X] + foot[2, 1] * sole[TOE_Y] + foot[2, 2] * sole[TOE_Z] - ground
         )
-        joint += smooth_penetration(joint - foot[2, 2] * thickness, margin)  # a ball in the floor raises the ankle
+        joint += penetration_correction(joint - foot[2, 2] * thickness, margin)  # a ball in the floor raises the ankle
         out_bends[frame] = toe_bend(joint, sole[TOE_LENGTH], thickness, margin, upright, toes[frame])
 
 
@@ -114,7 +114,7 @@ def raise_ankles(soles, states, ground, weights, ankles, feet, toes):
         tip = joint + toe[2, 0] * sole[TOE_LENGTH] - toe[2, 2] * (sole[ANKLE_HEIGHT] + sole[TOE_Z])
         ball = joint - max(foot[2, 2], toe[2, 2]) * (sole[ANKLE_HEIGHT] + sole[TOE_Z])
         heel = ankles[frame, 2] - ground - foot[2, 0] * sole[SOLE_HEEL_LENGTH] - foot[2, 2] * sole[ANKLE_HEIGHT]
-        ankles[frame, 2] += upright * smooth_penetration(min(tip, ball, heel), margin)
+        ankles[frame, 2] += upright * penetration_correction(min(tip, ball, heel), margin)
 
 
 @kernel
@@ -138,7 +138,7 @@ def toe_bend(joint, length, thickness, margin, upright, toe):
     A toe on its side does not bend.
     """
     along, over = toe[2, 0] * length - toe[2, 2] * thickness, toe[2, 2] * length + toe[2, 0] * thickness
-    raised = smooth_penetration(joint + along, margin)
+    raised = penetration_correction(joint + along, margin)
     if raised == 0.0:
         return 0.0
     span = max(math.hypot(along, over), 1e-9)

@@ -34,7 +34,7 @@ AREA_ENGAGED = 1e-6
 
 
 @kernel
-def set_area_goal(row, area, centre, rotation):
+def set_area_pose(row, area, centre, rotation):
     """Set centre and rotation of an ``area`` at this frame."""
     row.goal_distance = row.activation
     copy_matrix(rotation, row.goal_rotation)
@@ -53,7 +53,7 @@ def follow_area(row, area, pose):
 
 
 @kernel
-def engage_area(row, area, pose):
+def activate_area(row, area, pose):
     """Engage a task whose point is in its area, with the nearest allowed position as its goal; True if it is."""
     point = end_position(row, 0, pose)
     depth, position = nearest_allowed_point(area, point)
@@ -124,13 +124,13 @@ def nearest_on_shape(area, x, y, z, inside):
     else:
         nx, ny, nz = nearest_on_box(x, y, z, a + margin, b + margin, h + margin, inside, shape == TABLE_SHAPE)
     if margin > 0.0:
-        share = share_to_margin(area, x, y, z, nx, ny, nz)
+        share = fraction_to_margin(area, x, y, z, nx, ny, nz)
         return x + share * (nx - x), y + share * (ny - y), z + share * (nz - z)
     return nx, ny, nz
 
 
 @kernel
-def share_to_margin(area, x, y, z, nx, ny, nz):
+def fraction_to_margin(area, x, y, z, nx, ny, nz):
     """Fraction of the path from (x, y, z) to the allowed position (nx, ny, nz) at which the area's margin is reached.
 
     The margin is rounded at edges and corners.

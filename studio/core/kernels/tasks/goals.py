@@ -2,7 +2,7 @@
 
 from studio.core.kernels.body.parts import body_point_position
 from studio.core.kernels.compiling import small_kernel
-from studio.core.kernels.tasks.task import ACTIVE, DROPPED
+from studio.core.kernels.tasks.task_status import ACTIVE, DROPPED
 
 POSITION_TASK = 0
 ORIENTATION_TASK = 1
@@ -17,7 +17,7 @@ RADIAN_LENGTH = 0.3
 
 
 @small_kernel
-def is_considered(row):
+def has_residual(row):
     """True if the residual of a task has to be measured: it is active or dropped."""
     return row.status == ACTIVE or row.status == DROPPED
 

@@ -34,9 +34,15 @@ from studio.core.kernels.tasks.limb_rows import (
     add_swivel_row,
     is_point_held,
 )
-from studio.core.kernels.tasks.look_at import keeps_looking
-from studio.core.kernels.tasks.second_order import EQUALITY_ROW, INEQUALITY_ROW, begin_row, set_point_error, set_row
-from studio.core.kernels.tasks.task import ACTIVE, DROPPED
+from studio.core.kernels.tasks.look_at import constrains_gaze
+from studio.core.kernels.tasks.second_order import (
+    EQUALITY_ROW,
+    INEQUALITY_ROW,
+    begin_filled_row,
+    begin_zero_row,
+    set_point_error,
+)
+from studio.core.kernels.tasks.task_status import ACTIVE, DROPPED
 from studio.core.kernels.tasks.upright import add_upright_rows
 
 
@@ -53,7 +59,7 @@ def add_root_reach_rows(weight_row, count, problem):
         hip, ankle = positions[point], ankles[side]
         length, margin = root_reach_of(side, body, problem.start)
         span = max(distance(hip, ankle), 1e-9)
-        begin_row(task_rows, count, weight_row, span - length)
+        begin_zero_row(task_rows, count, weight_row, span - length)
         task_rows.roles[count], task_rows.margins[count] = INEQUALITY_ROW, margin
         per = 1.0 / span
         x, y, z = per * (ankle[0] - hip[0]), per * (ankle[1] - hip[1]), per * (ankle[2] - hip[2])
@@ -127,20 +133,20 @@ def add_rotation_rows(row, weight_row, is_held, count, problem):
             return count
         error = rotation_error(row.goal_rotation, pose.rotations[segment])
         size = length(error)
-        begin_row(task_rows, count, weight_row, RADIAN_LENGTH * (size - row.kept_residual))
+        begin_zero_row(task_rows, count, weight_row, RADIAN_LENGTH * (size - row.kept_residual))
         for axis in range(3):
             add_rotation_jacobian(
                 axis, RADIAN_LENGTH * error[axis] / max(size, 1e-9), segment, chain.joints, task_rows.jacobian[count]
             )
         return count + 1
-    if is_held and keeps_looking(row):
+    if is_held and constrains_gaze(row):
         x, y, z = rotation_error(row.goal_rotation, pose.rotations[segment])
         fraction = 1.0 - row.kept_residual / max(length((x, y, z)), 0.5 * row.kept_residual, 1e-9)
         error = fraction * x, fraction * y, fraction * z
     else:
         error = rotation_error(row.kept_rotation if is_held else row.goal_rotation, pose.rotations[segment])
     for axis in range(3):
-        begin_row(task_rows, count, weight_row, RADIAN_LENGTH * error[axis])
+        begin_zero_row(task_rows, count, weight_row, RADIAN_LENGTH * error[axis])
         add_rotation_jacobian(axis, RADIAN_LENGTH, segment, chain.joints, task_rows.jacobian[count])
         count += 1
     return count
@@ -157,7 +163,7 @@ def add_balance_rows(row, level, weight_row, is_held, count, problem):
     now = sums[sums.shape[0] - 1]
     for axis in range(row.axes):
         goal = row.kept_positions[0, axis] if is_held else row.goal_positions[1, axis]
-        set_row(task_rows, count, weight_row, goal - now[axis])
+        begin_filled_row(task_rows, count, weight_row, goal - now[axis])
         count += 1
     rows = task_rows.jacobian[count - row.axes : count]
     spine_count, down_to = (
@@ -195,7 +201,7 @@ def add_dropped_task_row(c, level, end, weight_row, count, problem):
     point = end_position(row, end, pose)
     x, y, z = offset_between(point, row.goal_positions[end])
     size = max(math.sqrt(x * x + y * y + z * z), 1e-9)
-    begin_row(task_rows, count, weight_row, size - row.kept_residual)
+    begin_zero_row(task_rows, count, weight_row, size - row.kept_residual)
     add_point_jacobian(
         point, x / size, y / size, z / size, row.segments[end], chain.joints, pose.positions, task_rows.jacobian[count]
     )

@@ -15,8 +15,9 @@ from studio.core.kernels.limbs.limb_tasks import NEGLIGIBLE_ERROR
 from studio.core.kernels.search.joints import add_point_jacobian, add_rotation_jacobian
 from studio.core.kernels.search.null_space_step import MAX_ERROR
 from studio.core.kernels.tasks.goals import end_position, is_position
-from studio.core.kernels.tasks.second_order import EQUALITY_ROW, INEQUALITY_ROW, begin_row, set_point_error
-from studio.core.kernels.tasks.task import ACTIVE, PRIORITY_TOLERANCE
+from studio.core.kernels.tasks.second_order import EQUALITY_ROW, INEQUALITY_ROW, begin_zero_row, set_point_error
+from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
+from studio.core.kernels.tasks.task_status import ACTIVE
 
 NEARLY_MET_LIMB = 2.5 * PRIORITY_TOLERANCE
 """Residual in metres up to which a limb's reach is held, and beyond which its root's position is held."""
@@ -54,7 +55,7 @@ def add_point_rows(point, segment, x, y, z, weight_row, count, problem):
     """Add three rows that move a point by (x, y, z)."""
     chain, task_rows, positions = problem.chain, problem.search.rows, problem.pose.positions
     for axis in range(3):
-        begin_row(task_rows, count, weight_row, x if axis == 0 else (y if axis == 1 else z))
+        begin_zero_row(task_rows, count, weight_row, x if axis == 0 else (y if axis == 1 else z))
         along_x, along_y = 1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0
         along_z = 1.0 if axis == 2 else 0.0
         add_point_jacobian(
@@ -111,7 +112,7 @@ def add_link_row(link, slack, weight_row, count, problem):
         return count
     x, y, z = link.way
     shoulder = positions[link.root]
-    begin_row(task_rows, count, weight_row, error)
+    begin_zero_row(task_rows, count, weight_row, error)
     add_point_jacobian(shoulder, x, y, z, link.carrier, chain.joints, positions, task_rows.jacobian[count])
     clamped_error = min(max(error, -MAX_ERROR), MAX_ERROR)
     along = math.copysign(link.span, error)
@@ -152,7 +153,7 @@ def bound_link(link, weight_row, count, problem):
     span, fold, reach, (x, y, z) = link.span, link.fold, link.reach, link.way
     shoulder, side = positions[link.root], 1.0 if reach - span < span - fold else -1.0
     x, y, z = side * x, side * y, side * z
-    begin_row(task_rows, count, weight_row, span - reach if side > 0.0 else fold - span)
+    begin_zero_row(task_rows, count, weight_row, span - reach if side > 0.0 else fold - span)
     task_rows.roles[count] = INEQUALITY_ROW if reach - fold > NEGLIGIBLE_ERROR else EQUALITY_ROW
     set_point_error(task_rows.point_errors[count], x, y, z, side * span, shoulder, link.carrier)
     add_point_jacobian(shoulder, x, y, z, link.carrier, chain.joints, positions, task_rows.jacobian[count])
@@ -174,7 +175,7 @@ def add_separation_row(c, weight_row, count, problem):
     more = size if is_position(row) else size - row.goal_distance
     scale = math.copysign(1.0 / size, more)
     x, y, z = scale * x, scale * y, scale * z
-    begin_row(task_rows, count, weight_row, abs(more) - row.kept_residual)
+    begin_zero_row(task_rows, count, weight_row, abs(more) - row.kept_residual)
     for end in range(2):
         point, parent, limb = points[end], row.segments[end], row.limbs[end]
         if (
@@ -239,7 +240,7 @@ def add_secondary_row(c, weight_row, count, problem):
     if abs(error) < NEGLIGIBLE_ERROR:
         return count
     x, y, z = x / span, y / span, z / span
-    begin_row(task_rows, count, weight_row, error)
+    begin_zero_row(task_rows, count, weight_row, error)
     add_point_jacobian(shoulder, x, y, z, parent, chain.joints, pose.positions, task_rows.jacobian[count])
     clamped_error = min(max(error, -MAX_ERROR), MAX_ERROR)
     set_point_error(
@@ -273,7 +274,7 @@ def add_swivel_row(c, end, weight_row, count, problem):
     arm = scale * (ax * (py * z - pz * y) + ay * (pz * x - px * z) + az * (px * y - py * x))
     if arm * arm * (ax * ax + ay * ay + az * az) < LEAST_SWIVEL_LEVER**2:
         return count
-    begin_row(task_rows, count, weight_row, size - row.kept_residual)
+    begin_zero_row(task_rows, count, weight_row, size - row.kept_residual)
     add_rotation_jacobian(0, arm * ax, parent, chain.joints, task_rows.jacobian[count])
     add_rotation_jacobian(1, arm * ay, parent, chain.joints, task_rows.jacobian[count])
     add_rotation_jacobian(2, arm * az, parent, chain.joints, task_rows.jacobian[count])
@@ -297,7 +298,7 @@ def add_limited_row(row, end, weight_row, is_held, count, aim, problem):
         return count
     parent, _, root = limb_parts(row.limbs[end], pose.positions.shape[0] - POINTS_BESIDE_SPINE)
     x, y, z, error = x / size, y / size, z / size, size - kept
-    begin_row(task_rows, count, weight_row, error)
+    begin_zero_row(task_rows, count, weight_row, error)
     add_point_jacobian(point, x, y, z, parent, chain.joints, pose.positions, task_rows.jacobian[count])
     clamped_error = min(max(error, -MAX_ERROR), MAX_ERROR)
     radius = reach_curvature_radius(x, y, z, point, pose.positions[root])

@@ -6,7 +6,7 @@ from studio.core.kernels.algebra.rotation_tuples import compose, rotation_from_m
 from studio.core.kernels.algebra.vectors import copy_matrix, copy_point
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.tasks.goals import LOOK_AT_TASK, end_position
-from studio.core.kernels.tasks.task import PINNED_TO_RESIDUAL, PINNED_TO_ROTATION
+from studio.core.kernels.tasks.task_status import PINNED_TO_RESIDUAL, PINNED_TO_ROTATION
 
 LOOKS_AWAY = 1.0
 """Residual in radians from which a held look keeps its rotation: its residual has no clear direction there."""
@@ -34,7 +34,7 @@ def follow_look(row, pose):
 
 
 @kernel
-def keeps_looking(row):
+def constrains_gaze(row):
     """True if a held gaze keeps its angle to the target wherever the eyes move; False where it looks away from it."""
     return row.kind == LOOK_AT_TASK and row.kept_residual < LOOKS_AWAY
 

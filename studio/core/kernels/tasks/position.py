@@ -9,7 +9,7 @@ from studio.core.kernels.algebra.rotation_tuples import (
 from studio.core.kernels.algebra.vectors import ZERO_VECTOR, copy_point, distance, offset_between
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.tasks.goals import end_position, interpolate_point
-from studio.core.kernels.tasks.task import UNPINNED
+from studio.core.kernels.tasks.task_status import UNPINNED
 
 
 @kernel

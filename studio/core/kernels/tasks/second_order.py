@@ -211,16 +211,16 @@ def optimal_step_length(equality_count, count, slope, roles, point_errors, step,
 
 
 @kernel
-def begin_row(task_rows, count, weight_row, error):
+def begin_zero_row(task_rows, count, weight_row, error):
     """Start an objective row and set its Jacobian to zero."""
-    set_row(task_rows, count, weight_row, error)
+    begin_filled_row(task_rows, count, weight_row, error)
     row = task_rows.jacobian[count]
     for joint in range(row.shape[0]):
         row[joint, 0] = row[joint, 1] = row[joint, 2] = 0.0
 
 
 @small_kernel
-def set_row(task_rows, count, weight_row, error):
+def begin_filled_row(task_rows, count, weight_row, error):
     """Set error and weights of an objective row; the caller writes its Jacobian."""
     task_rows.point_errors[count].segment, task_rows.point_errors[count].weight = -1, 1.0
     task_rows.errors[count], task_rows.weight_rows[count] = error, weight_row

@@ -1,8 +1,8 @@
 """Goals of all tasks at a frame, and their weights (METHOD 7)."""
 
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.tasks.task import ACTIVE, INACTIVE, UNPINNED
 from studio.core.kernels.tasks.task_kinds import set_goal
+from studio.core.kernels.tasks.task_status import ACTIVE, set_initial_status
 
 LEAST_RELATIVE_WEIGHT = 0.1
 """Least weight of a task relative to the heaviest of its level: a lighter one would be left before it is within 0.2 mm,
@@ -22,7 +22,8 @@ def set_goals(least, frame, activations, targets, problem):
         row, activation = tasks[c], activations[c, frame]
         if activation < 1.0 and row.blends:
             activation = 1.0 if activation >= least else 0.0
-        row.activation, row.status, row.pinned = activation, ACTIVE if activation > 0.0 else INACTIVE, UNPINNED
+        row.activation = activation
+        set_initial_status(row, activation)
         if activation > 0.0:
             acts = True
             set_goal(c, frame, targets, problem)

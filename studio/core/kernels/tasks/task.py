@@ -2,26 +2,11 @@
 
 The fields come in groups: the request for all frames, the state at one frame, the reach of its limbs, their stiffness,
 the state of a transition, and the result of its level. Fields of two have one value for each *end*: the end effector,
-and the other point of a distance, or the point of the own body that the task follows.
-
-States of a task (``status``) at one frame:
-
-    INACTIVE --activation > 0--> ACTIVE --cannot be met beside higher levels--> DROPPED
-                                   |
-                                   +--in transition, or out of reach in a blend--> IN_TRANSITION
-
-Set by ``targets.set_goals`` (inactive, active), by ``drop_level`` and ``drop_conflicting_tasks`` of ``search.levels``
-(dropped), and in ``time.activation_blend`` and ``time.smoothed_frames`` (in transition).
+and the other point of a distance, or the point of the own body that the task follows. ``task_status`` has the values of
+``status`` and of ``pinned``.
 """
 
 import numpy as np
-
-INACTIVE, ACTIVE, DROPPED, IN_TRANSITION = 0, 1, 2, 3
-"""States of a task: a dropped task yields to higher levels; a task in transition is not solved any more."""
-UNPINNED, PINNED_TO_RESIDUAL, PINNED_TO_ROTATION = 0, 1, 2
-"""Pin of a task to its result (``kernels.time.smoothed_frames``): none, to its residual, or, for a look that looks
-away, to its rotation.
-"""
 
 PRIORITY_TOLERANCE = 2e-4
 """Greatest change, in metres or radians, of a residual by all lower levels (METHOD 9, "The law"); the tolerances of

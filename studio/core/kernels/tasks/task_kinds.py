@@ -7,7 +7,7 @@ Each kind has its own file. A new kind is added to each list here, to ``kernels.
 from studio.core.kernels.algebra.rotation_tuples import rotation_from_matrix
 from studio.core.kernels.algebra.vectors import copy_matrix, copy_point
 from studio.core.kernels.compiling import kernel
-from studio.core.kernels.tasks.area_shapes import area_residual, engage_area, follow_area, set_area_goal
+from studio.core.kernels.tasks.area_shapes import activate_area, area_residual, follow_area, set_area_pose
 from studio.core.kernels.tasks.balance import balance_residual, follow_balance, pin_balance, set_balance_goal
 from studio.core.kernels.tasks.distance import distance_residual, follow_distance, length_between, set_distance_goal
 from studio.core.kernels.tasks.goals import (
@@ -20,12 +20,12 @@ from studio.core.kernels.tasks.goals import (
     UPRIGHT_TASK,
     end_position,
     follows_own_body,
-    is_considered,
+    has_residual,
 )
 from studio.core.kernels.tasks.look_at import follow_look, pin_look, set_look_goal
 from studio.core.kernels.tasks.orientation import follow_orientation, rotation_residual, set_orientation_goal
 from studio.core.kernels.tasks.position import follow_position, pin_position, position_residual, set_position_goal
-from studio.core.kernels.tasks.task import ACTIVE, UNPINNED
+from studio.core.kernels.tasks.task_status import ACTIVE, UNPINNED
 from studio.core.kernels.tasks.upright import follow_upright, pin_upright, set_upright_goal, upright_residual
 
 
@@ -45,7 +45,7 @@ def set_goal(c, frame, targets, problem):
     elif row.kind == UPRIGHT_TASK:
         set_upright_goal(row, position, number, start)
     elif row.kind == AREA_TASK:
-        set_area_goal(row, area, position, rotation)
+        set_area_pose(row, area, position, rotation)
     elif row.kind == DISTANCE_TASK:
         set_distance_goal(row, position, number, start)
     else:
@@ -64,7 +64,7 @@ def update_goals(level, solved, problem):
     tasks, pose = problem.tasks, problem.pose
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if not is_considered(row) or row.level > level:
+        if not has_residual(row) or row.level > level:
             continue
         if follows_own_body(row):
             follow_own_body(c, problem)
@@ -75,7 +75,7 @@ def update_goals(level, solved, problem):
         elif row.kind == UPRIGHT_TASK:
             follow_upright(row, pose)
         elif row.kind == AREA_TASK and row.status == ACTIVE and not row.engaged and not solved:
-            engage_area(row, problem.areas[c], pose)
+            activate_area(row, problem.areas[c], pose)
 
 
 @kernel

@@ -18,7 +18,7 @@ from studio.core.kernels.algebra.vectors import copy_point
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.search.joints import add_rotation_jacobian
 from studio.core.kernels.tasks.goals import RADIAN_LENGTH
-from studio.core.kernels.tasks.second_order import INEQUALITY_ROW, begin_row
+from studio.core.kernels.tasks.second_order import INEQUALITY_ROW, begin_zero_row
 
 NARROW_CONE = 0.05
 """Radians of a cone below which a held axis is held in both directions: near its tip no single direction leads out of
@@ -113,7 +113,7 @@ def add_axis_row(axis, angle, row, weight_row, count, problem):
     that it follows.
     """
     chain, rows = problem.chain, problem.search.rows
-    begin_row(rows, count, weight_row, RADIAN_LENGTH * angle)
+    begin_zero_row(rows, count, weight_row, RADIAN_LENGTH * angle)
     for fraction in range(3):
         arm, jacobian = RADIAN_LENGTH * axis[fraction], rows.jacobian[count]
         add_rotation_jacobian(fraction, arm, row.segments[0], chain.joints, jacobian)

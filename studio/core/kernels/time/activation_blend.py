@@ -45,15 +45,16 @@ from studio.core.kernels.tasks.goals import (
     is_rotation,
 )
 from studio.core.kernels.tasks.limb_rows import LIMB_FALLS_SHORT
-from studio.core.kernels.tasks.task import (
+from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
+from studio.core.kernels.tasks.task_kinds import residual_of
+from studio.core.kernels.tasks.task_status import (
     ACTIVE,
     IN_TRANSITION,
     INACTIVE,
-    PINNED_TO_RESIDUAL,
-    PRIORITY_TOLERANCE,
     UNPINNED,
+    begin_transition,
+    pin_to_residual,
 )
-from studio.core.kernels.tasks.task_kinds import residual_of
 
 DROPPED_IN_KEPT = 2
 """Value of ``blended_limbs`` for a limb whose task was dropped in the saved pose, while the next is solved."""
@@ -150,7 +151,7 @@ def pose_blend(fraction, frame, activations, problem):
     blend_residuals(fraction, problem)
     blend_states(fraction, search)
     pose_blended_state(frame, activations, problem)
-    if loses_tasks(problem):
+    if exceeds_blended_residuals(problem):
         blend_states(1.0 if fraction >= 0.5 else 0.0, search)
         for limb in range(4):
             search.blended_limbs[limb] = KEEPS_BLEND
@@ -160,7 +161,7 @@ def pose_blend(fraction, frame, activations, problem):
 
 
 @kernel
-def loses_tasks(problem):
+def exceeds_blended_residuals(problem):
     """True if the residual of a held task exceeds the blended one."""
     tasks = problem.tasks
     lost = False
@@ -200,10 +201,10 @@ def pose_blended_state(frame, activations, problem):
             RADIAN_LENGTH if is_rotation(row) else 1.0
         )
         if on_edge or (row.status == ACTIVE and row.pinned == UNPINNED and residual > LIMB_FALLS_SHORT):
-            row.status = IN_TRANSITION
+            begin_transition(row)
         mark_blended_limbs(row, KEEPS_BLEND, blended)
         if both and row.status != INACTIVE and not on_edge and has_own_goal(row):
-            row.status, row.pinned = ACTIVE, PINNED_TO_RESIDUAL
+            pin_to_residual(row)
     for limb in range(4):
         blended[limb] = KEEPS_BLEND if blended[limb] else 0
     pose_body(problem)
@@ -217,7 +218,7 @@ def pose_blended_state(frame, activations, problem):
         row = tasks[c]
         residual = row.pinned == UNPINNED and row.blended_residual > ALLOWED_VIOLATION
         if row.status == ACTIVE and residual and row.limbs[0] >= 0 and blended[row.limbs[0]]:
-            row.status = IN_TRANSITION  # its place was where the blend has it, and not where it wants to be
+            begin_transition(row)  # its place was where the blend has it, and not where it wants to be
     for limb in range(4):
         blended[limb] = 0
 

@@ -14,8 +14,9 @@ from studio.core.kernels.search.backtracking import next_step_length, start_back
 from studio.core.kernels.search.body_placement import pose_body, with_pose
 from studio.core.kernels.tasks.goals import is_balance
 from studio.core.kernels.tasks.targets import set_goals
-from studio.core.kernels.tasks.task import ACTIVE, IN_TRANSITION, INACTIVE, PINNED_TO_RESIDUAL, PRIORITY_TOLERANCE
+from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.kernels.tasks.task_kinds import pin_goal, residual_of, update_goals
+from studio.core.kernels.tasks.task_status import ACTIVE, INACTIVE, begin_transition, pin_to_residual
 from studio.core.kernels.time.activation_blend import (
     blend_states,
     next_activation,
@@ -68,7 +69,7 @@ def pose_and_hold(frame, solves_again, waited, clip, problem, above):
         if activations[c, frame] > 0.0 and row.level < level.level:
             pin_task(c, row.level < level.contact_levels, above)
         elif row.status == ACTIVE and not solves_again:
-            row.status = IN_TRANSITION
+            begin_transition(row)
     pose_blended_state(frame, activations, problem)
     clears = clip.clearance.required_distances.shape[0]
     if clears > 0:
@@ -147,7 +148,7 @@ def report_residuals(frame, clip, problem):
         row = tasks[c]
         row.blended_residual = residuals[c, frame] if residuals[c, frame] > 0.0 else 0.0
         if edges and row.level < clip.easing.level[0].level and row.status != INACTIVE:
-            row.status = IN_TRANSITION
+            begin_transition(row)
     write_residuals(frame, problem, clip.residuals)
 
 
@@ -161,7 +162,8 @@ def has_transition(frame, tasks, activations):
 def pin_task(c, is_contact, above):
     """Pin a task, or a contact, to its result in the pose ``above``."""
     row, search = above.tasks[c], above.search
-    row.status, row.pinned, row.blended_residual, row.residual_change = ACTIVE, PINNED_TO_RESIDUAL, 0.0, 0.0
+    pin_to_residual(row)
+    row.blended_residual, row.residual_change = 0.0, 0.0
     pin_goal(c, above)
     for end in range(2):
         limb = row.limbs[end]
@@ -200,7 +202,7 @@ def restore_goals(frame, activations, targets, problem):
         row = tasks[c]
         row.engaged = 0
         if row.status == INACTIVE and activations[c, frame] > 0.0:
-            row.status = IN_TRANSITION
+            begin_transition(row)
     update_goals(tasks.shape[0], False, problem)
     for c in range(tasks.shape[0]):
         tasks[c].engaged = 0

@@ -16,7 +16,7 @@ from studio.core.kernels.limits.self_collision import TASK_ABOVE, TASK_BELOW, TA
 from studio.core.kernels.records import CapsuleArrays, ClearanceArrays
 from studio.core.mesh.volume import PROBES, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.project_cache import project_cache
 from studio.core.solver.request import AdaptedMotion
 
@@ -63,9 +63,9 @@ def pack_clearance(
         kernel.required_distances(own, each.margin, target[row])
         beside = np.where(priorities == each.priority, TASK_BESIDE, TASK_BELOW)
         above[row, held:] = np.where(priorities < each.priority, TASK_ABOVE, beside)
-    body = standing.morphology.still
+    body = standing.morphology.first_frame_body
     return ClearanceArrays(
-        packed(standing.volume or usual_volume(body)),
+        packed_volume(standing.volume or usual_volume(body)),
         np.array(body.layout.proximal_points()),
         target,
         np.ascontiguousarray(activations),
@@ -105,11 +105,11 @@ def _no_clearance(others: int) -> ClearanceArrays:
     )
     arms, freedoms = np.empty((0, 2)), np.empty(0)
     return ClearanceArrays(
-        packed(volume), tiers[:0], target, none, arms, freedoms, above, none, clearances, displacements, tiers
+        packed_volume(volume), tiers[:0], target, none, arms, freedoms, above, none, clearances, displacements, tiers
     )
 
 
-def clearances(adapted: AdaptedMotion) -> FloatArray:
+def arm_distances(adapted: AdaptedMotion) -> FloatArray:
     """Signed distances (F, 2, 5) in metres from each probe of both arms to the body, negative inside."""
     volume = adapted.volume or usual_volume(adapted.morphology)
     return clearances_of(adapted.morphology, volume, adapted.positions[:], adapted.rotations[:])[0]
@@ -118,7 +118,7 @@ def clearances(adapted: AdaptedMotion) -> FloatArray:
 @project_cache(maxsize=8)
 def actor_clearances(motion: NormalizedMotion, actor: Morphology) -> tuple[FloatArray, FloatArray]:
     """Signed distances of the captured actor, and the outward directions of its body (F, 2, 5, 3)."""
-    return clearances_of(actor, usual_volume(actor), *realize(motion, actor, play=True))
+    return clearances_of(actor, usual_volume(actor), *realize_motion(motion, actor, play=True))
 
 
 @project_cache(maxsize=64)
@@ -136,11 +136,11 @@ def clearances_of(
     found = np.empty((len(positions), 2, len(PROBES)))
     displacements = np.empty((*found.shape, 3))
     kernel.measure_clip_distances(
-        packed(volume), np.array(body.layout.proximal_points()), positions, rotations, found, displacements
+        packed_volume(volume), np.array(body.layout.proximal_points()), positions, rotations, found, displacements
     )
     return found, displacements
 
 
-def packed(volume: BodyVolume) -> CapsuleArrays:
+def packed_volume(volume: BodyVolume) -> CapsuleArrays:
     """A volume as record for the kernels."""
     return CapsuleArrays(volume.segments, volume.places, volume.radii, volume.girths)

@@ -78,7 +78,7 @@ def contact_constraints(
         both = standing & (footing.states[hold.point.side] != 0)
         if hold.point.member == "knee" and both.any():
             ankle = BodyPoint(_part(hold.point, "shank"), at_end=True)
-            place = positions[:, body.layout.ankle(hold.point.side)]
+            place = positions[:, body.layout.ankle_point(hold.point.side)]
             found.append(
                 ContactConstraint(
                     PositionConstraint("", name, ankle, CONTACT_CHAIN, 0, CONTACT_ACTIVATION),
@@ -132,9 +132,9 @@ def release_hands(
         firm = (1.0 - release_weight(hold.standing, frame_rate))[window]
         leaving = (firm > 0.0) & (firm < 1.0)
         soft_thresholds[side, leaving] = arms.soft_thresholds[side, window][leaving]
-        own = positions[:, layout.wrist(side)]
+        own = positions[:, layout.wrist_point(side)]
         wrists[side] = own + firm[:, None] * (wrists[side] - own)
-        turned = rotations[:, layout.hand(side)]
+        turned = rotations[:, layout.hand_segment(side)]
         apart = Rotation.from_matrix(hands[side] @ np.swapaxes(turned, 1, 2)).as_rotvec()
         hands[side] = Rotation.from_rotvec(firm[:, None] * apart).as_matrix() @ turned
     bends = np.ascontiguousarray(arms.bends[:, window])

@@ -42,7 +42,7 @@ def least_height(constraint: Constraint, body: AnyMorphology, window: slice) -> 
 
 def _height_over_sole(point: int, side: int, layout: BodyLayout, measures: FloatArray) -> FloatArray:
     """Height (F or 1,) in metres of the ankle or the ball above a level sole, 0 for other points."""
-    ankle = layout.ankle(side)
+    ankle = layout.ankle_point(side)
     if point == ankle:
         return np.asarray(measures[:, 3])
     return np.asarray(measures[:, 2] + measures[:, 3]) if point == ankle + 1 else np.zeros(1)
@@ -53,7 +53,7 @@ def ground_planes(standing: Standing, window: slice) -> FloatArray:
     ground, layout = standing.ground, standing.morphology.layout
     if ground.is_level:
         return np.broadcast_to(np.array([ground.height, 0.0, 0.0]), (4, 1, 3)).copy()
-    ends = [layout.wrist(0), layout.wrist(1), layout.ankle(0), layout.ankle(1)]
+    ends = [layout.wrist_point(0), layout.wrist_point(1), layout.ankle_point(0), layout.ankle_point(1)]
     places = np.swapaxes(standing.positions[window][:, ends, :2], 0, 1)
     slopes = ground.slope_at(places)
     levels = ground.height_at(places) - (slopes * places).sum(axis=-1)

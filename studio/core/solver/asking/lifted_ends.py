@@ -61,31 +61,31 @@ def lift_ends(
     before, solved = (standing.positions[window], standing.rotations[window]), (positions, rotations)
     for side in range(2):
         hand, foot = (
-            LimbEnd(layout.wrist(side), layout.hand(side), 1),
-            LimbEnd(layout.ankle(side), layout.foot(side), 2),
+            LimbEnd(layout.wrist_point(side), layout.hand_segment(side), 1),
+            LimbEnd(layout.ankle_point(side), layout.foot_segment(side), 2),
         )
         heights = hand.tip_heights(ground, positions)
-        if may_rise(heights):
+        if is_below_goal(heights):
             rises = _rises(heights, hand.tip_heights(ground, before[0]), free[side])
             if rises.any():
                 fingers = positions[:, hand.joint + 1] - positions[:, hand.joint]
                 hand.rotate(tipped(fingers, np.minimum(rises, np.maximum(-fingers[:, 2], 0.0))), *solved)
         measures = at_frames(sole_rows(body, side), window)
         heights = heights_of(foot.path(*solved), measures, ground)
-        if not may_rise(heights):
+        if not is_below_goal(heights):
             continue
         rises = _rises(heights, heights_of(foot.path(*before), measures, ground), free[2 + side])
         goals = heights + rises
         for rotated in range(END_ROTATIONS):
             if rotated:
                 heights = heights_of(foot.path(*solved), measures, ground)
-                rises = risen(goals - heights)
+                rises = without_negligible_rises(goals - heights)
             if not rises.any():
                 break
             foot.rotate(tipped_about_ankle(foot.path(*solved), measures, heights, rises), *solved)
 
 
-def may_rise(heights: FloatArray) -> bool:
+def is_below_goal(heights: FloatArray) -> bool:
     """True if any of the ``heights`` (..., F) is below its goal, for any heights before the constraints."""
     return bool((heights < END_MARGIN).any())
 
@@ -93,10 +93,10 @@ def may_rise(heights: FloatArray) -> bool:
 def _rises(heights: FloatArray, before: FloatArray, free: FloatArray) -> FloatArray:
     """Metres (..., F) by which points at ``heights`` rise: to the ground, or to those ``before`` the constraints."""
     least = np.minimum(before, 0.0) - END_TOLERANCE
-    return risen(free * smooth_penetrations(heights - least, np.minimum(before - least, END_MARGIN)))
+    return without_negligible_rises(free * smooth_penetrations(heights - least, np.minimum(before - least, END_MARGIN)))
 
 
-def risen(rises: FloatArray) -> FloatArray:
+def without_negligible_rises(rises: FloatArray) -> FloatArray:
     """``rises`` (..., F) in metres, zero for those that are negligible."""
     return np.where(rises > NEGLIGIBLE_END_RISE, rises, 0.0)
 

@@ -47,7 +47,7 @@ def leg_availability(
     """
     found, positions = [], positions[window]
     for side in range(2):
-        hip, soles = body.layout.hip(side), at_frames(sole_rows(body, side), window)
+        hip, soles = body.layout.hip_point(side), at_frames(sole_rows(body, side), window)
         points = positions[:, hip + 2 : hip + 5]
         soles_above = np.stack([soles[:, 3], np.maximum(soles[:, 3] + soles[:, 2], 0.0), np.zeros(len(soles))], axis=1)
         above = np.maximum(points[..., 2] - ground.height_at(points) - soles_above, 1e-9)
@@ -65,7 +65,7 @@ def arm_availability(body: AnyMorphology, positions: PoseArray, window: slice = 
     """
     found, positions, masses = [], positions[window], point_masses(body.layout)
     for side in range(2):
-        shoulder = body.layout.collar(side) + 1
+        shoulder = body.layout.collar_point(side) + 1
         arm = slice(shoulder, shoulder + 4)
         lever = np.einsum("p,fpi->fi", masses[arm], positions[:, arm] - positions[:, shoulder : shoulder + 1])
         found.append(lever[:, 2] ** 2 / np.maximum((lever**2).sum(axis=1), 1e-12))

@@ -30,7 +30,7 @@ def full_residuals(constraints: Sequence[Constraint], targets: Targets, adapted:
     return measured
 
 
-def measured_again(adapted: AdaptedMotion, request: AdaptRequest) -> AdaptedMotion:
+def with_residuals_remeasured(adapted: AdaptedMotion, request: AdaptRequest) -> AdaptedMotion:
     """``adapted`` with residuals measured on the ``final_tracks`` of ``request``, for constraints that follow these and
     are fully active.
     """
@@ -40,11 +40,11 @@ def measured_again(adapted: AdaptedMotion, request: AdaptRequest) -> AdaptedMoti
         return adapted
     window = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
     followers, body = [request.constraints[row] for row in rows], request.morphology
-    known = {follow: track.within(window) for follow, track in final.items() if isinstance(track, Track)}
+    known = {follow: track.in_frames(window) for follow, track in final.items() if isinstance(track, Track)}
     for place in (place for each in followers for place in own_places_of(each)):
         known[place] = own_track(place, unasked, body, adapted.frame_rate)
     times = np.arange(window.start, window.stop) / adapted.frame_rate
-    masses = partial(mass_path, unasked.positions[window], body.still)
+    masses = partial(mass_path, unasked.positions[window], body.first_frame_body)
     targets = Targets(times, known, masses, body.leg_length)
     before = adapted.residuals[rows]
     measured = full_residuals(followers, targets, replace(adapted, residuals=before))

@@ -59,7 +59,7 @@ def ramped_target(
         return target
     origin, segment = point_indices(constraint.point, layout)
     positions, rotations = standing.positions[window], standing.rotations[window]
-    root = positions[:, layout.collar(limb) + 1 if limb < 2 else layout.hip(limb - 2)]
+    root = positions[:, layout.collar_point(limb) + 1 if limb < 2 else layout.hip_point(limb - 2)]
     stands = positions[:, origin] + rotations[:, segment] @ np.array(constraint.point.offset) - root
     displacement = target - root
     begins, ends = (np.linalg.norm(each, axis=1, keepdims=True) for each in (stands, displacement))

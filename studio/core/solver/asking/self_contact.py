@@ -26,11 +26,11 @@ from studio.core.kernels.limits.hand_contact import (
 from studio.core.kernels.records import HAND_CONTACT, ActorClearance
 from studio.core.mesh.volume import CAPSULES_OF, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.normalized.touching import PalmPositions, palm_positions
 from studio.core.project_cache import project_cache
 from studio.core.runs import runs_of
-from studio.core.solver.asking.clearance import actor_clearances, clearances_of, packed, rest_clearances
+from studio.core.solver.asking.clearance import actor_clearances, clearances_of, packed_volume, rest_clearances
 from studio.core.solver.standing.blends import LET_GO, SLOWLY_LET_GO, hann_window, release_weight, smoothstep_array
 from studio.core.solver.standing.body_support import limb_freedom
 
@@ -106,7 +106,7 @@ class SelfContact:
         return replace(self, firm=fractions * self.firm, resting=resting, clearances=clearances)
 
     @property
-    def touches(self) -> bool:
+    def has_contacts(self) -> bool:
         """True if hands touch anything in any frame."""
         return bool(self.firm.any() or any(firm.any() for firm in self._rests))
 
@@ -129,7 +129,7 @@ class SelfContact:
             and (self.clearances[0][frames], self.clearances[1][frames], self.clearances[2][frames]),
         )
 
-    def as_in(self, parts: "Sequence[SelfContact]") -> "SelfContact":
+    def joined_from_parts(self, parts: "Sequence[SelfContact]") -> "SelfContact":
         """Copy with the contacts and distances of its ``parts``, one after the other."""
         firm, *rests = (
             np.concatenate(each) for each in zip(*((part.firm, *part._rests) for part in parts), strict=True)
@@ -143,7 +143,7 @@ class SelfContact:
     def _rests(self) -> list[FloatArray]:
         return [each.firm for each in self.resting]
 
-    def around(self, window: slice, looks: int = 1) -> slice:
+    def affecting_frames(self, window: slice, looks: int = 1) -> slice:
         """Frames that affect the arms of a ``window`` within ``looks`` rounds."""
         if self.clearances is None:
             return window
@@ -155,7 +155,7 @@ class SelfContact:
     def _wider(self, window: slice, frames: int) -> slice:
         return slice(max(window.start - frames, 0), min(window.stop + frames, len(self.firm)))
 
-    def within(self, acts: NDArray[np.bool_]) -> FloatArray:
+    def correction_weights(self, acts: NDArray[np.bool_]) -> FloatArray:
         """Weights (F,) of correcting arms again where constraints act (F,): zero at the ends of a run of such frames,
         so that frames beside a run stay as they are grounded. A run that is too short for both fades has shorter
         ones.
@@ -174,7 +174,7 @@ class SelfContact:
         ``free`` (F, 2, 2) are the weights of wrist and elbow of each arm. Frames are final if all frames ``around``
         them, with ``PUSH_OUT_ROUNDS``, are in the window.
         """
-        volume, proximal = packed(self.volume), np.array(self.body.layout.proximal_points())
+        volume, proximal = packed_volume(self.volume), np.array(self.body.layout.proximal_points())
         firm, lying = self.firm[window], self._lying(window)
         led = np.ones(len(firm), dtype=np.bool_)
         for _ in range(PUSH_OUT_ROUNDS):
@@ -256,7 +256,7 @@ class SelfContact:
         target = target - lying[:, :, None] * np.maximum(target, 0.0) if lying.any() else target
         moves = np.empty((len(positions), 2, ARM_STEP_SIZE))
         able = free * looked[:, None, None]
-        actor = ActorClearance(packed(self.volume), own, displacements)
+        actor = ActorClearance(packed_volume(self.volume), own, displacements)
         push_out_steps(target, actor, able, proximal, positions, rotations, moves)
         if not moves.any():
             return np.zeros_like(looked)
@@ -324,7 +324,7 @@ def self_contact_of(
     touches = tuple(each for each in contacts if isinstance(each.point, Touch) and each.first < motion.frame_count)
     if actor is None or not (touches or clears):
         return None
-    nothing, known = np.zeros(motion.frame_count), volume or usual_volume(body.still)
+    nothing, known = np.zeros(motion.frame_count), volume or usual_volume(body.first_frame_body)
     touching = (
         hand_contacts_of(motion, actor, touches) if touches else HandContacts(np.zeros((1, 3)), nothing, nothing, ())
     )
@@ -334,7 +334,11 @@ def self_contact_of(
         target = np.empty_like(own)
         clearing.required_distances(own, 0.0, target)
         # What the actor has inside is left inside, and what the body itself has at rest.
-        clearances = np.minimum(np.minimum(target, own), rest_clearances(body.still, known)), own, displacements
+        clearances = (
+            np.minimum(np.minimum(target, own), rest_clearances(body.first_frame_body, known)),
+            own,
+            displacements,
+        )
     arms = [rows[:, at.M_ARM : at.M_ARM + 4].sum(axis=1)[:, None] for rows in (body.rows, actor.rows)]
     scale = arms[0] / arms[1]
     both = np.maximum(touching.together, touching.held)
@@ -347,7 +351,7 @@ def self_contact_of(
 @project_cache(maxsize=8)
 def hand_contacts_of(motion: NormalizedMotion, actor: Morphology, touches: tuple[ContactInterval, ...]) -> HandContacts:
     """Contacts ``touches`` measured on the actor."""
-    positions, rotations = realize(motion, actor, play=True)
+    positions, rotations = realize_motion(motion, actor, play=True)
     layout, volume = actor.layout, usual_volume(actor)
     resting = []
     for each in touches:
@@ -358,7 +362,7 @@ def hand_contacts_of(motion: NormalizedMotion, actor: Morphology, touches: tuple
         firm = _contact_weights((each,), motion)
         resting.append(HandBodyContact(each.point.side, np.array(members), firm, _contact_points(near, each)))
     return HandContacts(
-        positions[:, layout.wrist(1)] - positions[:, layout.wrist(0)],
+        positions[:, layout.wrist_point(1)] - positions[:, layout.wrist_point(0)],
         _contact_weights([each for each in touches if each.point is Touch.HANDS_TOGETHER], motion),
         _contact_weights([each for each in touches if each.point is Touch.HANDS_ON_THING], motion),
         tuple(resting),
@@ -380,7 +384,8 @@ def _contact_points(near: Sequence[PalmPositions], contact: ContactInterval) -> 
     above = clearances - np.median(least[contact.first : contact.last + 1])
     lifted = np.where(above >= TOUCH_FADE, above, np.maximum(above + TOUCH_FADE, 0.0) ** 2 / (4.0 * TOUCH_FADE))
     along, displacements = (
-        np.stack(each, axis=1) for each in ([one.along for one in near], [one.ways for one in near])
+        np.stack(each, axis=1)
+        for each in ([one.fractions_along_axis for one in near], [one.directions for one in near])
     )
     told = fractions[:, :, None], along[:, :, None], displacements, lifted[:, :, None]
     return np.ascontiguousarray(np.concatenate(told, axis=2))
@@ -393,7 +398,7 @@ def arm_activations(tasks: NDArray[np.void], activations: FloatArray, body: AnyM
     """
     asked = np.zeros((activations.shape[1], 2, 2))
     for side in range(2):
-        of_arm, hand = tasks["limbs"] == side, tasks["points"] >= body.layout.wrist(side)
+        of_arm, hand = tasks["limbs"] == side, tasks["points"] >= body.layout.wrist_point(side)
         asked[:, side, 0] = activations[of_arm.any(axis=1)].max(axis=0, initial=0.0)
         asked[:, side, 1] = activations[(of_arm & ~hand).any(axis=1)].max(axis=0, initial=0.0)
     return asked

@@ -50,7 +50,7 @@ class UnsolvedTask:
         return self.rows.positions[self.c] if self.row["points"][1] < 0 else self._end(1)
 
     @property
-    def wanted_turn(self) -> FloatArray:
+    def target_rotation(self) -> FloatArray:
         """Target rotations (F or 1, 3, 3), or those of the followed segment."""
         if self.row["points"][1] < 0:
             return self.rows.rotations[self.c]

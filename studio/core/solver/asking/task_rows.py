@@ -45,7 +45,7 @@ class TaskRecords:
     rotations: list[FloatArray]
     distances: list[FloatArray]
 
-    def put_followed(self, c: int, target: object) -> bool:
+    def set_followed_point(self, c: int, target: object) -> bool:
         """Write the point of its own body that a constraint follows; False for other targets."""
         if not isinstance(target, FollowBody):
             return False

@@ -32,7 +32,7 @@ class Track:
     places: FloatArray
     rotations: FloatArray
 
-    def within(self, window: slice) -> "Track":
+    def in_frames(self, window: slice) -> "Track":
         """The frames of ``window``."""
         return self if len(self.places) == 1 else Track(self.places[window], self.rotations[window])
 
@@ -82,19 +82,20 @@ class Targets:
         """Values (F or 1,)."""
         return value.at(self.times)[:, 0] if isinstance(value, KeyedNumber) else np.array([value])
 
-    def tilts(self, heading: float | KeyedNumber, centre: Place, normal: Vector) -> FloatArray:
-        """Rotations (F or 1, 3, 3) that take x to a half-space's ``normal``: like ``headings``, but tilted with a prop.
-
-        A followed prop tilts it, a followed bone does not.
+    def tilted_rotations(self, heading: float | KeyedNumber, centre: Place, normal: Vector) -> FloatArray:
+        """Rotations (F or 1, 3, 3) that take x to a half-space's ``normal``: like ``heading_rotations``,
+        and tilted by a followed prop, but not by a followed bone.
         """
         x_to_normal = shortest_arc(np.array([[1.0, 0.0, 0.0]]), normalized(np.array([normal])))[0]
         if isinstance(centre, FollowProp) and centre in self.tracks:
-            rotation_matrices = self.tracks[centre].rotations @ self.headings(heading, (0.0, 0.0, 0.0)) @ x_to_normal
+            rotation_matrices = (
+                self.tracks[centre].rotations @ self.heading_rotations(heading, (0.0, 0.0, 0.0)) @ x_to_normal
+            )
         else:
-            rotation_matrices = self.headings(heading, centre) @ x_to_normal
+            rotation_matrices = self.heading_rotations(heading, centre) @ x_to_normal
         return np.asarray(rotation_matrices)
 
-    def headings(self, heading: float | KeyedNumber, centre: Place) -> FloatArray:
+    def heading_rotations(self, heading: float | KeyedNumber, centre: Place) -> FloatArray:
         """Rotations (F or 1, 3, 3) about Z: ``heading`` (radians) plus that of the object that ``centre`` follows.
 
         That of the own body is unknown before solving, and added by the kernels.
@@ -123,13 +124,13 @@ def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
         elif isinstance(value, KeyedNumber):
             changes[name] = float(targets.numbers(value)[0])
     if "centre" in changes and isinstance(constraint, AreaConstraint) and constraint.shape is AreaShape.HALF_SPACE:
-        tilt = targets.tilts(constraint.heading, constraint.centre, constraint.size)[0]
+        tilt = targets.tilted_rotations(constraint.heading, constraint.centre, constraint.size)[0]
         changes["size"], changes["heading"] = tuple(tilt[:, 0].tolist()), 0.0
     elif "centre" in changes and isinstance(constraint, RailConstraint):
-        tilt = targets.tilts(0.0, constraint.centre, constraint.direction)[0]
+        tilt = targets.tilted_rotations(0.0, constraint.centre, constraint.direction)[0]
         changes["direction"] = tuple(tilt[:, 0].tolist())
     elif "centre" in changes and hasattr(constraint, "heading"):
-        rotation = targets.headings(constraint.heading, getattr(constraint, "centre", (0.0, 0.0, 0.0)))[0]
+        rotation = targets.heading_rotations(constraint.heading, getattr(constraint, "centre", (0.0, 0.0, 0.0)))[0]
         changes["heading"] = float(np.arctan2(rotation[1, 0], rotation[0, 0]))
     return replace(constraint, **changes) if changes else constraint
 

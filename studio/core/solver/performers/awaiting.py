@@ -14,14 +14,14 @@ from studio.core.solver.asking.tracks import Track, Tracks
 FloatArray = NDArray[np.float64]
 
 
-def awaited_moment(curve: ActivationCurve, time: float) -> float | None:
+def anticipated_time(curve: ActivationCurve, time: float) -> float | None:
     """Time of the anticipated meeting: the beginning, or the end, of full activation; None during full activation."""
     if curve.start <= time < curve.full:
         return curve.full
     return curve.full_end if curve.full_end < time <= curve.end else None
 
 
-def expected_at(tracks: Tracks, places: Mapping[FollowPerformer, FloatArray]) -> Tracks:
+def with_expected_positions(tracks: Tracks, places: Mapping[FollowPerformer, FloatArray]) -> Tracks:
     """``tracks`` of one frame, with anticipated targets at ``places`` (3,)."""
     found = dict(tracks)
     for follow, place in places.items():
@@ -31,7 +31,7 @@ def expected_at(tracks: Tracks, places: Mapping[FollowPerformer, FloatArray]) ->
     return found
 
 
-def awaited(tracks: Tracks, constraints: Sequence[Constraint], frame_rate: float) -> Tracks:
+def with_anticipated_targets(tracks: Tracks, constraints: Sequence[Constraint], frame_rate: float) -> Tracks:
     """``tracks`` over a whole motion, with anticipated targets at the full activation of ``constraints``."""
     found = dict(tracks)
     for constraint in constraints:

@@ -20,7 +20,7 @@ from studio.core.constraints.target import follows_of
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.normalized.compose import Composite
 from studio.core.solver.asking.tracks import Track, Tracks
-from studio.core.solver.performers.awaiting import awaited, expected_at
+from studio.core.solver.performers.awaiting import with_anticipated_targets, with_expected_positions
 from studio.core.solver.performers.stage import leader_track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.placement import Placement
@@ -64,7 +64,7 @@ Paths = Mapping[tuple[str, FollowPerformer | FollowProp], Track]
 
 
 @dataclass(frozen=True)
-class Meeting:
+class MutualFollow:
     """Two points that follow each other: their performers, constraint rows, and the first one's fraction of the
     distance.
     """
@@ -82,7 +82,7 @@ class CycleSolution:
     results: Mapping[str, AdaptedMotion]
     requests: Mapping[str, AdaptRequest]
     paths: Paths
-    sweeps: int
+    iterations: int
 
 
 def solve_cycle(
@@ -92,7 +92,7 @@ def solve_cycle(
     sweeps: int = JACOBI_ITERATIONS,
 ) -> CycleSolution:
     """Solve performers who follow each other, from their grounded poses, or from ``expected`` tracks."""
-    meetings = meetings_of(players)
+    meetings = mutual_follows(players)
     requests = {key: each.request for key, each in players.items()}
     if expected:
         requests = {key: _following_paths(key, each, expected) for key, each in players.items()}
@@ -125,13 +125,13 @@ def _solution(
     """Solution with residuals measured on the final poses of all performers, not on those at the start of the last
     iteration.
     """
-    from studio.core.solver.asking.measured_residuals import measured_again
+    from studio.core.solver.asking.measured_residuals import with_residuals_remeasured
 
     final = dict(paths_of(players, results))
     requests = {
         key: replace(request, final_tracks=_own_tracks(key, players[key], final)) for key, request in requests.items()
     }
-    results = {key: measured_again(result, requests[key]) for key, result in results.items()}
+    results = {key: with_residuals_remeasured(result, requests[key]) for key, result in results.items()}
     return CycleSolution(results, requests, paths, sweeps)
 
 
@@ -141,11 +141,11 @@ def _following_paths(key: str, player: CycleMember, paths: Paths) -> AdaptReques
 
 def _own_tracks(key: str, player: CycleMember, paths: Paths) -> Tracks:
     own: Tracks = {follow: track for (whose, follow), track in paths.items() if whose == key}
-    own = expected_at(own, player.expected)
-    return awaited(own, player.request.constraints, player.composite.timing.frame_rate)
+    own = with_expected_positions(own, player.expected)
+    return with_anticipated_targets(own, player.request.constraints, player.composite.timing.frame_rate)
 
 
-def meetings_of(players: Mapping[str, CycleMember]) -> tuple[Meeting, ...]:
+def mutual_follows(players: Mapping[str, CycleMember]) -> tuple[MutualFollow, ...]:
     """Pairs of position constraints that follow each other's points while both are active."""
     found = []
     for one, other in combinations(players, 2):
@@ -153,7 +153,7 @@ def meetings_of(players: Mapping[str, CycleMember]) -> tuple[Meeting, ...]:
             for column, second in _following(players[other], one):
                 if _target(first).point == second.point and _target(second).point == first.point:
                     fraction = first.weight / (first.weight + second.weight)
-                    found.append(Meeting((one, other), (row, column), fraction))
+                    found.append(MutualFollow((one, other), (row, column), fraction))
     return tuple(found)
 
 
@@ -190,7 +190,7 @@ def _prop_path(
     follow: FollowProp, player: CycleMember, players: Mapping[str, CycleMember], results: Mapping[str, AdaptedMotion]
 ) -> Track:
     """Track of a prop held by others of the cycle, in one performer's space."""
-    from studio.core.solver.performers.prop_tracks import Holder, seen_from, stage_track
+    from studio.core.solver.performers.prop_tracks import Holder, stage_track, track_in_motion_space
 
     prop, seconds = player.props[follow.prop_id], player.composite.timing.begin + player.times
     hands = {}
@@ -198,11 +198,11 @@ def _prop_path(
         timing, result = players[key].composite.timing, results[key]
         rows = timing.frames_at(seconds) - result.first_frame
         hands[key] = Holder(result, rows, players[key].placement, timing=timing)
-    return seen_from(follow, prop, stage_track(prop, seconds, hands), player.placement)
+    return track_in_motion_space(follow, prop, stage_track(prop, seconds, hands), player.placement)
 
 
 def _meet(
-    meeting: Meeting,
+    meeting: MutualFollow,
     players: Mapping[str, CycleMember],
     results: Mapping[str, AdaptedMotion],
     before: Paths,
@@ -232,9 +232,9 @@ def _meet(
 
 def _point(player: CycleMember, result: AdaptedMotion, constraint: PositionConstraint) -> FloatArray:
     """Positions (F, 3) of a player's constrained point, in its motion's space."""
-    from studio.core.solver.adapt import place_of
+    from studio.core.solver.adapt import body_point_positions
 
-    return place_of(constraint.point, result)
+    return body_point_positions(constraint.point, result)
 
 
 def _apart(player: CycleMember, other: CycleMember) -> float:

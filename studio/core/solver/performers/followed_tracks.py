@@ -18,7 +18,7 @@ from studio.core.normalized.compose import Composite
 from studio.core.rotations import to_matrix
 from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.tracks import Track
-from studio.core.solver.performers.rows import carry_of
+from studio.core.solver.performers.rows import clip_transform
 from studio.core.solver.request import AdaptedMotion, UnconstrainedPoses
 from studio.core.stage.placement import Placement
 
@@ -41,7 +41,7 @@ def own_track(place: OwnPlace, unasked: UnconstrainedPoses, body: AnyMorphology,
     moved by the offset in leg lengths.
     """
     row = min(max(round(place.time * frame_rate), 0), len(unasked.positions) - 1)
-    origin, segment = point_indices(place.point, body.still.layout)
+    origin, segment = point_indices(place.point, body.first_frame_body.layout)
     there = unasked.positions[row, origin] + unasked.rotations[row, segment] @ np.array(place.point.offset)
     return Track((there + body.leg_length * np.array(place.offset))[None], _UNTURNED)
 
@@ -103,7 +103,7 @@ def tracked_in_row(
         frames = np.arange(max(played.first, 0), count)
         rows = np.rint(played.motion_frames(frames, composite.timing)).astype(np.int64).clip(0, capture.frame_count - 1)
         own = tracked_track(follow, capture, rows)
-        carry = carry_of(played, composite.timing, leg_length)
+        carry = clip_transform(played, composite.timing, leg_length)
         c, s = np.cos(carry.turn), np.sin(carry.turn)
         places[frames] = carry.places(own.places)
         axes[frames] = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ own.rotations

@@ -8,10 +8,10 @@ from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.normalized.compose import Composite
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.solver.performers.awaiting import awaited
+from studio.core.solver.performers.awaiting import with_anticipated_targets
 from studio.core.solver.performers.dependency_cycles import CycleMember, solve_cycle
 from studio.core.solver.performers.rows import ClipConstraint, composite_of, constraints_in, corrections_in
-from studio.core.solver.performers.stage import asked_of, in_order, tracks_followed_by, tracks_of
+from studio.core.solver.performers.stage import constraints_of_performer, leaders_first, tracks_followed_by, tracks_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project
@@ -26,10 +26,10 @@ class Performance:
     """One performer's composite, constraints, request and adapted motion."""
 
     composite: Composite
-    asked: tuple[ClipConstraint, ...]
+    clip_constraints: tuple[ClipConstraint, ...]
     request: AdaptRequest
     adapted: AdaptedMotion
-    sweeps: int = 0
+    iterations: int = 0
     """Iterations of its dependency cycle; 0 outside of one."""
 
     @property
@@ -47,7 +47,9 @@ class StagedPerformances:
     failures: Mapping[str, str] = field(default_factory=dict)
 
 
-def perform(project: Project, performer_ids: Iterable[str], prepare: Prepare, solve: Solve) -> StagedPerformances:
+def adapt_performers(
+    project: Project, performer_ids: Iterable[str], prepare: Prepare, solve: Solve
+) -> StagedPerformances:
     """Adapt these performers and all that they follow; a failure affects only the performer and its followers."""
     known: dict[int, tuple[NormalizedMotion, Morphology]] = {}
 
@@ -58,7 +60,7 @@ def perform(project: Project, performer_ids: Iterable[str], prepare: Prepare, so
 
     done: dict[str, Performance] = {}
     failures: dict[str, str] = {}
-    for circle in in_order(project, performer_ids):
+    for circle in leaders_first(project, performer_ids):
         try:
             done |= _perform(project, circle, prepared, solve, done)
         except StudioError as error:
@@ -74,7 +76,7 @@ def _perform(
         return _result(project, done, leader)
 
     players = {key: player_of(project, key, circle, prepare, result_of) for key in circle}
-    asked = {key: asked_of(project, key) for key in circle}
+    asked = {key: constraints_of_performer(project, key) for key in circle}
     if len(circle) == 1:
         [(key, player)] = players.items()
         adapted = replace(solve(player.request), composite=player.composite)
@@ -86,7 +88,7 @@ def _perform(
             asked[key],
             found.requests[key],
             replace(found.results[key], composite=player.composite),
-            found.sweeps,
+            found.iterations,
         )
         for key, player in players.items()
     }
@@ -110,18 +112,20 @@ def player_of(
     if not performer.clips or project.missing_references(performer):
         raise StudioError(f"'{performer.name}' plays nothing, or its motion has been removed.")
     composite = composite_of(project, performer_id, lambda motion_id: motion_of(project, motion_id, prepare))
-    request = unasked_request(project, performer_id, composite, prepare)
-    constraints = constraints_in(asked_of(project, performer_id), composite, request.morphology.leg_length)
+    request = unconstrained_request(project, performer_id, composite, prepare)
+    constraints = constraints_in(
+        constraints_of_performer(project, performer_id), composite, request.morphology.leg_length
+    )
     followed = tracks_followed_by(project, performer_id, result_of, circle) or ()
     request = replace(
         request,
         constraints=constraints,
-        tracks=awaited(tracks_of(followed, composite), constraints, composite.timing.frame_rate),
+        tracks=with_anticipated_targets(tracks_of(followed, composite), constraints, composite.timing.frame_rate),
     )
     return CycleMember(request, composite, Placement.of(performer), project.props)
 
 
-def unasked_request(project: Project, performer_id: str, composite: Composite, prepare: Prepare) -> AdaptRequest:
+def unconstrained_request(project: Project, performer_id: str, composite: Composite, prepare: Prepare) -> AdaptRequest:
     """Request of a performer's composite, body and ground, without constraints."""
     performer = project.performers[performer_id]
     character = project.characters[performer.character_id]

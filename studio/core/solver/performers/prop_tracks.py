@@ -55,7 +55,7 @@ class Holder:
 
     def at(self, time: float) -> "Holder":
         """The same at one second of the stage."""
-        passed = self.motion.passed.get(time)
+        passed = self.motion.passed_constraints.get(time)
         whole = passed or self.whole or self.motion
         timing = passed.composite.timing if passed and passed.composite else self.timing
         rows = timing.frames_at([time]) - whole.first_frame if timing else np.zeros(1)
@@ -97,7 +97,7 @@ class OwnHands:
         if isinstance(hold, Carried):
             track = carried_track(hold, positions, rotations, self.body)
         else:
-            track = point_track(hold.point, hold.turn, positions, rotations, self.body.still)
+            track = point_track(hold.point, hold.turn, positions, rotations, self.body.first_frame_body)
         return Track(self.placement.to_stage(track.places), self.placement.rotation @ track.rotations)
 
 
@@ -129,7 +129,7 @@ def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mappin
             continue
         there, here = _at(moment, before, prop, hands), theirs.at(moment).track(hold)
         far = float(np.linalg.norm(there.places[0] - here.places[0]))
-        seconds = min(handing_time(far), lasting / 2)
+        seconds = min(hand_over_seconds(far), lasting / 2)
         weights = ease(sign * (times - moment) / max(seconds, 1e-6), EaseShape.QUINTIC)
         giver = prop.holds[before[-1]] if before else None
         gone_on = hands[giver.performer_id].track(giver) if giver is not None and giver.end == moment else there
@@ -144,7 +144,7 @@ def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mappin
     return track
 
 
-def handing_time(distance: float) -> float:
+def hand_over_seconds(distance: float) -> float:
     """Seconds in which a prop is moved ``distance`` metres into the hands."""
     return max(HANDING, EASE_PEAK * distance / LIFTING)
 
@@ -171,7 +171,7 @@ def _unheld(prop: Prop, times: FloatArray) -> Track:
     places = np.array(position)[None] if isinstance(position, tuple) else position.at(times)
     angles = heading.at(times)[:, 0] if isinstance(heading, KeyedNumber) else np.array([heading])
     tilts = tilt.at(times) if isinstance(tilt, KeyedTurn) else to_matrix(np.array(tilt))[None]
-    rotations = turned_by(angles) @ tilts
+    rotations = rotations_about_z(angles) @ tilts
     count = max(len(places), len(rotations))
     return Track(np.broadcast_to(places, (count, 3)), np.broadcast_to(rotations, (count, 3, 3)))
 
@@ -184,7 +184,7 @@ def _part_of(rotations: FloatArray, weights: FloatArray) -> FloatArray:
     return np.asarray(Rotation.from_rotvec(weights[:, None] * vectors).as_matrix())
 
 
-def seen_from(follow: FollowProp, prop: Prop, track: Track, own: Placement) -> Track:
+def track_in_motion_space(follow: FollowProp, prop: Prop, track: Track, own: Placement) -> Track:
     """Track of the followed point of a prop at ``track`` on the stage, in the space of a performer at ``own``."""
     offset = np.array(follow.offset) + np.array(follow.share) * np.array(prop.size) / 2
     places = track.places + track.rotations @ offset
@@ -200,16 +200,16 @@ def carried_track(held: Carried, positions: FloatArray, rotations: FloatArray, b
     """Track of a prop carried by a body with positions (F, P, 3) and rotations (F, S, 3, 3), in the space of its
     motion.
     """
-    layout = body.still.layout
+    layout = body.first_frame_body.layout
     ends = [point_indices(BodyPoint(part, at_end=end), layout)[0] for part in CARRYING_HANDS for end in (False, True)]
     chest = rotations[:, layout.segment(BodyPart.THORAX), :, 0]
     heading = np.arctan2(chest[:, 1], chest[:, 0])
     origin = positions[:, 0] if held.steady else positions[:, ends].mean(axis=1)
-    places = origin + body.leg_length * turned_by(heading) @ np.array(held.offset)
-    return Track(places, turned_by(heading + held.heading) @ to_matrix(np.array(held.tilt)))
+    places = origin + body.leg_length * rotations_about_z(heading) @ np.array(held.offset)
+    return Track(places, rotations_about_z(heading + held.heading) @ to_matrix(np.array(held.tilt)))
 
 
-def turned_by(angles: FloatArray) -> FloatArray:
+def rotations_about_z(angles: FloatArray) -> FloatArray:
     """Rotations (F, 3, 3) about Z by ``angles`` (F,)."""
     turns = np.zeros((len(angles), 3, 3))
     turns[:, 0, 0] = turns[:, 1, 1] = np.cos(angles)

@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from studio.core.constraints.base import Constraint
-from studio.core.constraints.carried_over import NEVER, ClipTransform, carried_over
+from studio.core.constraints.carried_over import NEVER, ClipTransform, constraint_on_clip
 from studio.core.curves.keyed import KeyedNumber
 from studio.core.curves.retiming import playing_seconds
 from studio.core.normalized.compose import Composite
-from studio.core.normalized.joining import Planar
-from studio.core.normalized.layers import PlayedLayer, layered
+from studio.core.normalized.joining import PlanarTransform
+from studio.core.normalized.layers import PlayedLayer, with_layers
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.pieces import MotionPiece, Played
+from studio.core.normalized.pieces import MotionPiece, PlayedPiece
 from studio.core.stage.clip import Clip
 from studio.core.stage.correction import Correction
 from studio.core.stage.project import Performer, Project
@@ -86,7 +86,7 @@ def composite_of(project: Project, performer_id: str, motion_of: MotionOf) -> Co
         )
         for each in performer.layers
     ]  # fmt: skip
-    return layered(tuple(row), tuple(overlays))
+    return with_layers(tuple(row), tuple(overlays))
 
 
 def corrections_in(project: Project, performer_id: str, timing: Timing) -> tuple[Correction, ...]:
@@ -100,17 +100,17 @@ def pieces_of(
 ) -> tuple[MotionPiece, ...]:
     """Pieces of a clip at a ``place`` of a performer's row, one for each repeat."""
     motion, contacts = motion_of(clip.motion_id), tuple(project.contacts_for(performer_id, clip).values())
-    own, once = Planar(clip.turn, clip.offset), clip.length(motion.frame_rate) / clip.repeats
+    own, once = PlanarTransform(clip.turn, clip.offset), clip.length(motion.frame_rate) / clip.repeats
     return tuple(
         MotionPiece(
             motion, contacts, clip.first, clip.last, clip.start + repeat * once, clip.speed, clip.mirrored,
-            own if repeat == 0 else Planar(), clip.joined or repeat > 0, clip.ease, (place, repeat),
+            own if repeat == 0 else PlanarTransform(), clip.joined or repeat > 0, clip.ease, (place, repeat),
         )
         for repeat in range(clip.repeats)
     )  # fmt: skip
 
 
-def carry_of(played: Played, timing: Timing, leg_length: float) -> ClipTransform:
+def clip_transform(played: PlayedPiece, timing: Timing, leg_length: float) -> ClipTransform:
     """Mapping of constraints from a piece's motion to where it plays, on a body of that leg length."""
     piece, placement = played.piece, played.placement
     rate = piece.motion.frame_rate
@@ -134,7 +134,7 @@ def constraints_in(
     """
     if composite.is_plain:
         return tuple(each.constraint for each in asked)
-    carries = [carry_of(each, composite.timing, leg_length) for each in composite.played]
+    carries = [clip_transform(each, composite.timing, leg_length) for each in composite.played]
     places = {each.piece.origin: place for place, each in enumerate(composite.played)}
     by_place: dict[int, list[ClipConstraint]] = {place: [] for place in range(len(carries))}
     for each in asked:
@@ -152,7 +152,7 @@ def constraints_in(
         place = until = places[each.clip, each.repeat]
         while goes_on(each, until + 1):
             until += 1
-        whole = carried_over(each.constraint, replace(carries[place], last=carries[until].last))
+        whole = constraint_on_clip(each.constraint, replace(carries[place], last=carries[until].last))
         return replace(whole, activation=NEVER) if goes_on(each, place) else whole
 
     return tuple(carried(each) for each in asked)

@@ -38,15 +38,15 @@ class Followed:
     make: Callable[[Composite], Track | OwnPath] = field(compare=False)
 
 
-def asked_of(project: Project, performer_id: str) -> tuple[ClipConstraint, ...]:
+def constraints_of_performer(project: Project, performer_id: str) -> tuple[ClipConstraint, ...]:
     """Constraints of a performer in each of its clips, highest priority first.
 
     A performer does not follow itself, except by a constraint of its own, which then follows a point of the same body.
     Constraints on performers without clips are dropped. Per-character offsets are resolved.
     """
-    known = project.known.get((asked_of, performer_id))
+    known = project.known.get((constraints_of_performer, performer_id))
     if known is None:
-        known = project.known[asked_of, performer_id] = _asked_of(project, performer_id)
+        known = project.known[constraints_of_performer, performer_id] = _asked_of(project, performer_id)
     return cast(tuple[ClipConstraint, ...], known)
 
 
@@ -57,7 +57,7 @@ def _asked_of(project: Project, performer_id: str) -> tuple[ClipConstraint, ...]
         for place, clip in enumerate(performer.clips)
         for key, constraint in project.constraints_for(performer_id, clip).items()
         if constraint.enabled
-        and (concerned := concerning(constraint, performer_id, playing, project.props)) is not None
+        and (concerned := constraint_for_performer(constraint, performer_id, playing, project.props)) is not None
         for repeat in range(clip.repeats)
         for part in _parts_of(concerned, project.characters[performer.character_id])
     ]
@@ -83,7 +83,9 @@ def leaders_of(project: Project, performer_id: str) -> set[str]:
     """Other performers that a performer follows."""
     known = project.known.get((leaders_of, performer_id))
     if known is None:
-        follows = (follow for each in asked_of(project, performer_id) for follow in follows_of(each.constraint))
+        follows = (
+            follow for each in constraints_of_performer(project, performer_id) for follow in follows_of(each.constraint)
+        )
         leaders = {follow.performer_id for follow in follows if isinstance(follow, FollowPerformer)}
         holders = frozenset[str]().union(*(each.holders for each in props_of(project, performer_id)))
         playing = {key for key in holders if project.performers[key].clips}
@@ -93,12 +95,14 @@ def leaders_of(project: Project, performer_id: str) -> set[str]:
 
 def props_of(project: Project, performer_id: str) -> tuple[Prop, ...]:
     """Props that a performer follows."""
-    follows = (follow for each in asked_of(project, performer_id) for follow in follows_of(each.constraint))
+    follows = (
+        follow for each in constraints_of_performer(project, performer_id) for follow in follows_of(each.constraint)
+    )
     found = dict.fromkeys(follow.prop_id for follow in follows if isinstance(follow, FollowProp))
     return tuple(project.props[key] for key in found)
 
 
-def in_order(project: Project, performer_ids: Iterable[str]) -> tuple[tuple[str, ...], ...]:
+def leaders_first(project: Project, performer_ids: Iterable[str]) -> tuple[tuple[str, ...], ...]:
     """These performers and all that they follow, leaders first, dependency cycles together."""
     leaders: dict[str, set[str]] = {}
     waiting = list(performer_ids)
@@ -155,7 +159,11 @@ def tracks_followed_by(
     performer, others = project.performers[performer_id], {*circle} - {performer_id}
     found: dict[Follow, Followed] = {}
     leaders = leaders_of(project, performer_id)
-    asked = [each.constraint for each in asked_of(project, performer_id)] if constraints is None else constraints
+    asked = (
+        [each.constraint for each in constraints_of_performer(project, performer_id)]
+        if constraints is None
+        else constraints
+    )
     for follow in (follow for each in asked for follow in follows_of(each)):
         match follow:
             case FollowProp() if not project.props[follow.prop_id].holders & others:
@@ -192,8 +200,8 @@ def _prop(follow: FollowProp, project: Project, performer_id: str, results: Mapp
             Hands,
             Holder,
             own_hands,
-            seen_from,
             stage_track,
+            track_in_motion_space,
         )
 
         seconds = _seconds_of(composite)
@@ -204,11 +212,11 @@ def _prop(follow: FollowProp, project: Project, performer_id: str, results: Mapp
 
         def among(unasked: UnconstrainedPoses, body: AnyMorphology) -> Track:
             mine = own_hands(unasked, body, composite.timing, own)
-            return seen_from(follow, prop, stage_track(prop, seconds, {**hands, performer_id: mine}), own)
+            return track_in_motion_space(follow, prop, stage_track(prop, seconds, {**hands, performer_id: mine}), own)
 
         if performer_id in prop.holders - hands.keys():
             return OwnPath(among)
-        return seen_from(follow, prop, stage_track(prop, seconds, hands), own)
+        return track_in_motion_space(follow, prop, stage_track(prop, seconds, hands), own)
 
     is_keyed = isinstance(prop.heading, Keys) or isinstance(prop.tilt, Keys)
     moving = prop.holds or not isinstance(prop.position, tuple) or is_keyed
@@ -266,12 +274,12 @@ def leader_track(
     return performer_track(follow.point, follow.turn, result, rows, placement, own)
 
 
-def concerning(
+def constraint_for_performer(
     constraint: Constraint, performer_id: str, playing: Collection[str], props: Mapping[str, Prop]
 ) -> Constraint | None:
     """Constraint as it applies to one performer among those ``playing``; None if it does not.
 
-    See ``asked_of``. A prop that is always in the performer's own hand becomes a point of that hand.
+    See ``constraints_of_performer``. A prop that is always in the performer's own hand becomes a point of that hand.
     """
     changes: dict[str, Any] = {}
     for name, value in vars(constraint).items():
@@ -280,7 +288,7 @@ def concerning(
         if isinstance(value, FollowProp):
             prop = props[value.prop_id]
             if isinstance(prop.held, InHand) and prop.held.is_always and prop.held.performer_id == performer_id:
-                changes[name] = on_own_body(value, prop, prop.held)
+                changes[name] = point_in_own_hand(value, prop, prop.held)
                 if changes[name].point == constraint.point or objection(replace(constraint, **changes), ()):
                     return None
         if not isinstance(value, FollowPerformer):
@@ -294,7 +302,7 @@ def concerning(
     return replace(constraint, **changes) if changes else constraint
 
 
-def on_own_body(follow: FollowProp, prop: Prop, held: InHand) -> FollowBody:
+def point_in_own_hand(follow: FollowProp, prop: Prop, held: InHand) -> FollowBody:
     """Followed point of a prop in one's own hand, as a point of the body."""
     displacement = np.array(follow.offset) + np.array(follow.share) * np.array(prop.size) / 2
     x, y, z = (np.array(held.point.offset) + to_matrix(np.array(held.turn)) @ displacement).tolist()

@@ -36,12 +36,12 @@ Run = Callable[[int, records.SmoothingRun], None]
 class Ramp(NamedTuple):
     """Linear ramp of a weight from 0 to 1."""
 
-    begins: FloatArray
+    begin: FloatArray
     whole: FloatArray
 
     def share_of(self, values: FloatArray) -> FloatArray:
         """Position of ``values`` on the ramp: 0 at its beginning, 1 at its end."""
-        return np.asarray((values - self.begins) / (self.whole - self.begins))
+        return np.asarray((values - self.begin) / (self.whole - self.begin))
 
 
 class SmoothedPose(NamedTuple):
@@ -62,12 +62,12 @@ class SolvedArrays(NamedTuple):
     cleared_positions: FloatArray
     cleared_rotations: FloatArray
 
-    def put(self, other: "SolvedArrays") -> None:
+    def copy_from(self, other: "SolvedArrays") -> None:
         """Copy the values of another solve."""
         for mine, theirs in zip(self, other, strict=True):
             mine[:] = theirs
 
-    def within(self, frames: slice) -> "SolvedArrays":
+    def in_frames(self, frames: slice) -> "SolvedArrays":
         """Copy for some frames."""
         return SolvedArrays(*(each[frames] for each in self))
 
@@ -81,7 +81,7 @@ class LevelNumbers(NamedTuple):
 
 SMOOTHING_RANGE = Ramp(np.array([ADDED_PEAK, ADDED_PEAK, TOTAL_PEAK]), np.array([1.8, 1.8, 2.6]))
 """Fractions of the allowed peak over which the smoothing of root, joints and limbs fades in."""
-DROPPING_RANGE = Ramp(3.5 * SMOOTHING_RANGE.begins, 3.5 * SMOOTHING_RANGE.whole)
+DROPPING_RANGE = Ramp(3.5 * SMOOTHING_RANGE.begin, 3.5 * SMOOTHING_RANGE.whole)
 """Fractions of the allowed peak over which a level is dropped for those above it, since even its average pops.
 
 A level that is merely sharper than a calm source is kept: dropped, its residual was up to 0.8 m for seconds.
@@ -170,7 +170,7 @@ class SolveNotes:
         eased = np.array([(rank.solved, meets, self.held, holds, rank.clears)], dtype=SMOOTHED_LEVEL)
         return records.SmoothingRun(frames, self.states, rotation_matrices, eased, misses, above, *noted)
 
-    def within(self, frames: slice) -> "SolveNotes":
+    def in_frames(self, frames: slice) -> "SolveNotes":
         """Notes of some frames."""
         arrays = {name: getattr(self, name)[frames].copy() for name in ("states", "sharp", "changes")}
         return replace(self, **arrays)
@@ -184,7 +184,7 @@ class SolveNotes:
 
     def exceeds_peaks(self, allowed: FloatArray) -> bool:
         """True if any peak exceeds the ``allowed`` one, (3,) or (F, 3), rad/s2."""
-        return bool((self.sharp > SMOOTHING_RANGE.begins * allowed).any())
+        return bool((self.sharp > SMOOTHING_RANGE.begin * allowed).any())
 
     def peaks_of(self, states: FloatArray, rotation_matrices: FloatArray) -> FloatArray:
         """Peaks (F, 3) in rad/s2 of root, other joints of the search, and limbs with these rotations (F, 16, 3, 3)."""
@@ -199,7 +199,7 @@ def own_peaks(standing: Standing, searched: IntArray, legs_asked: bool) -> Float
     Legs count where they have a constraint; root and searched joints are then allowed at least the legs' peaks.
     """
     layout = standing.morphology.layout
-    peaks = standing.peaks if legs_asked else standing.peaks[: layout.thigh(0)]
+    peaks = standing.peaks if legs_asked else standing.peaks[: layout.thigh_segment(0)]
     joints = peaks[searched[(searched != ROOT_TRANSLATION) & (searched < len(peaks))]]
     leg = max(QUIET_PEAK, *(peaks[layout.segment(part)] for part in LEG_BONES)) if legs_asked else QUIET_PEAK
     most = peaks.max(initial=QUIET_PEAK)
@@ -221,14 +221,14 @@ class SolvedLevel:
     own: NDArray[np.bool_]
     allowed: FloatArray
 
-    def within(self, frames: slice) -> "SolvedLevel":
+    def in_frames(self, frames: slice) -> "SolvedLevel":
         """Copy for some frames."""
-        solved = self.solved.within(frames)
-        solve, acts, own = self.solve.within(frames), self.acts[frames], self.own[frames]
+        solved = self.solved.in_frames(frames)
+        solve, acts, own = self.solve.in_frames(frames), self.acts[frames], self.own[frames]
         return replace(self, solve=solve, solved=solved, acts=acts, own=own, allowed=self.allowed[frames])
 
     @property
-    def room(self) -> FloatArray:
+    def smoothing_weights(self) -> FloatArray:
         """Smoothing weights (F,) from 0 to 1: near solved peaks, within active frames."""
         rate, sharp = self.solve.rate, self.solve.sharp / self.allowed
         acting = minimum_filter1d(self.acts.astype(np.float64), 3, mode="nearest")
@@ -254,7 +254,7 @@ class LevelSmoother:
         self._charts, self._root_reach = charts, root_reach
         self._runs = [runs_of(margin > 0.0) for margin in rooms]
         frames, joints, _ = levels[0].solve.states.shape
-        values = charts.unturned
+        values = charts.unsolved_coordinates
         self._eased = SmoothedPose(np.zeros((frames, joints, 3)), values)
         self._moved = SmoothedPose(np.zeros((frames, joints, 3)), np.zeros_like(values))
         self._told = levels[0].solved.misses
@@ -264,14 +264,14 @@ class LevelSmoother:
             first.positions.copy(), first.rotations.copy(), self._eased.states, np.zeros(frames)
         )
 
-    def smooth(self) -> None:
+    def smooth_levels(self) -> None:
         """Smooth all levels but those of contacts."""
         now = self._solved
         for number, level in enumerate(self._levels):
             if number > 0 and not level.own.any():
                 continue
             self._told = np.where(level.above, self._told, level.solved.misses)
-            now.put(level.solved)
+            now.copy_from(level.solved)
             if number >= level.solve.held:
                 self._ease_level(number)
             else:
@@ -344,7 +344,7 @@ class LevelSmoother:
 
     def _posed_limbs(self, beside: FloatArray | None = None) -> FloatArray:
         """Coordinates of the limbs as solved last, on the branches of the coordinates ``beside``."""
-        return self._charts.values(self._charts.turns_of(self._solved.rotations), beside)
+        return self._charts.values(self._charts.joint_rotations(self._solved.rotations), beside)
 
     def _smoothed(self, number: int, solved: SmoothedPose) -> SmoothedPose:
         """Displacement of a level, averaged in time at peaks."""
@@ -359,9 +359,12 @@ class LevelSmoother:
                 break
             self._touched = np.maximum(self._touched, bump)
             states, values = _blend(states, _mean(states, width), bump), _blend(values, _mean(values, width), bump)
-            values = self._charts.within(values)
+            values = self._charts.clamped_to_limits(values)
         joints = level.solve.joints
-        back = self._root_reach.pulled(states, joints, round(LOOK_AHEAD * level.solve.rate)) * (margin > 0.0)[:, None]
+        back = (
+            self._root_reach.root_correction(states, joints, round(LOOK_AHEAD * level.solve.rate))
+            * (margin > 0.0)[:, None]
+        )
         self._touched = np.maximum(self._touched, back.any(axis=1))
         states[:, joints["segment"] == ROOT_TRANSLATION] += back[:, None]
         return SmoothedPose(states, values)
@@ -373,7 +376,7 @@ class LevelSmoother:
         above do not count.
         """
         level = self._levels[number]
-        allowed = np.maximum(level.allowed, self._jolts / SMOOTHING_RANGE.begins)
+        allowed = np.maximum(level.allowed, self._jolts / SMOOTHING_RANGE.begin)
         sharp = level.solve.peaks_of(poses.states, self._charts.turns(poses.charts)) / allowed
         return self._spread(number, _excess(sharp, limits), around)
 

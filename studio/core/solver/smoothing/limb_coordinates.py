@@ -38,15 +38,15 @@ class LimbCoordinates:
         self._limbs, self._limits = limbs, limits
         self._segments = (layout.spine_count + LIMB_SEGMENTS).ravel()
         self._carriers = np.array(layout.parent_segments())[self._segments]
-        self._unsolved = self.turns_of(unsolved)
+        self._unsolved = self.joint_rotations(unsolved)
         self._own = self._angles(self._unsolved)
 
     @property
-    def unturned(self) -> FloatArray:
+    def unsolved_coordinates(self) -> FloatArray:
         """Coordinates (F, 16, n) of the unsolved rotations."""
         return self.values(self._unsolved)
 
-    def turns_of(self, rotations: FloatArray) -> FloatArray:
+    def joint_rotations(self, rotations: FloatArray) -> FloatArray:
         """Joint rotations (F, 16, 3, 3) of poses."""
         rotation_matrices = np.empty((len(rotations), 16, 3, 3))
         write_limb_rotations(self._carriers, self._segments, rotations, rotation_matrices)
@@ -76,7 +76,7 @@ class LimbCoordinates:
         write_rotations_from_angles(self._limbs, self._own + values, self._limits, rotation_matrices)
         return rotation_matrices
 
-    def within(self, values: FloatArray) -> FloatArray:
+    def clamped_to_limits(self, values: FloatArray) -> FloatArray:
         """Coordinates clamped to the limits, or to the motion itself."""
         if not len(self._limits):
             return np.asarray(values / np.linalg.norm(values, axis=-1, keepdims=True))

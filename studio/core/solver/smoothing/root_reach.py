@@ -36,12 +36,12 @@ class RootReach:
         """Bounds from unsolved ``positions`` (F, P, 3); ``root_reaches`` (2, F) in leg lengths, at least the motion's
         own distance.
         """
-        hips = np.stack([positions[:, layout.hip(side)] for side in range(2)])
+        hips = np.stack([positions[:, layout.hip_point(side)] for side in range(2)])
         legs = measures[:, at.M_LEG : at.M_LEG + 4].reshape(-1, 2, 2).sum(axis=2).T
         own = np.linalg.norm(hips - ankles[..., :3], axis=2)
         return RootReach(positions[:, 0], hips - positions[:, 0], ankles[..., :3], np.maximum(root_reaches * legs, own))
 
-    def pulled(self, states: FloatArray, joints: NDArray[np.void], width: int) -> FloatArray:
+    def root_correction(self, states: FloatArray, joints: NDArray[np.void], width: int) -> FloatArray:
         """Correction (F, 3) of the root for joints (N, 5) at ``states`` (F, N, 3): the maximal shortage over ``width``
         frames on either side, averaged over as many.
         """

@@ -30,7 +30,7 @@ def arch_trunk(raises: FloatArray, body: AnyMorphology, positions: FloatArray, r
     levers = np.linalg.norm([positions[0, neck] - positions[0, joint] for joint in joints], axis=1)
     fractions = levers * np.linalg.norm(ahead[0]) / np.sum(levers**2)
     before, turned = positions.copy(), rotations.copy()
-    last = body.layout.hip(0)
+    last = body.layout.hip_point(0)
     for joint, fraction in zip(joints, fractions, strict=True):
         rotation_matrices = Rotation.from_rotvec(axis * (fraction * pitch)[:, None]).as_matrix()
         pivot, back = positions[:, joint, None], np.swapaxes(rotation_matrices, 1, 2)
@@ -57,7 +57,7 @@ def _aim_arm(
 
     The shortest rotation is used, as for arms in contact (``kernels.support.body_settling.place_arm``).
     """
-    wrist, upper = body.layout.wrist(side), body.layout.upper_arm(side)
+    wrist, upper = body.layout.wrist_point(side), body.layout.upper_arm_segment(side)
     shoulder, arm, hand = wrist - 2, slice(wrist - 1, wrist + 1), upper + 2
     aims = shortest_arc(
         normalized(_vector_between(positions, shoulder, wrist)), normalized(_vector_between(before, shoulder, wrist))

@@ -30,7 +30,7 @@ from studio.core.kernels.limbs.limb import SOLE_SOFT_IK_THRESHOLD
 from studio.core.kernels.support.foot_anchoring import SMALLEST_SIZE
 from studio.core.kernels.support.gap_interpolation import interpolate_gaps
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.rotations import normalized, shortest_arc
 from studio.core.runs import runs_of
 from studio.core.solver.standing.arching import arch_trunk
@@ -157,7 +157,7 @@ def find_support(
         leant, turned, upright = tilt_with_ground(leans, body, ground, motion.frame_rate, positions, rotations)
         pose = leant, turned
     positions = pose[0]
-    actors, layout = (positions, body.layout) if actor is None else (realize(motion, actor)[0], actor.layout)
+    actors, layout = (positions, body.layout) if actor is None else (realize_motion(motion, actor)[0], actor.layout)
     bones = arm_bones(body, actors, layout)
     rises = np.zeros((motion.frame_count, 2))
     if actor is not None and ground.is_level:
@@ -186,7 +186,7 @@ def arm_bones(body: AnyMorphology, actors: FloatArray, layout: BodyLayout) -> Fl
 
     Where a folded arm keeps the vector from shoulder to wrist, bones of other lengths take other directions.
     """
-    wrists = [layout.wrist(side) for side in range(2)]
+    wrists = [layout.wrist_point(side) for side in range(2)]
     displacements = np.array([np.diff(actors[:, wrist - 2 : wrist + 1], axis=1) for wrist in wrists])
     lengths = np.array([arm_rows(body, side)[..., None] for side in range(2)])
     return np.asarray(normalized(displacements) * lengths)
@@ -194,7 +194,7 @@ def arm_bones(body: AnyMorphology, actors: FloatArray, layout: BodyLayout) -> Fl
 
 def _hands_over_root(positions: FloatArray, layout: BodyLayout, bones: FloatArray | None = None) -> FloatArray:
     """Heights (F, 2) in metres of both wrists above the root, present or with ``bones`` (2, F, 2, 3)."""
-    wrists = np.array([layout.wrist(side) for side in range(2)])
+    wrists = np.array([layout.wrist_point(side) for side in range(2)])
     heights = positions[:, wrists, 2] if bones is None else positions[:, wrists - 2, 2] + bones[..., 2].sum(axis=2).T
     return np.asarray(heights - positions[:, :1, 2])
 
@@ -215,7 +215,7 @@ def _track(
     """``track_of`` a point; of a hand on level ground, from the ``bones`` (2, F, 2, 3) of its arm."""
     if point.member != "hand" or not ground.is_level:
         return track_of(point, body, positions)
-    return np.asarray(positions[:, body.layout.wrist(point.side) - 2] + bones[point.side].sum(axis=1))
+    return np.asarray(positions[:, body.layout.wrist_point(point.side) - 2] + bones[point.side].sum(axis=1))
 
 
 def _reached(
@@ -224,7 +224,7 @@ def _reached(
     """The contact of a hand moved to where an arm longer than the actor's lands when it swings."""
     if hold.point.member != "hand":
         return hold
-    shoulders = positions[:, body.layout.wrist(hold.point.side) - 2]
+    shoulders = positions[:, body.layout.wrist_point(hold.point.side) - 2]
     wrists = raise_by_swinging(track, shoulders, np.maximum(hold.places[:, 2] - track[:, 2], 0.0))
     places, normals = hold.places.copy(), hold.normals.copy()
     for first, last in spans_of(hold.standing):
@@ -262,7 +262,7 @@ def _wrists_over_palms(
     contacts: Sequence[ContactInterval], positions: FloatArray, body: Morphology, frame_rate: float
 ) -> FloatArray:
     """Heights (F, 2) in metres of wrists above those over flat palms, as far as fingers slope down."""
-    wrists = np.array([body.layout.wrist(side) for side in range(2)])
+    wrists = np.array([body.layout.wrist_point(side) for side in range(2)])
     palms = shown_floor(contacts, positions, body, frame_rate)[:, None] + CONTACT_HEIGHTS["hand"] * body.leg_length
     heights, tips = positions[:, wrists, 2], positions[:, wrists + 1, 2]
     return np.maximum(heights - np.maximum(tips, palms), 0.0)
@@ -314,7 +314,7 @@ def _fingers(body: AnyMorphology, side: int) -> FloatArray:
 
 def _bearing(body: AnyMorphology, ground: Ground, positions: FloatArray) -> FloatArray:
     """Load weight (2, F) of each standing foot: small for a lying leg on level ground."""
-    knees = positions[:, [body.layout.hip(side) + 1 for side in range(2)], 2] - ground.height
+    knees = positions[:, [body.layout.hip_point(side) + 1 for side in range(2)], 2] - ground.height
     bearing = smoothstep_array(np.clip(knees.T / (LYING_KNEE_HEIGHT * body.leg_length) - 1.0, 0.0, 1.0))
     return bearing if ground.is_level else np.ones_like(bearing)
 

@@ -122,7 +122,7 @@ def find_footing(
     for foot, plan in zip(standing, plans, strict=True):
         foot.plan(*pose, plan)
     if ground.is_level:
-        off = ankles - positions[:, [morphology.layout.ankle(side) for side in range(2)]].transpose(1, 0, 2)
+        off = ankles - positions[:, [morphology.layout.ankle_point(side) for side in range(2)]].transpose(1, 0, 2)
         dips = np.zeros_like(off)
         if carried is None:  # hands, knees and seat that stand leave the pelvis no room
             dips = dip_pelvis(off, states, morphology, motion.frame_rate, positions, rotations)
@@ -191,11 +191,11 @@ def _keep_below_hips(
     Long strides over steps would raise them higher, and the leg would swing wildly.
     """
     for side in range(2):
-        hips = positions[:, morphology.layout.hip(side)]
+        hips = positions[:, morphology.layout.hip_point(side)]
         bones = leg_rows(morphology, side)
         legs = bones.sum(axis=1)
         folded = np.maximum(FOLDED_LEG * legs, np.abs(bones[:, 0] - bones[:, 1]) + 0.5 * FOLDED_LEG * legs)
-        own = positions[:, morphology.layout.ankle(side), 2] - hips[:, 2]
+        own = positions[:, morphology.layout.ankle_point(side), 2] - hips[:, 2]
         aside = np.linalg.norm(ankles[side, :, :2] - hips[:, :2], axis=1) / legs
         least = -folded * (1.0 - np.minimum(aside, 1.0) ** 2) ** 2
         over = own - least
@@ -248,8 +248,8 @@ class _Foot:
     def plan(self, positions: FloatArray, rotations: FloatArray, plan: FootPlan) -> None:
         """Plan the foot on the level floor at the ground's own height, before it rolls; writes ``plan``."""
         ankle, foot = (
-            self.body.layout.ankle(self.side),
-            self.body.layout.foot(self.side),
+            self.body.layout.ankle_point(self.side),
+            self.body.layout.foot_segment(self.side),
         )
         plan.ankles[:], plan.feet[:], plan.toes[:] = positions[:, ankle], rotations[:, foot], rotations[:, foot + 1]
         balls, reach = np.ascontiguousarray(positions[:, ankle + 1, 2]), LET_GO * self.frame_rate
@@ -261,7 +261,7 @@ class _Foot:
         """Roll the foot on the level floor until its leg reaches it, above the floor; writes ``plan``."""
         bones = leg_rows(self.body, self.side)
         # Contiguous, which a single frame is by itself: kernels are compiled for one layout.
-        hips = np.ascontiguousarray(positions[:, self.body.layout.hip(self.side)])
+        hips = np.ascontiguousarray(positions[:, self.body.layout.hip_point(self.side)])
         reaches = soft_thresholds * bones.sum(axis=1)
         roll_feet(self.soles, self.states, hips, reaches, LET_GO * self.frame_rate, plan.ankles, plan.feet)
         self._keep_above(plan)
@@ -306,7 +306,7 @@ def root_follow(
     fraction = np.interp(frames, carried, (stands[0] / np.maximum(stands.sum(axis=0), 1))[carried])
     weights = averaged(np.column_stack([fraction, *(states == SOLE_STANDS)]), AVERAGED, frame_rate)
     displacement = off[1] + weights[:, :1] * (off[0] - off[1])
-    keep_leg_lengths(off, weights, (body.layout.hip(0), body.layout.hip(1)), positions, displacement)
+    keep_leg_lengths(off, weights, (body.layout.hip_point(0), body.layout.hip_point(1)), positions, displacement)
     return bell_average(displacement, FOLLOW_SMOOTHING * frame_rate)
 
 

@@ -14,7 +14,12 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.kernels.support.sole import HEEL_PAD, HEEL_STANDS
 from studio.core.normalized.differences import rotation_vectors
-from studio.core.normalized.transition import MOST_TRANSITION, halts_of, pace_left, place_left
+from studio.core.normalized.transition import (
+    MOST_TRANSITION,
+    remaining_offset_fraction,
+    remaining_speed_offset,
+    speed_decay_times,
+)
 from studio.core.rotations import from_matrix, sign_continuous
 from studio.core.runs import runs_of
 from studio.core.solver.standing.stepping import FootFlight
@@ -153,7 +158,7 @@ class HeldFoot:
             if self.rest < leaves and lands < until:
                 going = np.arange(1, lands - leaves + 1) / (lands - leaves)
                 displacement = places[lands] - there[leaves]
-                there[leaves:lands] += (1.0 - place_left(going, 1.0))[:, None] * displacement
+                there[leaves:lands] += (1.0 - remaining_offset_fraction(going, 1.0))[:, None] * displacement
                 there[lands:] += displacement
         return there
 
@@ -176,7 +181,7 @@ class HeldFoot:
         follows.
         """
         lies = self.settling(flight, seconds)
-        kept = place_left(times - flight.leaves / self.rate, flight.seconds)
+        kept = remaining_offset_fraction(times - flight.leaves / self.rate, flight.seconds)
         headings = kept[:, None] * [0.0, 0.0, self.heading]
         feet, toes = (
             self._lain(turned(headings, own), seen, peak, lies, times)
@@ -186,19 +191,19 @@ class HeldFoot:
         )
         aside = kept[:, None] * self.asides(flight) * [1.0, 1.0, 0.0]
         stands = self.own.places(self.pivot) + aside
-        stands += place_left(times, lies)[:, None] * (self.seen.places(self.pivot)[1] - stands)
+        stands += remaining_offset_fraction(times, lies)[:, None] * (self.seen.places(self.pivot)[1] - stands)
         return FootPath(stands - self.pivot.offsets(feet, toes), feet, toes), aside
 
     def _lain(self, own: FloatArray, seen: FloatArray, peak: float, lies: float, times: FloatArray) -> FloatArray:
         """Rotations (F, 3, 3) of a part from its previous rotations ``seen`` (2, 3, 3) to its ``own`` (F, 3, 3)."""
         speed = turns_between(seen[:1], seen[1:])[0] * self.rate
-        halting = float(halts_of(np.array([np.linalg.norm(speed)]), np.array([peak]), lies)[0])
-        went = turned(pace_left(times, halting)[:, None] * speed, np.broadcast_to(seen[1], own.shape))
+        halting = float(speed_decay_times(np.array([np.linalg.norm(speed)]), np.array([peak]), lies)[0])
+        went = turned(remaining_speed_offset(times, halting)[:, None] * speed, np.broadcast_to(seen[1], own.shape))
         rotation_matrices = from_matrix(went @ np.swapaxes(own, 1, 2))
         displacements = rotation_vectors(
             sign_continuous(rotation_matrices * np.where(rotation_matrices[:, 3:] < 0.0, -1.0, 1.0))
         )
-        return turned(place_left(times, lies)[:, None] * displacements, own)
+        return turned(remaining_offset_fraction(times, lies)[:, None] * displacements, own)
 
 
 def turns_between(own: FloatArray, seen: FloatArray) -> FloatArray:

@@ -20,9 +20,15 @@ from studio.core.kernels import layout as at
 from studio.core.kernels.limbs.legs import required_root_lowering
 from studio.core.kernels.solve_clip import place_frames
 from studio.core.normalized.differences import rotation_vectors
-from studio.core.normalized.encode import encode
+from studio.core.normalized.encode import encode_motion
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.transition import LEAST_TRANSITION, halts_of, pace_left, place_left, seconds_of
+from studio.core.normalized.transition import (
+    LEAST_TRANSITION,
+    remaining_offset_fraction,
+    remaining_speed_offset,
+    seconds_of,
+    speed_decay_times,
+)
 from studio.core.rotations import from_matrix, sign_continuous
 from studio.core.solver.standing.blends import smooth_drops
 from studio.core.solver.standing.footing import Footing, foot_contacts, leg_freedoms, reach_relaxation
@@ -101,7 +107,7 @@ def inertialised_from(
     place_frames(standing.morphology.rows, drops, footing.legs(motion), positions, rotations)
     positions[:first], rotations[:first] = seen.positions[1], seen.rotations[1]
     others = [each for each in standing.contacts if each.point not in FOOT_POINTS]
-    touching = np.append(np.zeros(first), 1.0 - place_left(change.times, change.seconds))
+    touching = np.append(np.zeros(first), 1.0 - remaining_offset_fraction(change.times, change.seconds))
     return replace(
         standing,
         motion=motion,
@@ -118,7 +124,7 @@ def _with_limbs(standing: "Standing", near: slice, positions: FloatArray, rotati
     body, channels = standing.morphology, standing.motion.channels.copy()
     still = body.at(near.start) if isinstance(body, AnimatedMorphology) else body
     limbs = slice(at.LIMB_FRAME, at.HAND)
-    posed = encode(positions[near], rotations[near], still, standing.motion.frame_rate)
+    posed = encode_motion(positions[near], rotations[near], still, standing.motion.frame_rate)
     channels[near, limbs] = posed.channels[:, limbs]
     return replace(standing.motion, channels=channels)
 
@@ -158,7 +164,7 @@ class _Change:
     @cached_property
     def legs(self) -> FloatArray:
         """Acceleration peaks (2, 3) of each leg: of the quieter bone, the foot and the toes."""
-        four = self.peaks[self.standing.morphology.layout.thigh(0) :].reshape(2, 4)
+        four = self.peaks[self.standing.morphology.layout.thigh_segment(0) :].reshape(2, 4)
         return np.stack([four[:, :2].min(axis=1), four[:, 2], four[:, 3]], axis=1)
 
     @cached_property
@@ -191,8 +197,8 @@ class _Change:
     def left(self, gaps: FloatArray, peak: float, scale: float = 1.0, seconds: float = 0.0) -> FloatArray:
         """Remainder (F, N) of ``gaps`` (2, N), the last two differences; ``scale`` converts them to radians."""
         speed, seconds = (gaps[1] - gaps[0]) * self.rate, seconds or self.seconds
-        halting = float(halts_of(np.array([np.linalg.norm(speed)]) / scale, np.array([peak]), seconds)[0])
-        place, pace = place_left(self.times, seconds), pace_left(self.times, halting)
+        halting = float(speed_decay_times(np.array([np.linalg.norm(speed)]) / scale, np.array([peak]), seconds)[0])
+        place, pace = remaining_offset_fraction(self.times, seconds), remaining_speed_offset(self.times, halting)
         return np.asarray(place[:, None] * gaps[1] + pace[:, None] * speed)
 
     @cached_property
@@ -203,7 +209,7 @@ class _Change:
 
     def foot(self, side: int) -> HeldFoot:
         """One of ``feet``."""
-        footing, seen, body = self.standing.footing, self.seen, self.standing.morphology.still
+        footing, seen, body = self.standing.footing, self.seen, self.standing.morphology.first_frame_body
         on, state = slice(self.first, None), int(seen.states[side])
         own = FootPath(footing.ankles[side, on, :3], footing.feet[side, on], footing.toes[side, on])
         before = FootPath(seen.ankles[side], seen.feet[side], seen.toes[side])
@@ -227,7 +233,7 @@ class _Change:
 
     @property
     def leg_segments(self) -> tuple[slice, slice]:
-        legs = self.standing.morphology.layout.thigh(0)
+        legs = self.standing.morphology.layout.thigh_segment(0)
         return slice(legs, legs + 4), slice(legs + 4, legs + 8)
 
     def footing(self, bases: Sequence[_InertialisedFoot], positions: FloatArray, rotations: FloatArray) -> Footing:
@@ -240,7 +246,7 @@ class _Change:
             swung = self.swung_foot(side, flight, bases[side].path, positions, rotations)
             foot = self.above_ground(side, swung, states[side, on])
             ankles[side, on, :3], feet[side, on], toes[side, on] = foot.ankles, foot.feet, foot.toes
-        soft_thresholds[:, on] += place_left(self.times, self.seconds) * (
+        soft_thresholds[:, on] += remaining_offset_fraction(self.times, self.seconds) * (
             self.seen.soft_thresholds[:, None] - soft_thresholds[:, on]
         )
         runs = reach_relaxation(leg_freedoms(states, self.rate))
@@ -261,7 +267,7 @@ class _Change:
         path, carries = foot.path(flight, self.seconds, self.times)
         if flight.is_step:  # who steps with both feet goes there in one way
             lands = max(each.lands for each in self.flights if each.is_step)
-            carries = place_left(self.times, lands / self.rate)[:, None] * foot.aside * [1.0, 1.0, 0.0]
+            carries = remaining_offset_fraction(self.times, lands / self.rate)[:, None] * foot.aside * [1.0, 1.0, 0.0]
         path.ankles[:, 2] += flight.rise(self.times, self.rate) * self.leg
         return _InertialisedFoot(path, carries)
 
@@ -272,7 +278,9 @@ class _Change:
         """
         layout, displacements, fractions = self.standing.morphology.layout, [], []
         for side, (flight, base) in enumerate(zip(self.flights, bases, strict=True)):
-            hips, ankles = (positions[self.first :, point] for point in (layout.hip(side), layout.ankle(side)))
+            hips, ankles = (
+                positions[self.first :, point] for point in (layout.hip_point(side), layout.ankle_point(side))
+            )
             off = base.path.ankles - hips
             below = self.leg_lengths(side, ankles - hips, off) ** 2 - np.sum(off[:, :2] ** 2, axis=1)
             displacements.append(off[:, 2] + np.sqrt(np.maximum(below, 0.0)))
@@ -285,7 +293,7 @@ class _Change:
         at ``off``. It extends to a foot farther away, by METHOD (11), before the body sinks.
         """
         aside, own = (np.sum(each[:, :2] ** 2, axis=1) for each in (off, led))
-        whole, length = self.standing.morphology.still.leg[side].sum(), np.sum(led**2, axis=1)
+        whole, length = self.standing.morphology.first_frame_body.leg[side].sum(), np.sum(led**2, axis=1)
         soft_threshold = np.maximum(self.standing.footing.soft_thresholds[side, self.first :], np.sqrt(length) / whole)
         needed, more = np.sqrt(length + np.maximum(aside - own, 0.0)) / whole, np.maximum(1.0 - soft_threshold, 1e-3)
         soft = np.minimum(needed, soft_threshold + more * -np.expm1(np.minimum(soft_threshold - needed, 0.0) / more))
@@ -302,7 +310,7 @@ class _Change:
             motion.channels[on], rows if len(rows) == 1 else rows[on], rotations[on], ankles,
             np.ascontiguousarray(footing.soft_thresholds[:, on]), np.ascontiguousarray(footing.states[:, on]), needed,
         )  # fmt: skip
-        return smooth_drops(needed, self.rate) * (1.0 - place_left(self.times, LEAST_TRANSITION))
+        return smooth_drops(needed, self.rate) * (1.0 - remaining_offset_fraction(self.times, LEAST_TRANSITION))
 
     def swung_foot(
         self, side: int, flight: FootFlight, base: FootPath, positions: FloatArray, rotations: FloatArray
@@ -311,12 +319,12 @@ class _Change:
         if flight.is_step:
             return base
         layout, free = self.standing.morphology.layout, flight.free(self.times, self.rate)[:, None]
-        segment = layout.foot(side)
+        segment = layout.foot_segment(side)
         feet, toes = (
             turned(free * _rotation_differences(part, rotations[self.first :, segment + off]), part)
             for off, part in enumerate((base.feet, base.toes))
         )
-        ankles = base.ankles + free * (positions[self.first :, layout.ankle(side)] - base.ankles)
+        ankles = base.ankles + free * (positions[self.first :, layout.ankle_point(side)] - base.ankles)
         return self.lifted(side, flight, FootPath(ankles, feet, toes))
 
     def lifted(self, side: int, flight: FootFlight, foot: FootPath) -> FootPath:
@@ -365,8 +373,8 @@ class _Change:
             led.carry(proximal[segment], parent, proximal[parent])
             local = np.swapaxes(led.old_turns[:, parent], 1, 2) @ led.old_turns[:, segment]
             led.turns[:, segment] = led.turns[:, parent] @ turned(left, local)
-        hands = [(layout.wrist(side) + 1, layout.hand(side)) for side in range(2)]
-        toes = [(layout.ankle(side) + 2, layout.toes(side)) for side in range(2)]
+        hands = [(layout.wrist_point(side) + 1, layout.hand_segment(side)) for side in range(2)]
+        toes = [(layout.ankle_point(side) + 2, layout.toe_segment(side)) for side in range(2)]
         for end, segment in ((layout.head_end, layout.spine_count + 1), *hands, *toes):
             led.carry(end, segment, proximal[segment])
         positions[near.stop :] += goes[count:, None]

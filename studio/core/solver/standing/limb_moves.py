@@ -27,8 +27,12 @@ class TwoBoneLimb(NamedTuple):
     def of(limb: int, layout: BodyLayout) -> "TwoBoneLimb":
         """Limb 0, 1: left and right arm; 2, 3: legs."""
         if limb < 2:
-            return TwoBoneLimb(layout.wrist(limb) - 2, layout.upper_arm(limb), layout.wrist(limb) + 1)
-        return TwoBoneLimb(layout.hip(limb - 2), layout.foot(limb - 2) - 2, layout.ankle(limb - 2) + 2)
+            return TwoBoneLimb(
+                layout.wrist_point(limb) - 2, layout.upper_arm_segment(limb), layout.wrist_point(limb) + 1
+            )
+        return TwoBoneLimb(
+            layout.hip_point(limb - 2), layout.foot_segment(limb - 2) - 2, layout.ankle_point(limb - 2) + 2
+        )
 
     def move_end(self, goals: FloatArray, bending: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
         """Move the end to ``goals`` (F, 3), as far as the limb reaches, in place.

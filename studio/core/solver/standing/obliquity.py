@@ -37,6 +37,6 @@ def dip_pelvis(
     apart = averaged(target[0, :, 2:] - target[1, :, 2:], AVERAGED, frame_rate)[:, 0]
     for each in stands:
         apart *= 1.0 - release_weight(each, frame_rate, GOES_ALONG)
-    hips = body.layout.hip(0), body.layout.hip(1)
+    hips = body.layout.hip_point(0), body.layout.hip_point(1)
     tilt_pelvis(hips, apart, MAX_OBLIQUITY, positions, rotations, moved)
     return moved

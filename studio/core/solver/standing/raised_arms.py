@@ -86,8 +86,8 @@ def _bend_hand(side: int, free: FloatArray, posed: _PosedBody) -> None:
     """
     body, ground, frame_rate, positions, rotations = posed
     wrist, hand, margin = (
-        body.layout.wrist(side),
-        body.layout.hand(side),
+        body.layout.wrist_point(side),
+        body.layout.hand_segment(side),
         ARM_CLEARANCE * body.leg_length,
     )
     heights = _above(ground, positions[:, wrist + 1])
@@ -111,7 +111,7 @@ def _bend_hand(side: int, free: FloatArray, posed: _PosedBody) -> None:
 def _raise_hand(side: int, free: FloatArray, posed: _PosedBody) -> None:
     """Raise a hand, in place, by its weight ``free`` (F,); its arm bends and swings in its plane."""
     body, ground, frame_rate, positions, rotations = posed
-    wrist, margin = body.layout.wrist(side), ARM_CLEARANCE * body.leg_length
+    wrist, margin = body.layout.wrist_point(side), ARM_CLEARANCE * body.leg_length
     heights = _above(ground, positions[:, wrist : wrist + 2]).min(axis=1)
     if heights.min() >= margin:
         return
@@ -136,11 +136,11 @@ def _raise_elbow(side: int, free: FloatArray, posed: _PosedBody) -> None:
     """
     body, ground, _, positions, rotations = posed
     layout = body.layout
-    wrist, arm = layout.wrist(side), layout.upper_arm(side)
+    wrist, arm = layout.wrist_point(side), layout.upper_arm_segment(side)
     if _above(ground, positions[:, wrist - 1]).min() >= 0.0:
         return
     shoulders = positions[:, wrist - 2]
-    out = normalized((shoulders - positions[:, layout.wrist(1 - side) - 2]) * [1.0, 1.0, 0.0])
+    out = normalized((shoulders - positions[:, layout.wrist_point(1 - side) - 2]) * [1.0, 1.0, 0.0])
     displacements = _displacements_out(positions[:, wrist - 1], shoulders, out, ground)
     upper = positions[:, wrist - 1] - shoulders
     swings = normalized(upper + free[:, None] * displacements)

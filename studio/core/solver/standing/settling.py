@@ -132,7 +132,7 @@ def _settled(
         footing = _kneeling(kneeling, footing, motion, body, ground, positions)
     links = _Links([], [], [], [])
     for side, root_reach in enumerate(footing.root_reaches):
-        hip, legs = positions[:, layout.hip(side)], leg_rows(body, side)
+        hip, legs = positions[:, layout.hip_point(side)], leg_rows(body, side)
         folded = np.minimum(1.0 - motion.channels[:, at.LIMB_SLACK + 2 + side], LEAST_LEG_REACH) * legs.sum(axis=1)
         least = np.maximum(_shortest(legs), folded)
         links.add(hip - roots, footing.ankles[side, :, :3], least, root_reach * legs.sum(axis=1))
@@ -142,7 +142,10 @@ def _settled(
             links.add(hip - roots, knee, legs[:, 0] - play, legs[:, 0] + play)
     for side, point in enumerate((ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND)):
         if point in holds:
-            free, shoulder = release_weight(holds[point].standing, rate, LET_GO), positions[:, layout.wrist(side) - 2]
+            free, shoulder = (
+                release_weight(holds[point].standing, rate, LET_GO),
+                positions[:, layout.wrist_point(side) - 2],
+            )
             arms = arm_rows(body, side)
             reach = reach_of(motion, body, side) + reach_relaxation(free) * arms.sum(axis=1)
             wrists = holds[point].displaced(track_of(point, body, positions), rate)
@@ -172,7 +175,7 @@ def within_reach(
             residual = track_of(point, body, positions) - hold.places
         elif point.member == "hand":
             arms = arm_rows(body, point.side)
-            shoulders = positions[:, body.layout.wrist(point.side) - 2]
+            shoulders = positions[:, body.layout.wrist_point(point.side) - 2]
             residual = _too_far(hold.places, shoulders, _shortest(arms), reach_of(motion, body, point.side))
         else:
             residual = _knee_displacements(hold, footing, body, positions)
@@ -186,7 +189,7 @@ def _knee_displacements(
     """Displacements (F, 3) that bring knees to their bones' lengths from hips, and from standing toes."""
     side = hold.point.side
     legs = leg_rows(body, side)
-    residual = _too_far(hold.places, positions[:, body.layout.hip(side)], legs[:, 0], legs[:, 0])
+    residual = _too_far(hold.places, positions[:, body.layout.hip_point(side)], legs[:, 0], legs[:, 0])
     to_toe = body.rows[:, at.M_FOOT + 3 * side :][:, :3]
     feet, length = footing.feet[side], np.linalg.norm(to_toe, axis=1)
     toes = footing.ankles[side] + np.einsum("fij,fj->fi", feet, np.broadcast_to(to_toe, hold.places.shape))
@@ -284,7 +287,7 @@ def _let_go_of_knees(
     """Swivel knees of a settled body to their contacts, with interpolation before and after, in place."""
     side = hold.point.side
     ankles, soft_thresholds = footing.ankles[side], footing.soft_thresholds[side]
-    hips, pelvises = np.ascontiguousarray(positions[:, body.layout.hip(side)]), rotations[:, 0]
+    hips, pelvises = np.ascontiguousarray(positions[:, body.layout.hip_point(side)]), rotations[:, 0]
     leg = motion.channels, body.rows, side, soft_thresholds
     angles = np.zeros((motion.frame_count, 3))
     knee_swivels(*leg, ankles, hips, pelvises, angles[:, 0])
@@ -367,8 +370,8 @@ def _arms(
     """Arm stance of a settled body."""
     layout, count = body.layout, len(positions)
     soft_thresholds, standing = np.zeros((2, count)), np.zeros((2, count), dtype=np.bool_)
-    wrists = np.stack([positions[:, layout.wrist(side)] for side in range(2)])
-    hands = np.stack([rotations[:, layout.hand(side)] for side in range(2)])
+    wrists = np.stack([positions[:, layout.wrist_point(side)] for side in range(2)])
+    hands = np.stack([rotations[:, layout.hand_segment(side)] for side in range(2)])
     bends = np.ones((2, count))
     for side, point in enumerate((ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND)):
         if point not in holds:

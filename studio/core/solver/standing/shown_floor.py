@@ -32,7 +32,9 @@ def shown_floor(
     standing feet. 0 without any flat foot.
     """
     flat = foot_states(contacts, len(positions)) == SOLE_STANDS
-    soles = np.array([positions[:, body.layout.ankle(side), 2] - sole_rows(body, side)[:, 3] for side in range(2)])
+    soles = np.array(
+        [positions[:, body.layout.ankle_point(side), 2] - sole_rows(body, side)[:, 3] for side in range(2)]
+    )
     if not flat.any():
         return np.zeros(len(positions))
     sides = [side for side in range(2) if flat[side].any()]

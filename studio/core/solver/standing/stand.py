@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnyMorphology, Morphology
-from studio.core.captures.contacts import ContactInterval, on_ground
+from studio.core.captures.contacts import ContactInterval, ground_contacts
 from studio.core.compact_array import CompactArray, PoseArray, single
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import records
@@ -19,7 +19,7 @@ from studio.core.kernels.tasks.goals import RADIAN_LENGTH
 from studio.core.kernels.time.acceleration_peaks import segment_peaks
 from studio.core.mesh.volume import BodyVolume
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.realize import realize
+from studio.core.normalized.realize import realize_motion
 from studio.core.runs import runs_in
 from studio.core.solver.asking.self_contact import PUSH_OUT_ROUNDS, SelfContact, self_contact_of, standing_hand_weights
 from studio.core.solver.request import AdaptRequest, UnconstrainedPoses
@@ -78,7 +78,11 @@ class Standing:
             return self
         target = np.zeros(motion.frame_count, dtype=np.bool_)
         for window in windows:
-            target[contact.around(contact.around(self.around(window, CONTEXT_SECONDS)), PUSH_OUT_ROUNDS)] = True
+            target[
+                contact.affecting_frames(
+                    contact.affecting_frames(self.around(window, CONTEXT_SECONDS)), PUSH_OUT_ROUNDS
+                )
+            ] = True
         free = 1.0 - standing_hand_weights(self.contacts, motion.frame_count, motion.frame_rate)
         positions, rotations = np.asarray(self.positions), np.asarray(self.rotations)
         for run in runs_in(slice(0, motion.frame_count), target, 1):
@@ -137,7 +141,9 @@ def standing_of(request: AdaptRequest, windows: Sequence[slice] | None = None) -
     whole = joined(request, parts)
     if self_contact is None or len(parts) == 1:
         return whole
-    return replace(whole, self_contact=self_contact.as_in([each.self_contact for each in parts if each.self_contact]))
+    return replace(
+        whole, self_contact=self_contact.joined_from_parts([each.self_contact for each in parts if each.self_contact])
+    )
 
 
 def stand(
@@ -162,8 +168,8 @@ def _stand_alone(request: AdaptRequest) -> Standing:
     """Grounded motion without transitions, before its self-contacts."""
     motion, morphology, contacts, ground = request.motion, request.morphology, request.contacts, request.ground
     volume, actor, limited = request.volume, request.actor, request.limited
-    positions, rotations = realize(motion, morphology)
-    contacts = on_ground(contacts)
+    positions, rotations = realize_motion(motion, morphology)
+    contacts = ground_contacts(contacts)
     ground = ground.felt_at(positions)
     positions[:, :, 2] += (ground.height - shown_floor(contacts, positions, morphology, motion.frame_rate))[:, None]
     positions[:, :, 2] += flight_heights(contacts, morphology, ground.height, positions)[:, None]

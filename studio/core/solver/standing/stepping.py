@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from studio.core.normalized.blending import BLEND_STEP_SECONDS, STEP_HEIGHT, STEP_HEIGHTS
 from studio.core.normalized.joining import SAME_PLACE
-from studio.core.normalized.transition import LEAST_TRANSITION, MOST_TRANSITION, place_left
+from studio.core.normalized.transition import LEAST_TRANSITION, MOST_TRANSITION, remaining_offset_fraction
 from studio.core.runs import runs_of
 
 FloatArray = NDArray[np.float64]
@@ -43,8 +43,8 @@ class FootFlight:
         """Weight (F,) in [0, 1] of being off the ground, or off its previous position, ``times`` seconds after the
         transition.
         """
-        lifted = 1.0 - place_left(times - self.leaves / rate, self.seconds) if self.held else 1.0
-        return np.asarray(lifted * place_left(times - (self.lands / rate - self.seconds), self.seconds))
+        lifted = 1.0 - remaining_offset_fraction(times - self.leaves / rate, self.seconds) if self.held else 1.0
+        return np.asarray(lifted * remaining_offset_fraction(times - (self.lands / rate - self.seconds), self.seconds))
 
     def rise(self, times: FloatArray, rate: float) -> FloatArray:
         """Lift (F,) in leg lengths ``times`` seconds after the previous pose."""
@@ -138,8 +138,8 @@ def carrying(states: States, rate: float) -> FloatArray:
     """
     times, fractions = np.arange(1, len(states) + 1) / rate, np.ones(len(states))
     for leaves, lands in runs_of(states == 0):
-        until = place_left(times - (leaves / rate - LEAST_TRANSITION), LEAST_TRANSITION)
-        fractions *= until + 1.0 - place_left(times - lands / rate, LEAST_TRANSITION)
+        until = remaining_offset_fraction(times - (leaves / rate - LEAST_TRANSITION), LEAST_TRANSITION)
+        fractions *= until + 1.0 - remaining_offset_fraction(times - lands / rate, LEAST_TRANSITION)
     return fractions
 
 

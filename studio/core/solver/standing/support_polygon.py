@@ -159,8 +159,8 @@ def _sole(
 ) -> list[tuple[FloatArray, float]]:
     """Circles of a sole where it ``stands`` (F,), at heel, ball and tip."""
     layout = body.layout
-    ankle, ball, tip = (positions[stands, layout.ankle(side) + step] for step in range(3))
-    foot = rotations[stands, layout.foot(side)]
+    ankle, ball, tip = (positions[stands, layout.ankle_point(side) + step] for step in range(3))
+    foot = rotations[stands, layout.foot_segment(side)]
     rear = ankle + foot @ np.array([-body.heel_length[side], 0.0, -body.ankle_height[side]])
     line = ball[:, :2] - rear[:, :2]
     ahead = line / np.maximum(np.linalg.norm(line, axis=1, keepdims=True), 1e-9)

@@ -10,18 +10,18 @@ from studio.core.solver.asking.target_trajectory import point_trajectory
 from studio.core.solver.asking.task_rows import TaskRecords
 
 
-def write(rows: TaskRecords, c: int, constraint: AreaConstraint) -> None:
+def write_task(rows: TaskRecords, c: int, constraint: AreaConstraint) -> None:
     """Write the shape of the area, followed by its distance field for a mesh."""
-    if not rows.put_followed(c, constraint.centre):
+    if not rows.set_followed_point(c, constraint.centre):
         rows.positions[c] = rows.targets.places(constraint.centre)
     if constraint.shape is AreaShape.HALF_SPACE:
-        rows.rotations[c] = rows.targets.tilts(constraint.heading, constraint.centre, constraint.size)
+        rows.rotations[c] = rows.targets.tilted_rotations(constraint.heading, constraint.centre, constraint.size)
     else:
-        rows.rotations[c] = rows.targets.headings(constraint.heading, constraint.centre)
+        rows.rotations[c] = rows.targets.heading_rotations(constraint.heading, constraint.centre)
     row = area_row(constraint)
     if len(row) > rows.areas.shape[1]:
         rows.areas = np.pad(rows.areas, ((0, 0), (0, len(row) - rows.areas.shape[1])))
     rows.areas[c, : len(row)] = row
 
 
-AREA_KIND = SolverKind(goals.AREA_TASK, write, point_trajectory, enters=True)
+AREA_KIND = SolverKind(goals.AREA_TASK, write_task, point_trajectory, enters=True)

@@ -16,11 +16,11 @@ from studio.core.solver.standing.support_polygon import mass_path
 FloatArray = NDArray[np.float64]
 
 
-def write(rows: TaskRecords, c: int, constraint: BalanceConstraint) -> None:
+def write_task(rows: TaskRecords, c: int, constraint: BalanceConstraint) -> None:
     """Write the target; NaN stands for the motion's own centre of mass."""
     rows.tasks["axes"][c] = 3 if constraint.vertical else 2
     place = constraint.place
-    rows.tasks["blends"][c] = not rows.put_followed(c, place)
+    rows.tasks["blends"][c] = not rows.set_followed_point(c, place)
     if isinstance(place, tuple) and len(place) == 2:
         rows.positions[c] = rows.targets.masses()
         rows.positions[c][:, :2] = place
@@ -45,4 +45,4 @@ def trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
     return trajectory_to(unsolved.target_positions, mass_path(unsolved.positions, unsolved.body))
 
 
-BALANCE_KIND = SolverKind(goals.BALANCE_TASK, write, trajectory, residual)
+BALANCE_KIND = SolverKind(goals.BALANCE_TASK, write_task, trajectory, residual)

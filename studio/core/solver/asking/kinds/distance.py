@@ -16,7 +16,7 @@ from studio.core.solver.request import AdaptedMotion
 FloatArray = NDArray[np.float64]
 
 
-def write(rows: TaskRecords, c: int, constraint: DistanceConstraint) -> None:
+def write_task(rows: TaskRecords, c: int, constraint: DistanceConstraint) -> None:
     """Write the task record ``c`` of a distance constraint: both ends and the distance; if both ends may move, each
     takes a part of the correction.
     """
@@ -45,4 +45,4 @@ def trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
     return unsolved.rows.distances[unsolved.c][:, None] - now, goals.RADIAN_LENGTH
 
 
-DISTANCE_KIND = SolverKind(goals.DISTANCE_TASK, write, trajectory, residual)
+DISTANCE_KIND = SolverKind(goals.DISTANCE_TASK, write_task, trajectory, residual)

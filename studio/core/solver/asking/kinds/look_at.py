@@ -16,9 +16,9 @@ from studio.core.solver.request import AdaptedMotion
 FloatArray = NDArray[np.float64]
 
 
-def write(rows: TaskRecords, c: int, constraint: LookAtConstraint) -> None:
+def write_task(rows: TaskRecords, c: int, constraint: LookAtConstraint) -> None:
     """Write the target; the task moves the parents of the eyes, and no limb."""
-    if not rows.put_followed(c, constraint.target):
+    if not rows.set_followed_point(c, constraint.target):
         rows.positions[c] = rows.targets.places(constraint.target)
     rows.tasks["limbs"][c, 0] = -1
 
@@ -40,4 +40,4 @@ def trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
     ], 1.0
 
 
-LOOK_AT_KIND = SolverKind(goals.LOOK_AT_TASK, write, trajectory, residual)
+LOOK_AT_KIND = SolverKind(goals.LOOK_AT_TASK, write_task, trajectory, residual)

@@ -18,9 +18,9 @@ from studio.core.solver.request import AdaptedMotion
 FloatArray = NDArray[np.float64]
 
 
-def write(rows: TaskRecords, c: int, constraint: OrientationConstraint) -> None:
+def write_task(rows: TaskRecords, c: int, constraint: OrientationConstraint) -> None:
     """Write the target rotation, or the followed segment."""
-    if not rows.put_followed(c, constraint.target):
+    if not rows.set_followed_point(c, constraint.target):
         rows.rotations[c] = rows.targets.turns(constraint.target)
 
 
@@ -50,8 +50,8 @@ def _angle(one: FloatArray, other: FloatArray) -> FloatArray:
 
 def trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
     """Rotation vector from the segment to its target."""
-    errors = unsolved.wanted_turn @ np.swapaxes(unsolved.segment, 1, 2)
+    errors = unsolved.target_rotation @ np.swapaxes(unsolved.segment, 1, 2)
     return np.asarray(Rotation.from_matrix(errors).as_rotvec()), 1.0
 
 
-ORIENTATION_KIND = SolverKind(goals.ORIENTATION_TASK, write, trajectory, residual)
+ORIENTATION_KIND = SolverKind(goals.ORIENTATION_TASK, write_task, trajectory, residual)

@@ -16,9 +16,9 @@ from studio.core.solver.request import AdaptedMotion
 FloatArray = NDArray[np.float64]
 
 
-def write(rows: TaskRecords, c: int, constraint: ParallelConstraint) -> None:
+def write_task(rows: TaskRecords, c: int, constraint: ParallelConstraint) -> None:
     """Write a keep-upright task whose direction follows the other segment; rows rotate both where both are trunk."""
-    rows.put_followed(c, FollowBody(constraint.other))
+    rows.set_followed_point(c, FollowBody(constraint.other))
     rows.tasks["offsets"][c, 1], rows.tasks["relative"][c, :, 0] = constraint.axis, constraint.other_axis
     rows.tasks["end_fractions"][c, 1] = limb_of(constraint.other.part) < 0
     rows.distances[c] = np.array([constraint.cone])
@@ -31,4 +31,4 @@ def residual(constraint: ParallelConstraint, _targets: Targets, adapted: Adapted
     return constraint.lean(adapted.rotations[:, one], adapted.rotations[:, other])
 
 
-PARALLEL_KIND = SolverKind(goals.UPRIGHT_TASK, write, upright.trajectory, residual)
+PARALLEL_KIND = SolverKind(goals.UPRIGHT_TASK, write_task, upright.trajectory, residual)

@@ -18,7 +18,7 @@ from studio.core.solver.request import AdaptedMotion
 FloatArray = NDArray[np.float64]
 
 
-def write(rows: TaskRecords, c: int, constraint: PositionConstraint) -> None:
+def write_task(rows: TaskRecords, c: int, constraint: PositionConstraint) -> None:
     """Write the target, or the followed point; a point of the own body on another limb becomes a zero distance."""
     target = constraint.target
     if isinstance(target, FollowBody) and _is_pair(constraint):
@@ -27,7 +27,7 @@ def write(rows: TaskRecords, c: int, constraint: PositionConstraint) -> None:
         write_end(rows.tasks[c], 1, target.point, constraint.chain, rows.layout)
         rows.tasks["limb_weights"][c, 1] = 0.0
         return
-    if not rows.put_followed(c, target):
+    if not rows.set_followed_point(c, target):
         rows.tasks["blends"][c], rows.positions[c] = 1, rows.targets.places(target)
 
 
@@ -48,4 +48,4 @@ def residual(constraint: PositionConstraint, targets: Targets, adapted: AdaptedM
     return np.asarray(np.linalg.norm(away, axis=1))
 
 
-POSITION_KIND = SolverKind(goals.POSITION_TASK, write, point_trajectory, residual)
+POSITION_KIND = SolverKind(goals.POSITION_TASK, write_task, point_trajectory, residual)

@@ -15,7 +15,7 @@ from studio.core.solver.request import AdaptedMotion
 FloatArray = NDArray[np.float64]
 
 
-def write(rows: TaskRecords, c: int, constraint: UprightConstraint) -> None:
+def write_task(rows: TaskRecords, c: int, constraint: UprightConstraint) -> None:
     """Write the axis as second offset, the direction as target and the cone as distance."""
     rows.tasks["offsets"][c, 1] = constraint.axis
     rows.positions[c], rows.distances[c] = np.array([constraint.direction]), np.array([constraint.cone])
@@ -31,10 +31,10 @@ def trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
     """Displacement of the axis from its cone, towards its direction."""
     direction, cone = unsolved.rows.positions[unsolved.c], unsolved.rows.distances[unsolved.c][:, None]
     if unsolved.row["points"][1] >= 0:
-        direction = unsolved.wanted_turn[..., 0]
+        direction = unsolved.target_rotation[..., 0]
     axes = unsolved.segment @ unsolved.row["offsets"][1]
     lean = np.arccos(np.clip(np.sum(axes * direction, axis=1, keepdims=True), -1.0, 1.0))
     return (direction - axes) * np.maximum(lean - cone, 0.0) / np.maximum(lean, 1e-9), 1.0
 
 
-UPRIGHT_KIND = SolverKind(goals.UPRIGHT_TASK, write, trajectory, residual)
+UPRIGHT_KIND = SolverKind(goals.UPRIGHT_TASK, write_task, trajectory, residual)
