@@ -12,7 +12,7 @@ from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STAND
 from studio.core.normalized.realize import realize
 from studio.core.solver.asking.self_contact import self_contact_of
 from studio.core.solver.request import AdaptRequest
-from studio.core.solver.standing.footing import Footing, leg_extensions, reach_relaxation
+from studio.core.solver.standing.footing import Footing, leg_soft_thresholds, reach_relaxation
 from studio.core.solver.standing.raised_arms import raise_arms
 from studio.core.solver.standing.stand import Standing
 from studio.live.foothold import DampedHeight, Foothold, FootPose
@@ -94,7 +94,7 @@ class LiveGrounding:
         ankles, feet, toes = (
             np.stack([np.stack([part] * count) for part in parts]) for parts in zip(*aimed, strict=True)
         )
-        standing, _ = leg_extensions(motion, np.full_like(states, SOLE_STANDS))
+        standing = leg_soft_thresholds(motion, np.full_like(states, SOLE_STANDS), request.ground.is_level)
         soft_thresholds = SOFT_IK_THRESHOLD + weights * (standing - SOFT_IK_THRESHOLD)
         hips = np.stack([positions[:, body.layout.hip(side)] for side in range(2)])
         off, reaches = ankles - hips, soft_thresholds * body.leg.sum(axis=1)[:, None]

@@ -16,7 +16,7 @@ from studio.core.kernels.support.foot_anchoring import anchor_ankles
 from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS
 from studio.core.normalized.realize import realize
 from studio.core.solver.standing.blends import release_weight, smooth_drops
-from studio.core.solver.standing.footing import find_footing, foot_states, leg_extensions, root_follow
+from studio.core.solver.standing.footing import find_footing, foot_states, leg_soft_thresholds, root_follow
 from tests.builders import make_morphology
 from tests.core.motions import random_rotations, walk
 from tests.core.twins import legs as twin
@@ -71,11 +71,12 @@ def test_a_foot_is_free_when_its_nearest_stand_is_long_ago(planted: list[bool], 
 
 def test_a_standing_leg_stretches_as_far_as_the_motions_own_or_nearly_straight() -> None:
     states = foot_states(CONTACTS, WALK.frame_count)
-    comforts, _ = leg_extensions(WALK, states)
+    level, uneven = (leg_soft_thresholds(WALK, states, is_level) for is_level in (True, False))
     standing = states != 0
-    assert (comforts[standing] >= SOLE_SOFT_IK_THRESHOLD - 1e-12).all()
-    assert (comforts < 1.0).all()
-    assert comforts.min() == pytest.approx(SOFT_IK_THRESHOLD, abs=0.02)
+    assert (uneven[standing] >= SOLE_SOFT_IK_THRESHOLD - 1e-12).all()
+    assert (level[standing] > uneven[standing] - 1e-12).all()
+    assert (level < 1.0).all()
+    assert level.min() == pytest.approx(SOFT_IK_THRESHOLD, abs=0.02)
 
 
 @given(seeds)

@@ -71,7 +71,7 @@ def ease_gaps(values: np.ndarray, known: np.ndarray, reach: float) -> np.ndarray
             for frame in gap:
                 steps = abs(frame - edge)
                 t = min(steps / span, 1.0)
-                eased[frame] += steps * (1 - (6 * t**5 - 15 * t**4 + 10 * t**3)) * (values[edge] - values[inner])
+                eased[frame] += steps * (1 - t) ** 2 * (values[edge] - values[inner])
     return eased
 
 

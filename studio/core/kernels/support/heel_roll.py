@@ -12,15 +12,11 @@ from studio.core.kernels.support.gap_interpolation import interpolate_gaps, inte
 from studio.core.kernels.support.sole import ANKLE_HEIGHT, HEEL_STANDS, TOE_STANDS, TOE_X, TOE_Y, TOE_Z, pivot_offsets
 
 HEEL_RELEASE = 0.6
-"""Fractions of the release time after which a heel has its captured height, and after which it rolls as far as its leg
-requires.
-"""
+"""Fraction of the release time after which a heel has its captured height."""
 ROLL_RELEASE = 0.5 * HEEL_RELEASE
-"""Fractions of the release time after which a heel has its captured height, and after which it rolls as far as its leg
-requires.
-"""
+"""Fraction of the release time after which a heel rolls as far as its leg requires."""
 STEEP_FOOT = -0.6, -0.9
-"""Vertical component of a foot's forward axis between which its heel's height fades."""
+"""Vertical component of a foot's forward axis between which a heel is raised ever less; it is lowered at any pitch."""
 ROLL_MARGIN = 0.01
 """Margin before the end of the leg's reach, as a fraction of it, at which a foot begins to roll."""
 STEEPEST_TOE_ROLL = math.radians(70.0)
@@ -68,11 +64,12 @@ def lift_heels(soles, states, heights, reach, rotations):
             continue
         foot, sole = rotations[frame], soles[frame if soles.shape[0] > 1 else 0]
         fraction = smoothstep(min(max((foot[2, 0] - STEEP_FOOT[1]) / (STEEP_FOOT[0] - STEEP_FOOT[1]), 0.0), 1.0))
-        if fraction == 0.0 or foot[2, 2] < 0.0:
+        if foot[2, 2] < 0.0:
             continue
         missing = pitch_for_height(foot, sole, heights[frame] - sole[ANKLE_HEIGHT] - sole[TOE_Z])
         level = math.asin(min(max(foot[2, 0], -1.0), 0.0))  # no farther up, or the ball would leave the ground
-        pitch = fraction * limited_toe_pitch(foot, max(missing - (1.0 - free[frame]) * left_over[frame], level))
+        pitch = limited_toe_pitch(foot, max(missing - (1.0 - free[frame]) * left_over[frame], level))
+        pitch *= fraction if pitch > 0.0 else 1.0
         along = max(math.hypot(foot[0, 0], foot[1, 0]), 1e-9)
         corrections[frame, 0] = -pitch * foot[1, 0] / along
         corrections[frame, 1] = pitch * foot[0, 0] / along

@@ -113,7 +113,8 @@ def find_footing(
     count = motion.frame_count
     ankles, feet, toes = np.empty((2, count, 3)), np.empty((2, count, 3, 3)), np.empty((2, count, 3, 3))
     plans = [FootPlan(ankles[side], feet[side], toes[side]) for side in range(2)]
-    soft_thresholds, runs = leg_extensions(motion, states)
+    soft_thresholds = leg_soft_thresholds(motion, states, ground.is_level)
+    runs = reach_relaxation(leg_freedoms(states, motion.frame_rate))
     standing = [
         _Foot(side, morphology, ground, motion.frame_rate, states[side], sole_rows(morphology, side))
         for side in range(2)
@@ -156,7 +157,8 @@ def _draped_footing(
     ankles, feet, toes = _stacked([each.foot for each in draped])
     climb = np.mean([each.heights for each in draped], axis=0)
     climb = feet_fraction * bell_average(climb, CLIMB_SMOOTHING * motion.frame_rate)
-    soft_thresholds, runs = leg_extensions(motion, states)  # draping has put down heels that would hang
+    soft_thresholds = leg_soft_thresholds(motion, states, False)  # draping has put down heels that would hang
+    runs = reach_relaxation(leg_freedoms(states, motion.frame_rate))
     relative = ankles - positions[:, 0]
     relative[..., 2] -= climb
     on_level = np.array([each.level_ankles for each in draped]) - positions[:, 0]
@@ -308,18 +310,21 @@ def root_follow(
     return bell_average(displacement, FOLLOW_SMOOTHING * frame_rate)
 
 
-def leg_extensions(motion: NormalizedMotion, states: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
-    """Soft-IK thresholds and reach relaxation of a ``Footing``.
+def leg_freedoms(states: NDArray[np.int64], frame_rate: float) -> FloatArray:
+    """Release weights (2, F) of both feet from their contacts."""
+    return np.array([release_weight(planted, frame_rate) for planted in states != 0])
 
-    A standing leg's threshold is halfway from the motion's own extension to a straight leg, so that a nearly straight
-    knee extends before the hips sink.
+
+def leg_soft_thresholds(motion: NormalizedMotion, states: NDArray[np.int64], is_level: bool) -> FloatArray:
+    """Soft-IK thresholds (2, F) of legs on feet with ``states`` (2, F).
+
+    On a level floor a standing leg's threshold is halfway from the motion's own extension to a straight leg, so that a
+    nearly straight knee extends before the hips sink. On other ground the hips sink first: a leg that reaches down a
+    step would be straight for the one frame in which it lands.
     """
-    if not np.count_nonzero(states):
-        return np.full(states.shape, SOFT_IK_THRESHOLD), np.full(states.shape, np.inf)
-    free = np.array([release_weight(planted, motion.frame_rate) for planted in states != 0])
     own = np.subtract(1.0, motion.channels[:, LIMB_SLACK + 2 : LIMB_SLACK + 4].T, order="C")
-    standing = (0.5 * (1.0 + own)).clip(SOLE_SOFT_IK_THRESHOLD, 1.0 - 1e-9)
-    return standing + free * (SOFT_IK_THRESHOLD - standing), reach_relaxation(free)
+    standing = (0.5 * ((1.0 if is_level else SOLE_SOFT_IK_THRESHOLD) + own)).clip(SOLE_SOFT_IK_THRESHOLD, 1.0 - 1e-9)
+    return np.asarray(standing + leg_freedoms(states, motion.frame_rate) * (SOFT_IK_THRESHOLD - standing))
 
 
 def reach_relaxation(free: FloatArray) -> FloatArray:

@@ -25,7 +25,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.transition import LEAST_TRANSITION, halts_of, pace_left, place_left, seconds_of
 from studio.core.rotations import from_matrix, sign_continuous
 from studio.core.solver.standing.blends import smooth_drops
-from studio.core.solver.standing.footing import Footing, foot_contacts, leg_extensions
+from studio.core.solver.standing.footing import Footing, foot_contacts, leg_freedoms, reach_relaxation
 from studio.core.solver.standing.held_foot import FootPath, HeldFoot, turned
 from studio.core.solver.standing.stepping import FootFlight, carrying, flights_of, states_of
 from studio.core.solver.standing.tipping import depths_of, heights_of, out_of_ground, seen_coming
@@ -95,7 +95,7 @@ def inertialised_from(
     near = change.displace_body(np.mean([each.carries for each in bases], axis=0), positions, rotations)
     positions[first:, :, 2] += change.carried(bases, positions)[:, None]
     motion = _with_limbs(standing, near, positions, rotations)
-    footing = change.footing(motion, bases, positions, rotations)
+    footing = change.footing(bases, positions, rotations)
     drops = np.zeros(motion.frame_count)
     drops[first:] = change.drops(motion, footing, positions, rotations)
     place_frames(standing.morphology.rows, drops, footing.legs(motion), positions, rotations)
@@ -230,9 +230,7 @@ class _Change:
         legs = self.standing.morphology.layout.thigh(0)
         return slice(legs, legs + 4), slice(legs + 4, legs + 8)
 
-    def footing(
-        self, motion: NormalizedMotion, bases: Sequence[_InertialisedFoot], positions: FloatArray, rotations: FloatArray
-    ) -> Footing:
+    def footing(self, bases: Sequence[_InertialisedFoot], positions: FloatArray, rotations: FloatArray) -> Footing:
         """Footing of an inertialised body: swing feet follow the joints of their legs, others their ``bases``."""
         own, on = self.standing.footing, slice(self.first, None)
         states, soft_thresholds, ankles = own.states.copy(), own.soft_thresholds.copy(), own.ankles.copy()
@@ -245,7 +243,7 @@ class _Change:
         soft_thresholds[:, on] += place_left(self.times, self.seconds) * (
             self.seen.soft_thresholds[:, None] - soft_thresholds[:, on]
         )
-        _, runs = leg_extensions(motion, states)
+        runs = reach_relaxation(leg_freedoms(states, self.rate))
         return replace(
             own, states=states, soft_thresholds=soft_thresholds, runs=runs, ankles=ankles, feet=feet, toes=toes
         )
