@@ -1,6 +1,7 @@
 """Measurements of the window, and their tables."""
 
 import argparse
+import hashlib
 import os
 import tempfile
 import time
@@ -35,6 +36,7 @@ from studio.document.channels import Channel, Side
 from studio.document.key_edits import replace_fields
 from studio.document.keyed_fields import Keyed, KeyedField, KeyRef
 from studio.engine.live_adaptation import normalized_with_actor
+from studio.engine.standing_solver import StandingSolver
 from studio.library.scenes.fight import fight_training
 from studio.timeline.shown import RowContext
 from studio.timeline.tracks.value_curves import HandleRef, ValueCurves, plot_area
@@ -389,13 +391,30 @@ def tables(results: Sequence[Result]) -> str:
     return table(titles, ages) + f"\n({AIMS}.)\n\n" + spent
 
 
+def slow_down(factor: float) -> None:
+    """Make every solve take ``factor`` times its processor time, without Python's lock, as on a slower machine."""
+    solve, block = StandingSolver.__call__, bytes(100_000)
+
+    def solve_slowly(self: StandingSolver, request: AdaptRequest, first: int, last: int | None) -> AdaptedMotion:
+        begun = time.thread_time()
+        solved = solve(self, request, first, last)
+        end = begun + factor * (time.thread_time() - begun)
+        while time.thread_time() < end:
+            hashlib.sha256(block)
+        return solved
+
+    StandingSolver.__call__ = solve_slowly  # type: ignore[method-assign]
+
+
 def main(arguments: Sequence[str]) -> int:
-    """Measure, print, write."""
+    """Measure, print, write; a slowed run writes nothing."""
     parser = argparse.ArgumentParser(prog="benchmarks.window")
     parser.add_argument("--seconds", type=float, default=5.0)
     parser.add_argument("--only", choices=[*DRAGS, "playback", "fight"])
     parser.add_argument("--film", type=Path)
+    parser.add_argument("--slow", type=float, default=1.0, help="times as much processor time as a solve takes")
     options = parser.parse_args(arguments)
+    slow_down(options.slow)
     parts, clip, told = Parts(), long_clip(), []
     with tempfile.TemporaryDirectory() as folder:
         if options.only in (None, *DRAGS):
@@ -418,7 +437,7 @@ def main(arguments: Sequence[str]) -> int:
     )
     text = "\n".join([words, *told])
     print(text)
-    if options.only is None:
+    if options.only is None and options.slow == 1.0:
         document = ROOT / "docs" / "window.md"
         _, tasks, counted = document.read_text(encoding="utf-8").partition(TASKS)
         document.write_text(f"{text}\n{tasks}{counted}", encoding="utf-8")

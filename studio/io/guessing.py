@@ -86,17 +86,21 @@ def leg_and_trunk(positions: FloatArray, body_map: BodyMap | None) -> tuple[floa
 def find_unit(
     leg: float | None, said: Scale | None = None, chosen: str | None = None, trunk: float | None = None
 ) -> tuple[Scale, Guess | None]:
-    """Unit of a file: ``chosen`` by the user, else ``said`` by the file or its format if that fits its legs.
+    """Unit of a file: ``chosen`` by the user, else ``said`` by the file or its format if it is in the range of ``UNIT``
+    and fits its legs.
 
     ``leg`` is their length in file units, None without a known body, ``trunk`` that from hips to shoulders. The guess
     is None if nothing was guessed.
     """
     if chosen is not None:
         return unit_called(chosen, leg), None
-    if said is not None and (leg is None or _SAID_LEG[0] <= leg * said.metres <= _SAID_LEG[1]):
+    fits = said is None or leg is None or _SAID_LEG[0] <= leg * said.metres <= _SAID_LEG[1]
+    if said is not None and fits and UNIT.least <= said.metres <= UNIT.most:
         return said, None
     if leg is None:
         reason = "Without a human body nothing tells the unit; most files are in cm."
+        if said is not None:
+            reason = f"The file says {said.metres:g} m, which cannot be true. {reason}"
         return Scale("cm", 0.01), Guess("unit", "cm", reason, Confidence.DOUBTFUL)
     scale, guess = guess_unit(leg, trunk)
     if said is not None:

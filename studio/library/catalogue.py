@@ -1,7 +1,7 @@
 """Catalogue of a library: files, actors, takes and clips, in SQLite and arrays beside it.
 
 It lies in a folder of its own, never among the captures. Indexed entries are computed again if they are damaged. Labels
-confirmed by a person are also in a file beside it (``confirmed_labels``): each restores the other. A catalogue of a
+confirmed by a person are also in two files beside it (``confirmed_labels``): each restores the others. A catalogue of a
 newer version is opened read-only, and one that another process has locked is waited for.
 """
 
@@ -26,7 +26,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.plausible import FRAME_RATE
 from studio.io.npy import StoredArray, stored_array, write_stored
 from studio.library.clip_labels import ClipLabel
-from studio.library.confirmed_labels import CONFIRMED_LABELS, Labels, NewerLabels, read_labels, write_labels
+from studio.library.confirmed_labels import LABEL_FILES, Labels, NewerLabels, read_labels, write_labels
 from studio.library.hitting import HitPath
 
 FloatArray = NDArray[np.float64]
@@ -415,28 +415,17 @@ class Catalogue:
         return aside
 
     def _settle_labels(self, rescued: Labels) -> None:
-        """Restore the file of confirmed labels, and add files that are known to have been in the catalogue, to be read
+        """Restore the files of confirmed labels, and add files that are known to have been in the catalogue, to be read
         again.
         """
-        known = {path: labels for path, labels in (rescued or self._labels_in_database()).items() if labels}
-        try:
-            labels = read_labels(self.folder)
-        except NewerLabels as error:
-            self._only_read(str(error))
-        except ValueError as error:
-            labels = None
-            if not self.read_only:
-                aside = self._put_aside(self.folder / CONFIRMED_LABELS)
-                self.remark(
-                    f"The confirmed labels could not be read ({error}); those in the catalogue are used, the old file"
-                    f" is {aside.name}."
-                )
+        found = [self._settled_labels(name) for name in LABEL_FILES]
         if self.read_only:
             return
+        labels = next((each for each in found if each is not None), None)
         if labels is None:
-            labels = known
-            if known:
-                write_labels(self.folder, known)
+            labels = {path: each for path, each in (rescued or self._labels_in_database()).items() if each}
+        if labels and any(each != labels for each in found):
+            write_labels(self.folder, labels)
         entered = set(self.paths())
         if labels and not entered and not self.repaired:
             self.remark("The catalogue was lost; a new one is made. Add your folders again where files are missing.")
@@ -447,11 +436,27 @@ class Catalogue:
                 for path in present:
                     self.note(path, TO_BE_READ)
 
+    def _settled_labels(self, name: str) -> Labels | None:
+        """Labels in a file of labels, which is put aside if it is damaged."""
+        try:
+            return read_labels(self.folder / name)
+        except NewerLabels as error:
+            self._only_read(str(error))
+        except ValueError as error:
+            if not self.read_only:
+                aside = self._put_aside(self.folder / name)
+                self.remark(
+                    f"The confirmed labels in {name} could not be read ({error}); those in its copy or in the catalogue"
+                    f" are used, the old file is {aside.name}."
+                )
+        return None
+
     def _labels(self) -> Labels:
         """Confirmed labels, by path."""
-        with suppress(ValueError, NewerLabels):
-            if (found := read_labels(self.folder)) is not None:
-                return found
+        for name in LABEL_FILES:
+            with suppress(ValueError, NewerLabels):
+                if (found := read_labels(self.folder / name)) is not None:
+                    return found
         return self._labels_in_database()
 
     def _labels_in_database(self) -> Labels:

@@ -1,4 +1,4 @@
-"""Labels confirmed by a person, in a file of their own beside the catalogue, as they cannot be computed again."""
+"""Labels confirmed by a person, in two equal files beside the catalogue, as they cannot be computed again."""
 
 import hashlib
 import json
@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from studio.core.errors import StudioError
-from studio.io.atomic_write import write_atomically
+from studio.io.atomic_write import atomic_replacements
 from studio.io.json_text import json_of
 from studio.io.referenced_files import read_bytes
 from studio.library.clip_labels import ClipLabel
 
-CONFIRMED_LABELS = "labels.json"
+CONFIRMED_LABELS, LABELS_COPY = LABEL_FILES = "labels.json", "labels-copy.json"
 LABELS_VERSION = 1
 
 Labels = dict[str, tuple[ClipLabel, ...]]
@@ -22,13 +22,12 @@ class NewerLabels(StudioError):  # noqa: N818 - it names the matter
     """Error: the file of labels was written by a newer version."""
 
 
-def read_labels(folder: Path) -> Labels | None:
-    """Confirmed labels in ``folder``, by the path of their capture; None if there is no such file.
+def read_labels(path: Path) -> Labels | None:
+    """Confirmed labels in a file, by the path of their capture; None if there is no such file.
 
     Raises StudioError if it cannot be read, NewerLabels if a newer version wrote it, and ValueError if it is damaged,
     so that its digest is not that of its content.
     """
-    path = folder / CONFIRMED_LABELS
     if not path.exists():
         return None
     record = json_of(read_bytes(path))
@@ -44,11 +43,13 @@ def read_labels(folder: Path) -> Labels | None:
 
 
 def write_labels(folder: Path, labels: Mapping[str, Sequence[ClipLabel]]) -> None:
-    """Replace the labels in ``folder`` by ``labels``, completely or not at all. Raises StudioError."""
+    """Replace the labels in both files of ``folder``, each completely or not at all. Raises StudioError."""
     records = {path: [label.to_json() for label in found] for path, found in labels.items() if found}
     digest = _digest(json.dumps(records, sort_keys=True))
     content = {"version": LABELS_VERSION, "digest": digest, "labels": records}
-    write_atomically(folder / CONFIRMED_LABELS, json.dumps(content, sort_keys=True, indent=1).encode())
+    with atomic_replacements(*(folder / name for name in LABEL_FILES)) as parts:
+        for part in parts:
+            part.write_text(json.dumps(content, sort_keys=True, indent=1))
 
 
 def _digest(text: str) -> str:

@@ -34,7 +34,7 @@ PICTURE = ("first_picture.run",)
 WARM_STANDING, WARM_REST, WARM_CONSTRAINTS = "first_run.run_standing", "first_run.run_rest", "first_run.run_constraints"
 SOLVER = ((WARM_STANDING, WARM_REST), (WARM_CONSTRAINTS,))
 """Functions that each process runs in turn."""
-TOLD_FROM = 0.03
+TOLD_FROM = 0.1
 """Fraction of the work that must be timed before the time left is shown."""
 COMPILED = 0.98
 """Progress (0 to 1) at which all kernels are compiled; the rest is loading them from their cache."""

@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 
 from studio.core.body.canonical import BodyPart
-from studio.core.mesh.skin import with_grip, skin_vertices
+from studio.core.mesh.skin import skin_vertices, with_grip
 from studio.core.solver.adapt import body_point_positions
 from tests.gui.test_ten_tasks import CTRL, SHIFT, staged, user
 from tests.gui.viewport_use import drag, on_arrow, settle

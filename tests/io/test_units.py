@@ -1,5 +1,7 @@
 """The unit of any file is found from its legs, a child's or a giant's; what a file says is believed where it may be."""
 
+import math
+
 import pytest
 
 from studio.core.captures.confidence import Confidence
@@ -30,6 +32,16 @@ def test_what_a_file_says_is_overruled_and_told_where_it_makes_none(unit: str) -
     assert scale.unit == unit
     assert guess is not None
     assert guess.reason.startswith("In m, as the file says, the legs would be")
+
+
+@pytest.mark.parametrize("metres", [math.inf, math.nan, 0.0, -0.01, 1e-300, 1e300])
+def test_a_unit_that_cannot_be_true_is_told_and_not_used(metres: float) -> None:
+    """Also without a body that would show it."""
+    for leg in (0.85, None):
+        scale, guess = find_unit(leg, stated_unit(metres))
+        assert 0.005 < scale.metres <= 1.0
+        assert guess is not None
+        assert "file says" in guess.reason
 
 
 def test_the_user_has_the_last_word() -> None:

@@ -9,7 +9,7 @@ from random import Random
 
 from studio.library.catalogue import DATABASE, Catalogue
 from studio.library.clip_labels import ClipLabel, Kind
-from studio.library.confirmed_labels import CONFIRMED_LABELS
+from studio.library.confirmed_labels import CONFIRMED_LABELS, LABELS_COPY
 from studio.library.indexing import correct_label, index_folders, whole_library
 from studio.library.library import POSES, STAMP, Library
 
@@ -39,12 +39,19 @@ def make_catalogue(folder: Path) -> ClipLabel:
 
 
 def damage(random: Random, catalogue: Path) -> str:
-    """Damage one file or one row of a catalogue; returns words that tell how."""
+    """Damage a row or one or two files of a catalogue; returns words that tell how."""
     if random.random() < 0.3:
         return _damage_row(random, catalogue)
-    channels = sorted(file.name for file in catalogue.glob("take_*.npy"))
-    name = random.choice([DATABASE, DATABASE, CONFIRMED_LABELS, POSES, STAMP, *channels])
-    file = catalogue / name
+    labels = CONFIRMED_LABELS, LABELS_COPY
+    if random.random() < 0.3:
+        files = catalogue / DATABASE, catalogue / random.choice(labels)
+    else:
+        channels = sorted(file.name for file in catalogue.glob("take_*.npy"))
+        files = (catalogue / random.choice([DATABASE, DATABASE, *labels, POSES, STAMP, *channels]),)
+    return ", ".join(_damage_file(random, file) for file in files)
+
+
+def _damage_file(random: Random, file: Path) -> str:
     content = bytearray(file.read_bytes())
     match random.randrange(5):
         case 0:
@@ -60,9 +67,9 @@ def damage(random: Random, catalogue: Path) -> str:
             how, content = "garbage", bytearray(random.randbytes(random.choice([1, 100, 9000])))
         case _:
             file.unlink()
-            return f"{name}: lost"
+            return f"{file.name}: lost"
     file.write_bytes(content)
-    return f"{name}: {how}"
+    return f"{file.name}: {how}"
 
 
 def _damage_row(random: Random, catalogue: Path) -> str:

@@ -14,7 +14,7 @@ from studio.core.errors import StudioError
 from studio.library import catalogue as catalogues
 from studio.library.catalogue import CATALOGUE_VERSION, DATABASE, Catalogue
 from studio.library.clip_labels import ClipLabel
-from studio.library.confirmed_labels import CONFIRMED_LABELS
+from studio.library.confirmed_labels import CONFIRMED_LABELS, LABELS_COPY
 from studio.library.indexing import correct_label, index_folders, whole_library
 from studio.library.library import POSES, STAMP, Library
 from tests.library.damaged_catalogue import COLUMNS, VALUES, damage, make_catalogue, use
@@ -177,11 +177,28 @@ def test_a_lost_database_is_made_anew_with_the_labels(folder: Path, label: ClipL
 
 
 def test_labels_of_a_library_without_a_file_of_labels_are_put_into_one(folder: Path, label: ClipLabel) -> None:
-    (folder / "catalogue" / CONFIRMED_LABELS).unlink()
+    for name in (CONFIRMED_LABELS, LABELS_COPY):
+        (folder / "catalogue" / name).unlink()
     with Catalogue(folder / "catalogue"):
         pass
     (folder / "catalogue" / DATABASE).write_bytes(b"nonsense" * 999)
     use(folder, label)
+
+
+def test_a_label_outlasts_garbage_in_the_database_and_in_one_file_of_labels(folder: Path, label: ClipLabel) -> None:
+    """Twice, as the damaged file is made again from the other one."""
+    for name in (CONFIRMED_LABELS, LABELS_COPY):
+        for garbage in (DATABASE, name):
+            (folder / "catalogue" / garbage).write_bytes(b"nonsense" * 999)
+        use(folder, label)
+
+
+def test_labels_of_a_library_of_a_former_version_get_a_copy(folder: Path, label: ClipLabel) -> None:
+    catalogue = folder / "catalogue"
+    (catalogue / LABELS_COPY).unlink()
+    with Catalogue(catalogue):
+        pass
+    assert (catalogue / LABELS_COPY).read_bytes() == (catalogue / CONFIRMED_LABELS).read_bytes()
 
 
 def test_a_label_outlasts_its_file_being_away_or_unreadable_for_a_while(folder: Path, label: ClipLabel) -> None:

@@ -18,7 +18,7 @@ from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.runs import runs_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.footing import foot_states
-from studio.core.solver.standing.support_polygon import mass_path
+from studio.core.solver.standing.support_polygon import mass_path, support_margins, support_polygons
 from studio.core.solver.standing.swing_foot_path import Sole, worn_height
 from studio.core.threads import do_over_frames
 
@@ -66,6 +66,21 @@ def centre_of_mass(adapted: AdaptedMotion) -> FloatArray:
     return mass_path(adapted.positions[:], adapted.morphology)
 
 
+def mass_margins(adapted: AdaptedMotion, standing: NDArray[np.bool_]) -> FloatArray:
+    """Distances (F,) in metres from the centre of mass to the edge of the support polygon of the ``standing`` (9, F)
+    contacts: negative outside, NaN in flight.
+    """
+    margins = np.empty(adapted.frame_count)
+
+    def measure(run: slice) -> None:
+        part = adapted.frames(adapted.first_frame + run.start, adapted.first_frame + run.stop - 1)
+        areas = support_polygons(part.positions[:], part.rotations[:], standing[:, run], part.morphology)
+        margins[run] = support_margins(areas, centre_of_mass(part)[:, :2])
+
+    do_over_frames(measure, adapted.frame_count)
+    return margins
+
+
 def swing_depths(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground) -> FloatArray:
     """(2, F) metres by which a foot in the air is below the ground with some part of its sole; negative above it.
 
@@ -102,12 +117,20 @@ def skate_distances(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
     """Distances (2, F) in metres that each foot has moved along the ground since it came near it, with or without a
     contact; 0 in the air. The lowest point of the sole counts, so that a foot may roll.
     """
-    points, heights = _sole_points(adapted), _sole_heights(adapted, ground)
-    lowest = heights.argmin(axis=2)[:, :-1, None]
-    steps = np.linalg.norm(np.diff(points[..., :2], axis=1), axis=3)
-    steps = np.pad(np.take_along_axis(steps, lowest, axis=2)[..., 0], ((0, 0), (1, 0)))
+    count, first = adapted.frame_count, adapted.first_frame
+    heights, steps = np.empty((2, count)), np.zeros((2, count))
+
+    def measure(run: slice) -> None:
+        part = adapted.frames(first + run.start, first + run.stop)  # one frame more, to which the last step leads
+        points, above = _sole_points(part), _sole_heights(part, ground)
+        heights[:, run] = above[:, : run.stop - run.start].min(axis=2)
+        lowest = above.argmin(axis=2)[:, :-1, None]
+        moved = np.linalg.norm(np.diff(points[..., :2], axis=1), axis=3)
+        steps[:, run.start + 1 : run.stop + 1] = np.take_along_axis(moved, lowest, axis=2)[..., 0]
+
+    do_over_frames(measure, count)
     slow = steps * adapted.frame_rate < SKATING_SPEED * adapted.morphology.leg_length
-    near = (heights.min(axis=2) < NEAR_GROUND) & slow
+    near = (heights < NEAR_GROUND) & slow
     distances = np.zeros(near.shape)
     for foot, step, row in zip(near, steps, distances, strict=True):
         for first, stop in runs_of(foot):

@@ -20,7 +20,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.curves.activation import FULLY_ACTIVE
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.quality.contact_tracks import contact_tracks
-from studio.core.quality.metrics import body_heights, centre_of_mass, knee_speeds, skate_distances
+from studio.core.quality.metrics import body_heights, knee_speeds, mass_margins, skate_distances
 from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.asking.measured_residuals import full_residuals
 from studio.core.solver.asking.releasing import constraint_activations, contact_release
@@ -28,7 +28,7 @@ from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow, SolverLimits, targets_of
 from studio.core.solver.standing.stand import Standing
-from studio.core.solver.standing.support_polygon import standing_mask, support_margins, support_polygons
+from studio.core.solver.standing.support_polygon import standing_mask
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -77,7 +77,6 @@ def report_of(standing: Standing, request: AdaptRequest, adapted: AdaptedMotion)
     """Report of ``adapted``, the answer to ``request`` on its grounded motion, in any window."""
     window = _window_of(adapted)
     stands = standing_mask(standing.contacts, request.motion.frame_count)[:, window]
-    areas = support_polygons(adapted.positions[:], adapted.rotations[:], stands, adapted.morphology)
     slides, heights = contact_tracks(adapted, standing.contacts, request.ground)
     misses, blockers = _misses_and_blockers(standing, request, adapted)
     return QualityReport(
@@ -89,7 +88,7 @@ def report_of(standing: Standing, request: AdaptRequest, adapted: AdaptedMotion)
         body_heights(adapted, request.ground),
         skate_distances(adapted, request.ground),
         knee_speeds(adapted),
-        support_margins(areas, centre_of_mass(adapted)[:, :2]),
+        mass_margins(adapted, stands),
     )
 
 

@@ -47,7 +47,8 @@ def write_bvh(
     when it cannot be written.
     """
     if position_channels is None:
-        travel = np.abs(poses.local_translations - skeleton.offsets).max(axis=(0, 2))
+        ends = np.stack([poses.local_translations.min(axis=0), poses.local_translations.max(axis=0)])
+        travel = np.abs(ends - skeleton.offsets).max(axis=(0, 2))
         position_channels = np.flatnonzero(travel > _SMALLEST_TRAVEL).tolist()
     positioned = frozenset({0, *position_channels})
     text = StringIO()
