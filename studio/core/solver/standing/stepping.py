@@ -86,7 +86,7 @@ def flights_of(
         if standing[side]:
             least, seconds = (
                 given / max(steps.sum(), 1) or max(needed[0, side], BLEND_STEP_SECONDS + each * displacements[side])
-                for each in (1.0, 2.0)
+                for each in (0.75, 1.5)
             )
             leaves = len(own[side])
             if steps[side]:
