@@ -1,4 +1,4 @@
-"""Keys that nudge the selection along an axis of its gizmo; other keys are those of actions, which a keymap may change."""
+"""Keys that nudge the selection along an axis of its gizmo; others are those of actions, which a keymap may change."""
 
 from __future__ import annotations
 

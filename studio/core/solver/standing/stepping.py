@@ -36,7 +36,7 @@ class FootFlight:
 
     @property
     def is_step(self) -> bool:
-        """True if it leaves the ground although its own motion stands."""
+        """True if the foot is lifted during the transition although it is in contact in the clip: an added step."""
         return self.held and self.height > 0.0
 
     def free(self, times: FloatArray, rate: float) -> FloatArray:
