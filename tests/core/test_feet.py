@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.kernels.support import foot_rotation as kernel
 from studio.core.kernels.support.foot_anchoring import anchor_ankles
-from studio.core.kernels.support.gap_interpolation import interpolate_gaps, interpolate_gaps_smoothly
+from studio.core.kernels.support.gap_interpolation import fade_into_gaps, interpolate_gaps
 from studio.core.kernels.support.sole import ball_above_heel, toe_heading
 from studio.core.rotations import to_matrix
 from tests.core.motions import from_vectors, random_rotations
@@ -38,13 +38,13 @@ class _Steps:
 
 def _levelled(steps: _Steps) -> np.ndarray:
     out = np.empty_like(steps.rotations)
-    kernel.level_soles(steps.rotations, steps.states, twin.REACH, out)
+    kernel.level_soles(steps.rotations, steps.states, twin.REACH, twin.FADE, out)
     return out
 
 
 def _planted(steps: _Steps, feet: np.ndarray, pitches: np.ndarray = LEVEL) -> np.ndarray:
     out = np.empty_like(steps.ankles)
-    anchor_ankles(steps.ankles, feet, steps.states, MEASURES, steps.ground, pitches, twin.REACH, out)
+    anchor_ankles(steps.ankles, feet, steps.states, MEASURES, steps.ground, pitches, twin.REACH, twin.FADE, out)
     return out
 
 
@@ -55,7 +55,7 @@ def test_the_kernels_agree_with_their_twins(seed: int) -> None:
     feet = _levelled(steps)
     assert np.allclose(feet, twin.level_soles(steps.rotations, steps.states), atol=1e-9)
     toes = np.empty_like(feet)
-    kernel.level_toes(feet, steps.toes, steps.states, LEVEL, twin.REACH, toes)
+    kernel.level_toes(feet, steps.toes, steps.states, LEVEL, twin.REACH, twin.FADE, toes)
     assert np.allclose(toes, twin.level_toes(feet, steps.toes, steps.states), atol=1e-9)
     planted = twin.plant_ankles(steps.ankles, feet, steps.states, SOLE, steps.ground)
     assert np.allclose(_planted(steps, feet), planted, atol=1e-12)
@@ -115,7 +115,7 @@ def test_toes_that_roll_over_their_tip_keep_it_where_it_is(seed: int) -> None:
     steps.rotations[:] = np.eye(3)
     pitches = np.where(steps.states == twin.TOE, 0.9 * np.clip((np.arange(60) - 24) / 12, 0.0, 1.0), 0.0)
     toes = np.empty_like(steps.toes)
-    kernel.level_toes(steps.rotations, steps.toes, steps.states, pitches, twin.REACH, toes)
+    kernel.level_toes(steps.rotations, steps.toes, steps.states, pitches, twin.REACH, twin.FADE, toes)
     balls = _planted(steps, steps.rotations, pitches) + steps.rotations @ SOLE.foot
     thick = SOLE.ankle_height + SOLE.foot[2]
     tips = balls + toes @ [TOE_LENGTH, 0.0, -thick]
@@ -130,7 +130,7 @@ def test_a_foot_tilted_the_wrong_way_is_put_down_and_a_right_one_left_alone(seed
     steps = _Steps(seed)
     feet = _levelled(steps)
     kept = feet.copy()
-    kernel.limit_foot_pitch(MEASURES, steps.states, twin.REACH, kept)
+    kernel.limit_foot_pitch(MEASURES, steps.states, twin.REACH, twin.FADE, kept)
     for frame in np.flatnonzero(steps.states):
         before, after = (SOLE.ball_below_ankle(r)[2] - SOLE.heel_below_ankle(r)[2] for r in (feet[frame], kept[frame]))
         state = steps.states[frame]
@@ -174,8 +174,38 @@ def test_what_comes_to_rest_on_the_ground_and_starts_from_it_changes_its_speed_i
     known = (frames >= 30) & (frames < 60)
     track = 0.01 * np.column_stack([frames, frames, frames])
     values = np.where(known[:, None], track[45] - track, 0.0)
-    interpolate_gaps_smoothly(values, known, reach)
+    fade_into_gaps(values, known, track, reach, reach)
     speeds = np.diff((track + values)[:, 0])
     assert np.allclose(speeds[30:59], 0.0, atol=1e-12)
     assert np.abs(np.diff(speeds)).max() < 0.4 * 0.01
-    assert np.allclose(speeds[[0, -1]], 0.01)
+
+
+@given(st.integers(4, 40), st.floats(0.0, 0.2), st.floats(1e-4, 0.02), seeds)
+def test_a_fading_correction_adds_half_of_the_motions_own_acceleration_or_fades_in_its_least_time(
+    gap: int, size: float, own: float, seed: int
+) -> None:
+    """It is interpolated at worst, and gone where there is time."""
+    least, begin = 8.0, np.random.default_rng(seed).normal(size=3)
+    known = np.ones(20 + gap, dtype=bool)
+    known[10 : 10 + gap] = False
+    values = np.where(np.arange(20 + gap)[:, None] < 10, size * begin / np.linalg.norm(begin), 0.0)
+    track = np.zeros((20 + gap, 3))
+    track[:, 0] = 0.5 * own * np.arange(20 + gap) ** 2
+    faded, interpolated = values.copy(), values.copy()
+    fade_into_gaps(faded, known, track, least, least)
+    interpolate_gaps(interpolated, known)
+    assert (np.linalg.norm(faded, axis=1) <= np.linalg.norm(interpolated, axis=1) + 1e-12).all()
+    added = np.linalg.norm(np.diff(faded, 2, axis=0), axis=1).max(initial=0.0)
+    slowest = np.linalg.norm(np.diff(interpolated, 2, axis=0), axis=1).max(initial=0.0)
+    assert added <= max(0.5 * own, slowest, 6.0 * size / least**2) + 1e-12
+
+
+@given(seeds)
+def test_corrections_that_need_not_fade_are_interpolated(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    known = np.repeat(random.random(12) < 0.5, 5)
+    values = np.repeat(random.normal(size=(12, 3)), 5, axis=0)
+    faded, interpolated = values.copy(), values.copy()
+    fade_into_gaps(faded, known, values, 8.0, np.inf)
+    interpolate_gaps(interpolated, known)
+    assert np.allclose(faded, interpolated, atol=1e-12)

@@ -209,5 +209,5 @@ def test_a_foot_that_turns_on_its_heel_turns_about_the_heels_pad(along: float, d
     ankles, anchored = [0.0, 0.0, 0.08] - along * feet[:, :, 0], np.empty((120, 3))
     states = np.where(np.abs(np.arange(120) - 57) <= 15, HEEL_STANDS, SOLE_STANDS)
     sole, level = np.array([[0.12, 0.0, -0.06, 0.08, 0.05, 0.06]]), np.zeros(120)
-    anchor_ankles(ankles, feet, states, sole, level, level, 6, anchored)
+    anchor_ankles(ankles, feet, states, sole, level, level, 6, np.inf, anchored)
     assert np.linalg.norm(anchored - ankles, axis=1).max() < 0.02

@@ -25,7 +25,7 @@ def _ankles(rotations: np.ndarray) -> np.ndarray:
 
 def test_an_ankle_is_as_high_as_the_motion_has_it_soon_after_its_heel_left_the_ground() -> None:
     rotations = _level()
-    heel_roll.lift_heels(SOLE, STATES, SOLE[0, 3] + RISE, 10.0, rotations)
+    heel_roll.lift_heels(SOLE, STATES, SOLE[0, 3] + RISE, 10.0, 10.0, rotations)
     assert np.allclose(_ankles(rotations)[:30], SOLE[0, 3], atol=1e-12)
     assert np.allclose(_ankles(rotations)[45:60], SOLE[0, 3] + RISE[45:60], atol=0.1 * 0.04)
 
@@ -34,7 +34,7 @@ def test_the_ankle_of_a_foot_that_becomes_steep_rises_ever_more_slowly_as_captur
     """The foot pitches to 65 degrees: an ankle that went its own way from some pitch on would straighten the knee."""
     pitches = np.radians(65.0) * np.where(STATES == TOE_STANDS, np.clip((np.arange(120) - 29) / 30, 0.0, 1.0), 0.0)
     steep, captured = (to_matrix(about([0.0, 1.0, 0.0], fraction * pitches)) for fraction in (1.0, 0.8))
-    heel_roll.lift_heels(SOLE, STATES, _ankles(captured), 10.0, steep)
+    heel_roll.lift_heels(SOLE, STATES, _ankles(captured), 10.0, 10.0, steep)
     assert (np.diff(_ankles(captured)[45:60], 2) < 0.0).all()
     assert (np.diff(_ankles(steep)[45:60], 2) < 0.0).all()
 
@@ -43,7 +43,7 @@ def test_a_contact_in_which_no_heel_stands_is_left_as_it_is() -> None:
     """A body that kneels or lies rolls over nothing."""
     states = np.where(STATES == SOLE_STANDS, 0, STATES)
     rotations = _level()
-    heel_roll.lift_heels(SOLE, states, SOLE[0, 3] + RISE, 10.0, rotations)
+    heel_roll.lift_heels(SOLE, states, SOLE[0, 3] + RISE, 10.0, 10.0, rotations)
     assert np.array_equal(rotations, _level())
 
 

@@ -6,8 +6,6 @@ from pathlib import Path
 import pytest
 
 KNOWN_FAULTS = {
-    "test_free_limbs_help_to_balance[kick-child]": "free limbs that help to balance accelerate 10.6 times as sharply "
-    "as the kick, where 10 are allowed",
     "test_no_joint_jolts_and_no_foot_slides[accad_female1_B03_Walk1-adult_woman]": "a wrist a metre out of reach "
     "accelerates 3.5 times as sharply as the walk and the target bring, where 3 are allowed",
     "test_cartwheels_and_crawls_hold_on_slopes[get_up-up]": "legs accelerate 5.0 times as sharply as the source's",

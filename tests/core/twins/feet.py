@@ -9,6 +9,7 @@ from tests.core.twins.rotation import from_vector, level, to_vector
 
 HEEL, TOE, FLAT = 1, 2, 3
 REACH = 5.5
+FADE = 5.0
 ASIDE = 0.35
 SOLE_DOWN = 0.5
 
@@ -60,19 +61,26 @@ def fill_gaps(values: np.ndarray, known: np.ndarray) -> np.ndarray:
     return filled
 
 
-def ease_gaps(values: np.ndarray, known: np.ndarray, reach: float) -> np.ndarray:
-    """As ``fill_gaps``, with the speed of what is known running out beside it."""
-    eased = fill_gaps(values, known)
+def fade_gaps(values: np.ndarray, known: np.ndarray, track: np.ndarray, least: float) -> np.ndarray:
+    """What is known fades beside it with its speed, as fast as half of the track's own acceleration allows."""
+    faded = np.where(known[:, None], values, 0.0)
+    bends = np.diff(np.pad(track, ((1, 1), (0, 0)), mode="reflect", reflect_type="odd"), 2, axis=0)
     for gap in stretches(~known):
-        span = min(reach, len(gap) + 1)
+        inside = [frame for frame in gap if 0 < frame < len(known) - 1]
+        allowed = 0.5 * max(np.sqrt((bends[inside] ** 2).sum() / max(len(inside), 1)), 1e-12)
+        open_ended = gap[0] == 0 or gap[-1] == len(known) - 1
+        whole = np.inf if open_ended else len(gap) + 1
         for edge, inner in ((gap[0] - 1, gap[0] - 2), (gap[-1] + 1, gap[-1] + 2)):
-            if min(edge, inner) < 0 or max(edge, inner) >= len(known) or not known[inner]:
+            if not 0 <= edge < len(known):
                 continue
-            for frame in gap:
-                steps = abs(frame - edge)
-                t = min(steps / span, 1.0)
-                eased[frame] += steps * (1 - t) ** 2 * (values[edge] - values[inner])
-    return eased
+            steps = np.abs(np.array(gap) - edge)
+            span = min(max(np.sqrt(10 / np.sqrt(3) * np.linalg.norm(values[edge]) / allowed), least), whole)
+            t = np.minimum(steps / span, 1.0)
+            faded[gap] += (1 - (6 * t**5 - 15 * t**4 + 10 * t**3))[:, None] * values[edge]
+            if 0 <= inner < len(known) and known[inner]:
+                t = np.minimum(steps / min(REACH, len(gap) + 1), 1.0)
+                faded[gap] += (steps * (1 - t) ** 2)[:, None] * (values[edge] - values[inner])
+    return faded
 
 
 def level_soles(rotations: np.ndarray, states: np.ndarray) -> np.ndarray:
@@ -81,7 +89,8 @@ def level_soles(rotations: np.ndarray, states: np.ndarray) -> np.ndarray:
         wanted = level(rotations[stretch].mean(axis=0))
         for frame in stretch:
             corrections[frame] = to_vector(wanted @ rotations[frame].T)
-    turns = [from_vector(each) for each in ease_gaps(corrections, states == FLAT, REACH)]
+    corrections = fade_gaps(corrections, states == FLAT, rotations[:, :, 0], np.inf)
+    turns = [from_vector(each) for each in fade_gaps(corrections, states != 0, rotations[:, :, 0], FADE)]
     return np.array(turns) @ rotations
 
 
@@ -104,7 +113,8 @@ def level_toes(feet: np.ndarray, toes: np.ndarray, states: np.ndarray) -> np.nda
         toe = (feet[frame] @ turned @ toes[frame])[:, 0]
         down = np.arcsin(toe[2]) * np.array([-toe[1], toe[0], 0.0]) / np.linalg.norm(toe[:2]) @ feet[frame]
         corrections[frame] = to_vector(from_vector((lies + aside - lies * aside) * down) @ turned)
-    turns = np.array([from_vector(each) for each in ease_gaps(corrections, standing, REACH)])
+    corrections = fade_gaps(corrections, standing, feet[:, :, 0], np.inf)
+    turns = np.array([from_vector(each) for each in fade_gaps(corrections, states != 0, feet[:, :, 0], FADE)])
     return feet @ turns @ toes
 
 
@@ -116,7 +126,7 @@ def plant_ankles(
         for frame, place in _planted(ankles, feet, states, sole, episode).items():
             height = -min(sole.heel_below_ankle(feet[frame])[2], sole.ball_below_ankle(feet[frame])[2])
             shift[frame] = [*(place - ankles[frame, :2]), ground[frame] + height - ankles[frame, 2]]
-    return ankles + ease_gaps(shift, states != 0, REACH)
+    return ankles + fade_gaps(shift, states != 0, ankles, FADE)
 
 
 def geometric_median(places: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ import numpy as np
 
 from studio.core.kernels.algebra.medians import geometric_median
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.support.gap_interpolation import interpolate_gaps_smoothly
+from studio.core.kernels.support.gap_interpolation import fade_into_gaps
 from studio.core.kernels.support.sole import HEEL_STANDS, TOE_STANDS, sole_height, stance_offsets, tip_offset
 
 SMALLEST_SIZE = 1.02
@@ -17,8 +17,8 @@ SMALLEST_SIZE = 1.02
 
 
 @allocating_kernel
-def anchor_ankles(ankles, feet, states, soles, ground, pitches, reach, out_ankles):
-    """Write ankle targets (F, 3): anchored through every contact, with interpolated corrections in between (METHOD 5).
+def anchor_ankles(ankles, feet, states, soles, ground, pitches, reach, fade, out_ankles):
+    """Write ankle targets (F, 3): anchored through every contact, with corrections that fade in between (METHOD 5).
 
     ``ankles`` (F, 3) as retargeted, ``feet`` (F, 3, 3) corrected; ``ground`` (F,) height under the foot; ``pitches``
     (F,) of toes that stand on their tips. Each contact has one anchor: the median position of the heel's pad in its
@@ -41,7 +41,7 @@ def anchor_ankles(ankles, feet, states, soles, ground, pitches, reach, out_ankle
             for axis in range(3):
                 shift[frame, axis] = out_ankles[frame, axis] - ankles[frame, axis]
         begin = end
-    interpolate_gaps_smoothly(shift, known, reach)
+    fade_into_gaps(shift, known, ankles, reach, fade)
     for frame in range(count):
         for axis in range(3):
             out_ankles[frame, axis] = ankles[frame, axis] + shift[frame, axis]

@@ -1,5 +1,6 @@
 """Motion of one foot on a level floor (METHOD 5)."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -25,12 +26,13 @@ class FootPlan(NamedTuple):
 
 
 @allocating_kernel
-def plan_foot(states, soles, height, rolls, reach, balls, plan):
+def plan_foot(states, soles, height, is_level, reach, balls, plan):
     """Ground one foot on a level floor (METHOD 5): ``plan`` (a ``FootPlan``) as retargeted becomes the grounded foot,
     in place.
 
-    ``states`` (F,); ``soles`` (F or 1, 6); ``height`` of the floor in metres; ``rolls`` if heels rise as captured;
-    ``reach`` frames; ``balls`` (F,) heights in metres of the toe joint as retargeted.
+    ``states`` (F,); ``soles`` (F or 1, 6); ``height`` of the floor in metres; ``reach`` frames; ``balls`` (F,) heights
+    in metres of the toe joint as retargeted. If the ground ``is_level`` heels rise, and a foot in the air moves, as
+    captured; else corrections are interpolated between footprints, as their displacements to the ground will be.
     """
     count = states.shape[0]
     if not (states != 0).any():
@@ -41,10 +43,11 @@ def plan_foot(states, soles, height, rolls, reach, balls, plan):
             compose(inverse_rotation(rotation_from_matrix(source[frame])), rotation_from_matrix(plan.toes[frame])),
             toes[frame],
         )
-    level_soles(source, states, reach, plan.feet)
-    limit_foot_pitch(soles, states, reach, plan.feet)
+    fade = reach if is_level else math.inf
+    level_soles(source, states, reach, fade, plan.feet)
+    limit_foot_pitch(soles, states, reach, fade, plan.feet)
     pitches = np.zeros(count)
-    if rolls:
+    if is_level:
         rises = np.empty(count)
         for frame in range(count):
             sole = soles[frame if soles.shape[0] > 1 else 0]
@@ -53,6 +56,6 @@ def plan_foot(states, soles, height, rolls, reach, balls, plan):
         for frame in range(count):
             sole = soles[frame if soles.shape[0] > 1 else 0]
             rises[frame] = ankles[frame, 2] - height - tip_rise(sole, pitches[frame])
-        lift_heels(soles, states, rises, reach, plan.feet)
-    level_toes(plan.feet, toes, states, pitches, reach, plan.toes)
-    anchor_ankles(ankles, plan.feet, states, soles, np.full(count, height), pitches, reach, plan.ankles)
+        lift_heels(soles, states, rises, reach, fade, plan.feet)
+    level_toes(plan.feet, toes, states, pitches, reach, fade, plan.toes)
+    anchor_ankles(ankles, plan.feet, states, soles, np.full(count, height), pitches, reach, fade, plan.ankles)

@@ -21,7 +21,7 @@ from studio.core.kernels.algebra.rotation_tuples import (
 )
 from studio.core.kernels.algebra.vectors import copy_matrix
 from studio.core.kernels.compiling import allocating_kernel, small_kernel
-from studio.core.kernels.support.gap_interpolation import interpolate_gaps_smoothly, is_inside_run
+from studio.core.kernels.support.gap_interpolation import fade_into_gaps, is_inside_run
 from studio.core.kernels.support.sole import (
     HEEL_STANDS,
     SOLE_HEEL_LENGTH,
@@ -39,7 +39,7 @@ from studio.core.kernels.support.sole import (
 
 
 @allocating_kernel
-def level_soles(rotations, states, reach, out_rotations):
+def level_soles(rotations, states, reach, fade, out_rotations):
     """Write foot rotations (F, 3, 3), level and of one heading through each run of flat frames.
 
     The heading is the mean of the run; the correction is interpolated between runs (METHOD 5).
@@ -66,7 +66,9 @@ def level_soles(rotations, states, reach, out_rotations):
                 matrix_product(level, rotations[standing].T, rotation)
                 matrix_to_rotation_vector(rotation, corrections[standing])
         frame = end
-    interpolate_gaps_smoothly(corrections, known, reach)
+    fade_into_gaps(corrections, known, rotations[:, :, 0], reach, math.inf)
+    if fade < math.inf:
+        fade_into_gaps(corrections, states != 0, rotations[:, :, 0], reach, fade)
     for frame in range(count):
         if not known[frame]:
             write_rotation(
@@ -82,7 +84,7 @@ def correct_rotation(correction, rotation):
 
 
 @allocating_kernel
-def limit_foot_pitch(soles, states, reach, rotations):
+def limit_foot_pitch(soles, states, reach, fade, rotations):
     """Limit foot rotations (F, 3, 3), in place: no ball below the heel in a heel stand, none above it in a
     toe stand.
     """
@@ -106,13 +108,13 @@ def limit_foot_pitch(soles, states, reach, rotations):
             corrections[frame, 0], corrections[frame, 1] = -pitch * y / level, pitch * x / level
             rotation_vector_to_matrix(corrections[frame, 0], corrections[frame, 1], 0.0, rotation)
             matrix_product(rotation, rotations[frame], turned)
-    interpolate_gaps_smoothly(corrections, states != 0, reach)
+    fade_into_gaps(corrections, states != 0, rotations[:, :, 0], reach, fade)
     for frame in range(count):
         write_rotation(correct_rotation(corrections[frame], rotation_from_matrix(rotations[frame])), rotations[frame])
 
 
 @allocating_kernel
-def level_toes(feet, toes, states, pitches, reach, out_toes):
+def level_toes(feet, toes, states, pitches, reach, fade, out_toes):
     """Write toe rotations (F, 3, 3): level with the foot's heading while the toe stands, interpolated between (METHOD
     (6)).
 
@@ -145,7 +147,9 @@ def level_toes(feet, toes, states, pitches, reach, out_toes):
                     rotate_toe_down(
                         foot, toes[frame], pitches[frame], fraction + aside - fraction * aside, corrections[frame]
                     )
-    interpolate_gaps_smoothly(corrections, known, reach)
+    fade_into_gaps(corrections, known, feet[:, :, 0], reach, math.inf)
+    if fade < math.inf:
+        fade_into_gaps(corrections, states != 0, feet[:, :, 0], reach, fade)
     for frame in range(count):
         if not lies[frame]:
             local_toe = correct_rotation(corrections[frame], rotation_from_matrix(toes[frame]))

@@ -5,6 +5,11 @@ import math
 from studio.core.kernels.algebra.smooth_steps import smoothstep
 from studio.core.kernels.compiling import kernel, small_kernel
 
+ADDED_ACCELERATION = 0.5
+"""Greatest acceleration that a fading correction adds, as a fraction of the track's own in its gap."""
+SMOOTHSTEP_ACCELERATION = 10.0 / math.sqrt(3.0)
+"""Greatest second derivative of the smoothstep over [0, 1]."""
+
 
 @kernel
 def release_weights(planted, reach, out_free):
@@ -45,15 +50,15 @@ def interpolate_gaps(values, known):
 
 
 @kernel
-def interpolate_gaps_smoothly(values, known, reach):
-    """Interpolate as ``interpolate_gaps`` with values that continue their velocity, fading, for ``reach`` frames in a
-    gap.
+def fade_into_gaps(corrections, known, track, reach, least):
+    """Fade corrections (F, 3) of a ``track`` (F, 3) from both ends into every gap where not ``known`` (F,), in place.
 
-    A correction so comes to rest, and starts, without an acceleration peak: a correction that stopped at once would
-    leave the motion its own speed one frame away from rest. Hermite's cubic leads away least for its acceleration.
-    METHOD (6).
+    Each fades in ``least`` frames, or as many more as it needs to add at most ``ADDED_ACCELERATION`` of the track's own
+    acceleration, at most in the whole gap: both then interpolate. Where nothing is known beyond the gap, ``least`` of
+    infinity keeps them. Their velocity inside a run fades in ``reach`` frames by Hermite's cubic, which leads away
+    least for its acceleration: a correction that stopped at once would leave the motion its own speed one frame away
+    from rest. METHOD (6).
     """
-    interpolate_gaps(values, known)
     count, frame = known.shape[0], 0
     while frame < count:
         if known[frame]:
@@ -62,24 +67,45 @@ def interpolate_gaps_smoothly(values, known, reach):
         end = frame
         while end < count and not known[end]:
             end += 1
-        span = min(reach, end - frame + 1.0)
+        corrections[frame:end] = 0.0
+        whole = end - frame + 1.0 if frame > 0 and end < count else math.inf
+        allowed = ADDED_ACCELERATION * max(mean_acceleration(track, frame, end), 1e-12)
         for side in range(2):
             edge, inner = (frame - 1, frame - 2) if side == 0 else (end, end + 1)
-            if min(edge, inner) < 0 or max(edge, inner) >= count or not known[inner]:
+            if not 0 <= edge < count:
                 continue
+            x, y, z = corrections[edge, 0], corrections[edge, 1], corrections[edge, 2]
+            span = math.sqrt(SMOOTHSTEP_ACCELERATION * math.sqrt(x * x + y * y + z * z) / allowed)
+            span = min(max(span, least), whole)
+            leads = min(reach, end - frame + 1.0) if 0 <= inner < count and known[inner] else 1.0
             for gap in range(frame, end):
                 steps = abs(gap - edge)
-                if steps < span:
-                    fraction = steps * (1.0 - steps / span) ** 2
-                    for axis in range(3):
-                        values[gap, axis] += fraction * (values[edge, axis] - values[inner, axis])
+                fraction = 1.0 - smoothstep(min(steps / span, 1.0))
+                led = steps * (1.0 - min(steps / leads, 1.0)) ** 2
+                for axis in range(3):
+                    correction = corrections[edge, axis]
+                    corrections[gap, axis] += fraction * correction
+                    if led != 0.0:
+                        corrections[gap, axis] += led * (correction - corrections[inner, axis])
         frame = end
+
+
+@kernel
+def mean_acceleration(track, first, past):
+    """Root mean square of the second differences of a ``track`` (F, 3) at frames first to past, excluded."""
+    total, count = 0.0, 0
+    for frame in range(max(first, 1), min(past, track.shape[0] - 1)):
+        for axis in range(3):
+            bend = track[frame + 1, axis] - 2.0 * track[frame, axis] + track[frame - 1, axis]
+            total += bend * bend
+        count += 1
+    return math.sqrt(total / max(count, 1))
 
 
 @small_kernel
 def is_inside_run(frame, known):
-    """True if ``known`` (F,) is true for the two frames before and the two after: ``interpolate_gaps_smoothly`` does
-    not read such a frame.
+    """True if ``known`` (F,) is true for the two frames before and the two after: ``fade_into_gaps`` does not
+    read such a frame.
     """
     return (
         1 < frame < known.shape[0] - 2

@@ -8,7 +8,7 @@ from studio.core.kernels.algebra.rotation_tuples import rotation_from_matrix, ro
 from studio.core.kernels.algebra.smooth_steps import penetration_correction, smoothstep
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.support.foot_rotation import correct_rotation
-from studio.core.kernels.support.gap_interpolation import interpolate_gaps, interpolate_gaps_smoothly, release_weights
+from studio.core.kernels.support.gap_interpolation import fade_into_gaps, interpolate_gaps, release_weights
 from studio.core.kernels.support.sole import ANKLE_HEIGHT, HEEL_STANDS, TOE_STANDS, TOE_X, TOE_Y, TOE_Z, pivot_offsets
 
 HEEL_RELEASE = 0.6
@@ -49,7 +49,7 @@ def tiptoe_pitches(soles, states, heights, reach, out_pitches):
 
 
 @allocating_kernel
-def lift_heels(soles, states, heights, reach, rotations):
+def lift_heels(soles, states, heights, reach, fade, rotations):
     """Pitch foot rotations (F, 3, 3), in place: where the toe alone stands the ankle has its captured height.
 
     ``heights`` (F,) of the ankle above the floor, as retargeted; ``soles`` (F or 1, 5 or more), ``states`` (F,) as in
@@ -73,7 +73,7 @@ def lift_heels(soles, states, heights, reach, rotations):
         along = max(math.hypot(foot[0, 0], foot[1, 0]), 1e-9)
         corrections[frame, 0] = -pitch * foot[1, 0] / along
         corrections[frame, 1] = pitch * foot[0, 0] / along
-    interpolate_gaps_smoothly(corrections, states != 0, reach)
+    fade_into_gaps(corrections, states != 0, rotations[:, :, 0], reach, fade)
     for frame in range(count):
         write_rotation(correct_rotation(corrections[frame], rotation_from_matrix(rotations[frame])), rotations[frame])
 

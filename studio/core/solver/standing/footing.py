@@ -319,12 +319,13 @@ def leg_soft_thresholds(motion: NormalizedMotion, states: NDArray[np.int64], is_
     """Soft-IK thresholds (2, F) of legs on feet with ``states`` (2, F).
 
     On a level floor a standing leg's threshold is halfway from the motion's own extension to a straight leg, so that a
-    nearly straight knee extends before the hips sink. On other ground the hips sink first: a leg that reaches down a
-    step would be straight for the one frame in which it lands.
+    nearly straight knee extends before the hips sink, and a leg in the air extends as far as the motion's own. On other
+    ground the hips sink first: a leg that reaches down a step would be straight for the one frame in which it lands.
     """
     own = np.subtract(1.0, motion.channels[:, LIMB_SLACK + 2 : LIMB_SLACK + 4].T, order="C")
     standing = (0.5 * ((1.0 if is_level else SOLE_SOFT_IK_THRESHOLD) + own)).clip(SOLE_SOFT_IK_THRESHOLD, 1.0 - 1e-9)
-    return np.asarray(standing + leg_freedoms(states, motion.frame_rate) * (SOFT_IK_THRESHOLD - standing))
+    swinging = own.clip(SOFT_IK_THRESHOLD, 1.0 - 1e-9) if is_level else SOFT_IK_THRESHOLD
+    return np.asarray(standing + leg_freedoms(states, motion.frame_rate) * (swinging - standing))
 
 
 def reach_relaxation(free: FloatArray) -> FloatArray:
