@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from studio.cli.bench_cases import Task, places_of
+from studio.cli.bench_cases import BenchCase, places_of
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.position import PositionConstraint
@@ -30,7 +30,7 @@ KEPT = 5e-4
 
 
 def excess(
-    task: Task, constraints: Sequence[Constraint], standing: Standing, residuals: FloatArray, frames: Sequence[int]
+    task: BenchCase, constraints: Sequence[Constraint], standing: Standing, residuals: FloatArray, frames: Sequence[int]
 ) -> FloatArray:
     """(N,) metres by which wrists miss their targets more than they need, at some frames: root mean squares.
 
@@ -46,7 +46,7 @@ def excess(
 class _Frame:
     """One frame of a standing body whose trunk, clavicles and root may move as far as the constraints' chains allow."""
 
-    def __init__(self, task: Task, constraints: Sequence[Constraint], standing: Standing, frame: int) -> None:
+    def __init__(self, task: BenchCase, constraints: Sequence[Constraint], standing: Standing, frame: int) -> None:
         self.body, self.layout = standing.morphology, standing.morphology.layout
         self.points = standing.positions[frame]
         wrists = [each for each in constraints if isinstance(each, PositionConstraint)]

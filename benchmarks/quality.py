@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.optimum import excess
-from studio.cli.bench_cases import Task
+from studio.cli.bench_cases import BenchCase
 from studio.core.body.canonical import BodyLayout
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import Constraint
@@ -43,7 +43,7 @@ class Quality:
     """The same of each segment beside itself in the source; of the worst segment."""
 
 
-def quality(task: Task, source: AdaptedMotion) -> Quality:
+def quality(task: BenchCase, source: AdaptedMotion) -> Quality:
     """Solve one task, and judge the answer; ``source`` is the motion on its own actor."""
     request = task.request
     adapted = adapt(request)
@@ -71,7 +71,9 @@ def quality(task: Task, source: AdaptedMotion) -> Quality:
     )
 
 
-def reachable_miss(constraints: Sequence[Constraint], task: Task, adapted: AdaptedMotion, standing: Standing) -> float:
+def reachable_miss(
+    constraints: Sequence[Constraint], task: BenchCase, adapted: AdaptedMotion, standing: Standing
+) -> float:
     """Largest miss, in millimetres, of what can be reached.
 
     Where the highest wish is missed by more than ``REACHED``, the numerical optimum says how much of that is owed to

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.clips import ROOT
-from studio.cli.bench_cases import Task, places_of
+from studio.cli.bench_cases import BenchCase, places_of
 from studio.core.body.morphology import Morphology
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.position import PositionConstraint
@@ -50,7 +50,7 @@ PEERS = (
 )
 
 
-def run_peers(tasks: Sequence[Task]) -> dict[str, dict[str, Any] | None]:
+def run_peers(tasks: Sequence[BenchCase]) -> dict[str, dict[str, Any] | None]:
     """For each peer its answers by task; None for one that is not installed.
 
     An answer: ``microseconds`` a frame (processor time, the median of three runs), ``median`` and ``worst`` of the
@@ -64,7 +64,7 @@ def run_peers(tasks: Sequence[Task]) -> dict[str, dict[str, Any] | None]:
         return {peer.name: _answers(peer, tasks, files) if _installed(peer) else None for peer in PEERS}
 
 
-def our_answer(task: Task, microseconds: float) -> dict[str, Any]:
+def our_answer(task: BenchCase, microseconds: float) -> dict[str, Any]:
     """The studio's answers, judged as the peers' are: every frame of the clip."""
     request = task.request
     adapted = adapt(request)
@@ -80,7 +80,7 @@ def our_answer(task: Task, microseconds: float) -> dict[str, Any]:
     }
 
 
-def problem(task: Task) -> dict[str, Any]:
+def problem(task: BenchCase) -> dict[str, Any]:
     """One task on an ordinary skeleton, in arrays: what the scripts read (``common.Problem``)."""
     request = task.request
     body: Morphology = request.morphology
@@ -126,7 +126,7 @@ def _installed(peer: Peer) -> bool:
     return subprocess.run([PYTHON, "-c", seek], check=False).returncode == 0
 
 
-def _answers(peer: Peer, tasks: Sequence[Task], files: Sequence[str]) -> dict[str, Any]:
+def _answers(peer: Peer, tasks: Sequence[BenchCase], files: Sequence[str]) -> dict[str, Any]:
     script = str(ROOT / "benchmarks" / "peers" / peer.script)
     done = subprocess.run([PYTHON, script, *files], check=True, stdout=subprocess.PIPE, text=True)
     answers = json.loads(done.stdout.splitlines()[-1])

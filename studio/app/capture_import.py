@@ -172,7 +172,7 @@ def reimport(bench: Workbench, capture_id: str, option: dict[str, Any]) -> None:
     """Read the capture again with the user's options, and replace it in one undo step."""
     what, value = next(iter(option.items()))
     capture = bench.document.project.captures[capture_id]
-    text = f"Clean {capture.name}" if what == "clean" else f"Read {capture.name} with {what.replace('_', ' ')} {value}"
+    text = f"Clean {capture.name}" if what == "clean" else f"Set {what.replace('_', ' ')} of {capture.name} to {value}"
     reread_capture(bench, capture_id, ImportOptions(**user_options(bench, capture_id) | option), text)
 
 

@@ -38,7 +38,7 @@ def import_character(bench: Workbench, path: Path) -> int:
                 return load_character(path, GUESS_ALL, progress)
             except StudioError as error:
                 moves = path.suffix.lower() in known_formats().suffixes("capture_reader")
-                alone = " To read a motion, use Import motion." if moves else ""
+                alone = " To import a motion, use File > Import motion." if moves else ""
                 raise StudioError(f"{error}{alone}") from error
 
     task: int = bench.runner.run(f"Opening {path.name}", work, lambda read: show_import(bench, path, read))

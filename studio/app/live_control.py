@@ -34,7 +34,7 @@ POLL_MILLISECONDS, REPORT_MILLISECONDS = 16, 500
 """Milliseconds from one look at what has come to the next, and from one telling of it to the next."""
 HEAD_MOVE, HEAD_REST_SECONDS = 0.001, 0.3
 """Metres by which a tracked head has moved, and seconds after which it rests: then whole motions are solved."""
-RECORDINGS = "Recorded datagrams (*.osc)"
+RECORDINGS = "OSC recordings (*.osc)"
 
 
 @dataclass
@@ -354,7 +354,7 @@ class LiveControl:
         if self.recorder is not None:
             self.stop_recording()
         else:
-            ask_new_file(self.bench, "Record datagrams", RECORDINGS, "session.osc", self.record, "osc")
+            ask_new_file(self.bench, "Record OSC input", RECORDINGS, "session.osc", self.record, "osc")
 
     def _offer(self) -> None:
         project = self.bench.document.project

@@ -22,7 +22,7 @@ TYPING = (QLineEdit, QAbstractSpinBox, QComboBox, QTextEdit, QPlainTextEdit)
 KEY_EVENTS = (QEvent.Type.ShortcutOverride, QEvent.Type.KeyPress)
 
 
-PLAYS_LIVE = "The stage plays live."
+PLAYS_LIVE = "Live play is on."
 
 
 class LivePlayController(QObject):

@@ -47,7 +47,7 @@ def _dock(window: "MainWindow", offer: plug_ins.PlugInEntry) -> QDockWidget:
     try:
         widget = panel.make(api.Scene(window.bench.document))
     except Exception as error:  # another's code may raise anything
-        raise StudioError(f"The panel '{offer.name}' of {offer.package} could not be made: {error}") from error
+        raise StudioError(f"The panel '{offer.name}' of {offer.package} could not be created: {error}") from error
     if not isinstance(widget, QWidget):
         raise StudioError(f"The panel '{offer.name}' of {offer.package} is a {type(widget).__name__}, not a QWidget.")
     dock = QDockWidget(panel.title, window)

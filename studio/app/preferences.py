@@ -120,7 +120,7 @@ class KeyMap:
 
 def key_maps() -> dict[str, KeyMap]:
     """Bundled maps by their ids; the studio's own changes nothing."""
-    maps = {STUDIO_KEYS: KeyMap("Studio")}
+    maps = {STUDIO_KEYS: KeyMap("Morpho Studio")}
     for file in sorted((resources_folder() / "key_maps").glob("*.json")):
         record = json.loads(file.read_text("utf-8"))
         keys = {key: tuple(keys) for key, keys in record["keys"].items()}

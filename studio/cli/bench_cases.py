@@ -48,7 +48,7 @@ BENCH_UPPER_ARMS = BodyPart.LEFT_UPPER_ARM, BodyPart.RIGHT_UPPER_ARM
 
 
 @dataclass(frozen=True, eq=False)
-class Task:
+class BenchCase:
     """Row of the table: name, request, microseconds a frame that the paper took, and our aim.
 
     ``reachable`` is True if the constraint of highest priority can be met in most frames.
@@ -67,7 +67,9 @@ class Task:
         return min(places, key=lambda each: each.priority)
 
 
-def make_tasks(motion: NormalizedMotion, contacts: tuple[ContactInterval, ...], body: Morphology) -> tuple[Task, ...]:
+def make_tasks(
+    motion: NormalizedMotion, contacts: tuple[ContactInterval, ...], body: Morphology
+) -> tuple[BenchCase, ...]:
     """Rows of the table for one clip and one body, from the easiest to the hardest."""
     right, left = 1, 0
     standing = stand(motion, body, contacts, Ground())
@@ -86,21 +88,21 @@ def make_tasks(motion: NormalizedMotion, contacts: tuple[ContactInterval, ...], 
     reachable, strict = wrist(right, "near", LIMB), wrist(right, "near", WITH_TRUNK)
     elbow, aside = elbow_aside(solve_constraints(standing, (strict,), tracks=bare.tracks), right)
     return (
-        Task("+ one reachable limb", replace(bare, constraints=(reachable,)), 34.0, 2.0),
-        Task("the same, feet held", replace(held, constraints=(reachable,)), 34.0),
-        Task(
+        BenchCase("+ one reachable limb", replace(bare, constraints=(reachable,)), 34.0, 2.0),
+        BenchCase("the same, feet held", replace(held, constraints=(reachable,)), 34.0),
+        BenchCase(
             "+ arm, clavicle and trunk, 10 cm beyond reach, feet held, balance",
             replace(held, constraints=(balance, wrist(right, "beyond", WITH_TRUNK, 1))),
             40.0,
             8.0,
         ),
-        Task(
+        BenchCase(
             "wrist strictly before elbow, same arm",
             replace(held, constraints=(strict, elbow), tracks={**bare.tracks, _follow("aside"): aside}),
             None,
             6.0,
         ),
-        Task(
+        BenchCase(
             "worst: two unreachable wrists, planted feet, balance",
             replace(
                 held, constraints=(balance, wrist(left, "left", WHOLE_CHAIN, 1), wrist(right, "right", WHOLE_CHAIN, 1))
@@ -180,7 +182,7 @@ def _position(part: BodyPart, target: str, chain: Chain, priority: int) -> Posit
     return PositionConstraint(ADAPTED_MOTION_ID, part.label, point, chain, priority, WHOLE_CASE, target=_follow(target))
 
 
-def places_of(task: Task, constraint: PositionConstraint) -> FloatArray:
+def places_of(task: BenchCase, constraint: PositionConstraint) -> FloatArray:
     """Target positions (F, 3) of a task's position constraint."""
     if not isinstance(constraint.target, FollowTracked):
         raise TypeError(f"'{constraint.name}' is not a target of a task.")

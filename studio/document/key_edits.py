@@ -38,7 +38,9 @@ LEAST_TIME_SCALE, MOST_TIME_SCALE = 0.01, 100.0
 def replace_fields(
     document: EditedProject, values: Mapping[KeyedField, object], text: str, gesture: int | None = None
 ) -> None:
-    """Replace the values of keyed fields, as the active clip shows them: one undo step."""
+    """Replace the values of keyed fields in one undo step; values are as shown, so those of a mirrored clip are
+    mirrored back.
+    """
     changes: dict[tuple[str, str], dict[str, object]] = {}
     for field, value in values.items():
         changes.setdefault(field.item, {})[field.name] = value

@@ -155,7 +155,7 @@ class FrameStore:
         """Drop the frame of a performer."""
         self._frames.pop(performer_id, None)
 
-    def whole_is_there(self, performer_id: str, asked_at: float) -> None:
+    def note_whole_motion(self, performer_id: str, asked_at: float) -> None:
         """Note that the whole motion answers the request of time ``asked_at``; drop a frame that is not newer."""
         self._whole_at[performer_id] = asked_at
         frame, answered = self._frames.get(performer_id), self._answered.get(performer_id)

@@ -325,7 +325,7 @@ class LiveAdaptation(QObject):
             held.clear()
         self._frames.clear()
         self._unfinished.clear()
-        self._prepare.keep(self._document.project.captures.values())
+        self._prepare.retain_only(self._document.project.captures.values())
         self._standing.forget()
         self._works_on_former = self._scheduler.busy
         forget_project()
@@ -427,7 +427,7 @@ class LiveAdaptation(QObject):
                 self._failures.pop(performer_id, None)
                 if answer.whole:
                     self._answered[performer_id] = answer.wanted[performer_id]
-                    self._frames.whole_is_there(performer_id, answer.asked_at)
+                    self._frames.note_whole_motion(performer_id, answer.asked_at)
                 self.adapted.emit(performer_id)
                 if performer_id in self._leaders:
                     self._schedule("performers", performer_id)

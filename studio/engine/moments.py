@@ -103,7 +103,7 @@ class TargetContext:
 
     def track(self, follow: Follow | OwnPlace) -> Track | None:
         """Present track of a followed target, in the space of this performer's motion."""
-        from studio.core.solver.performers.followed_tracks import performer_track, tracked_track  # loads kernels
+        from studio.core.solver.performers.followed_tracks import captured_joint_track, performer_track  # loads kernels
         from studio.core.solver.performers.prop_tracks import track_in_motion_space
 
         pose, own = self.pose, self.pose.clip_placement
@@ -132,7 +132,7 @@ class TargetContext:
                 if capture is None or follow.joint not in capture.skeleton.names:
                     return None
                 frame = min(round(pose.seconds * capture.frame_rate), capture.frame_count - 1)
-                track = tracked_track(follow, capture, np.array([max(frame, 0)]))
+                track = captured_joint_track(follow, capture, np.array([max(frame, 0)]))
                 return Track(track.places * [1.0, -1.0 if pose.mirrored else 1.0, 1.0], track.rotations)
         return None
 

@@ -94,7 +94,7 @@ class PosedPerformer:
 
     @cached_property
     def played(self) -> PlayedPiece | None:
-        """Playing part of its row; None for a motion without stage."""
+        """Clip of the performer's track that plays at this frame; None for a motion that is not composed of clips."""
         composite = self.motion.composite
         return composite.playing(self.frame) if composite else None
 

@@ -44,7 +44,7 @@ class SolveCache(Generic[Key, Result]):
                 slot.results.append(self._compute(key))
             return slot.results[0]
 
-    def keep(self, keys: Iterable[Key]) -> None:
+    def retain_only(self, keys: Iterable[Key]) -> None:
         """Drop the results of all other keys."""
         kept = {id(each) for each in keys}
         with self._lock:

@@ -15,7 +15,7 @@ from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.adapt import adapt
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.performers.dependency_cycles import CycleMember, solve_cycle
-from studio.core.solver.performers.followed_tracks import tracked_track
+from studio.core.solver.performers.followed_tracks import captured_joint_track
 from studio.core.solver.performers.prop_tracks import stage_track, track_in_motion_space
 from studio.core.solver.performers.stage import constraint_for_performer
 from studio.core.solver.request import AdaptRequest
@@ -97,7 +97,7 @@ def _with_own_tracks(
                     tracks[follow] = track_in_motion_space(follow, prop, stage_track(prop, request.motion.times), place)
                 case FollowTracked():
                     try:
-                        tracks[follow] = tracked_track(follow, capture)
+                        tracks[follow] = captured_joint_track(follow, capture)
                     except StudioError as error:
                         raise StudioError(f"'{constraint.name}' follows a joint that is not there. {error}") from error
     return replace(request, tracks=tracks)

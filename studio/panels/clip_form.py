@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from studio.library.label_motion import OpenedClip
 
 FIGURES_PX, CAPTION_PX = 104, 16
-HINT = "Labelled automatically. Drag the marks, set the type, and confirm; indexing keeps your label."
+HINT = "Labelled automatically. Drag trim handles and hit marker, set the type, and confirm; indexing keeps your label."
 SAID = "Confirmed (kept on re-indexing)"
 
 
@@ -40,7 +40,7 @@ class ClipForm(QScrollArea):
         self.limb = Choice("Limb", [(limb, limb.words.capitalize()) for limb in Limb])
         self.kind = Choice("Type", [(kind, kind.capitalize()) for kind in Kind])
         self.segment = Choice("Striking segment", [])
-        self.tags = TagField("high, spinning", "`search --tag` finds clips by them")
+        self.tags = TagField("high, spinning", "Tags by which the library search finds the clip")
         self.frames = {mark: NumberField(f"Frame: {mark}", "", 0, 0, 1, 0) for mark in ClipMark}
         self.undo = press_button("Undo", self._undo)
         self.confirm = press_button("Confirm", self._confirm, "main")

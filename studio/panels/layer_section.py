@@ -42,7 +42,7 @@ class LayerSection(Section):
             lambda frame: self._put("Set reference frame of layer", reference=round(frame)),
         )
         self._reference.setSpecialValueText("first frame")
-        self._reference.setToolTip("Additive: the difference to this frame of the clip is added.")
+        self._reference.setToolTip("Additive: the difference from this frame of the clip is added.")
         self._reference_row = self.add_row("Reference frame", self._reference)
         self.add_wide(styled_label("Foot contacts come from the clips that drive the legs.", "hint"))
 

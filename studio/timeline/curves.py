@@ -43,9 +43,9 @@ class Quantity(StrEnum):
     RIGHT_ELBOW_FLEXION = "Right elbow flexion"
     COM_HEIGHT = "CoM height"
     COM_SPEED = "CoM speed"
-    SLIDE = "Contact sliding"
-    SKATE = "Foot skating"
-    OFF_SUPPORT = "CoM off support"
+    SLIDE = "Foot sliding (in contact)"
+    SKATE = "Foot sliding (near ground)"
+    OFF_SUPPORT = "CoM outside support"
     ERROR = "Error"
 
     def unit(self, shown: RowContext) -> str:

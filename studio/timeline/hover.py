@@ -91,7 +91,7 @@ def _label_text(sheet: TimelineLayout, hit: Hit) -> str:
             return "Click to expand/collapse the clip tracks of all characters"
         return "Click to expand/collapse the track"
     if hit.kind == "plot":
-        return "Click to choose what is plotted"
+        return "Click to choose the graph"
     if hit.kind == "constraints":
         entity, (text, _) = sheet.shown.project.constraints[hit.id], constraint.residual_text(sheet.shown, hit.id)
         name = f"{entity.name}, of {sheet.shown.subject_name} only" if entity.scope.is_narrow else entity.name

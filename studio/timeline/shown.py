@@ -31,8 +31,8 @@ class ItemPart(StrEnum):
 
     BODY = "body"
     START = "start"
-    FULL = "full"
-    FULL_END = "full end"
+    FULL = "ease-in end"
+    FULL_END = "ease-out start"
     END = "end"
     FIRST = "first frame"
     LAST = "last frame"

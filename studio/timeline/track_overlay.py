@@ -76,7 +76,7 @@ def paint_focus(painter: QPainter, area: QRect) -> None:
 
 
 def paint_prompt(painter: QPainter, area: QRect, text: str, share: float | None = None) -> None:
-    """Draw the line with the next step, or with a running task and its progress, while there is no content."""
+    """Draw the hint over an empty timeline: what to do next, or the running task with its progress."""
     painter.fillRect(area, QColor(colours.PANEL))
     painter.setFont(font(13))
     painter.setPen(QColor(colours.TEXT_SECOND))

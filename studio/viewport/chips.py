@@ -87,7 +87,7 @@ class Chips:
         self.follow = ToggleChip("Follow", "Camera follows the selected character", False, clicked["follow"], parent)
         self.markers = ToggleChip("Markers", "Markers as they were recorded", False, clicked["markers"], parent)
         self.work = QLabel(parent)
-        self.work.setAccessibleName("Characters, frames per second, and their latency to the mouse")
+        self.work.setAccessibleName("Characters, frames per second, and mouse latency")
         self.work.setStyleSheet(f"background: rgba(22, 25, 29, 205); color: {colours.STAGE_TEXT_SECOND}; {_SHAPE}")
         self.problem = Chip("", "Most important problem", clicked["problem"], parent, _WARNING)
         self.constrain = Chip("", "Constrain the picked joint", clicked["constrain"], parent, _CALL_TO_ACTION_STYLE)

@@ -34,13 +34,14 @@ from studio.viewport.dropping import BodyDrops
 from studio.viewport.follow_camera import FollowCamera
 from studio.viewport.frame_stats import FrameStats
 from studio.viewport.framing import selected_points
-from studio.viewport.gizmo import ARROW_PIXELS, GIZMO_AXES, Space, arrow_pixels
+from studio.viewport.gizmo import ARROW_PIXELS, Space, arrow_pixels
 from studio.viewport.gizmo_painting import GizmoPainter
 from studio.viewport.handles import Handle, constraint_handles
 from studio.viewport.mouse_gestures import ViewportGesture, nudge
 from studio.viewport.movables import Movable
 from studio.viewport.navigation import DEFAULT_NAVIGATION
 from studio.viewport.new_constraints import NewConstraintContext, constraint_here
+from studio.viewport.nudge_keys import nudge_by_key
 from studio.viewport.onion_skins import Ghost, OnionSkins, kept_ghosts, onion_ghosts
 from studio.viewport.opening import clear_of_overlays, is_another_size, opening_camera
 from studio.viewport.optical_recording import MarkerFrame, RecordingView, recorded_of
@@ -683,20 +684,4 @@ class Viewport(Canvas):
 
     def nudge_by_key(self, event: QKeyEvent) -> bool:
         """Choose an axis or move by a step along it; False for other keys."""
-        key, held = Qt.Key(event.key()), event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier
-        if key == Qt.Key.Key_Plus:
-            held &= ~Qt.KeyboardModifier.ShiftModifier  # some keyboards have it above another sign
-        if held or key not in self._keys:
-            return False
-        self._keys[key]()
-        return True
-
-    @property
-    def _keys(self) -> dict[Qt.Key, Callable[[], object]]:
-        """Keys of nudges; all others are those of actions, which a key map may change."""
-        return {
-            **{Qt.Key[f"Key_{axis.upper()}"]: partial(self.choose_nudged_axis, axis) for axis in GIZMO_AXES},
-            Qt.Key.Key_Plus: partial(self.nudge, 1.0),
-            Qt.Key.Key_Equal: partial(self.nudge, 1.0),
-            Qt.Key.Key_Minus: partial(self.nudge, -1.0),
-        }
+        return nudge_by_key(self, event)

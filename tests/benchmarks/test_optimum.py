@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.optimum import excess
-from studio.cli.bench_cases import LIMB, Task, make_tasks, places_of
+from studio.cli.bench_cases import LIMB, BenchCase, make_tasks, places_of
 from studio.core.grounds.ground import Ground
 from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
@@ -19,7 +19,7 @@ TASKS = make_tasks(WALK, CONTACTS, BODY)
 FRAMES = [5, 30]
 
 
-def _least(task: Task, constraints: tuple) -> np.ndarray:
+def _least(task: BenchCase, constraints: tuple) -> np.ndarray:
     nothing_missed = np.zeros((len(constraints), WALK.frame_count))
     return -excess(task, constraints, STANDING, nothing_missed, FRAMES)
 

@@ -39,7 +39,7 @@ from studio.core.normalized.normalize import normalize_capture
 from studio.core.quality.metrics import acceleration_ratio, angular_acceleration, contact_quality
 from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.asking.chains import joints_of_chains, point_masses, segment_masses
-from studio.core.solver.asking.limb_availability import arm_availability, leg_availability, limb_availability
+from studio.core.solver.asking.limb_availability import arm_limit_fractions, leg_limit_fractions, limb_availability
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.solved_window import SolverLimits
 from studio.core.solver.standing.stand import Standing, stand
@@ -251,7 +251,7 @@ def test_a_leg_may_turn_as_far_as_its_foot_is_high() -> None:
     positions = STANDING["adult_woman"].positions[:1].repeat(4, axis=0)
     for side in range(2):
         positions[:, _legs(body, side), 2] += np.array([0.0, 0.02, 0.2, 1.0])[:, None]
-    room = leg_availability(body, Ground(), positions)
+    room = leg_limit_fractions(body, Ground(), positions)
     assert (np.diff(room, axis=1) > 0.0).all()
     assert room[:, 0].min() < 0.3
     assert room[:, 3].max() > 0.9
@@ -266,7 +266,7 @@ def test_an_arm_that_lies_level_is_not_turned_and_one_that_hangs_is() -> None:
         lengths = np.arange(4)[None, :, None] * 0.25
         ways = np.array([[0.0, 0.0, -1.0], [np.sqrt(0.5), 0.0, np.sqrt(0.5)], [0.6, 0.8, 0.0]])
         positions[:, arm] = shoulder + lengths * ways[:, None]
-    assert arm_availability(body, positions) == pytest.approx(np.array([[1.0, 0.5, 0.0]] * 2))
+    assert arm_limit_fractions(body, positions) == pytest.approx(np.array([[1.0, 0.5, 0.0]] * 2))
 
 
 @pytest.mark.parametrize("name", BODIES)

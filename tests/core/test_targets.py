@@ -32,7 +32,7 @@ from studio.core.rotations import angle_between, from_matrix, to_matrix
 from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.performers.awaiting import with_anticipated_targets
-from studio.core.solver.performers.followed_tracks import performer_track, tracked_track
+from studio.core.solver.performers.followed_tracks import captured_joint_track, performer_track
 from studio.core.solver.performers.prop_tracks import stage_track, track_in_motion_space
 from studio.core.solver.performers.stage import constraint_for_performer
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
@@ -284,7 +284,7 @@ def test_a_half_space_tilts_with_the_prop_it_follows(body: Morphology) -> None:
 def test_a_tracked_joint_is_where_the_capture_has_it_in_the_space_of_the_motion() -> None:
     capture = swaying(3)
     motion, actor = normalize_capture(capture)
-    track = tracked_track(FollowTracked("LeftHand"), capture)
+    track = captured_joint_track(FollowTracked("LeftHand"), capture)
     own = adapt(AdaptRequest(motion, actor.morphology))
     assert track.places.shape == (capture.frame_count, 3)
     source = solve_constraints(stand(motion, actor.morphology, (), Ground()), ())
@@ -292,7 +292,7 @@ def test_a_tracked_joint_is_where_the_capture_has_it_in_the_space_of_the_motion(
     assert track.places == pytest.approx(wrist, abs=0.02)  # the body is set on the ground, the capture is not
     assert own.frame_count == len(track.rotations)
     with pytest.raises(StudioError, match="No joint is called 'Ball'"):
-        tracked_track(FollowTracked("Ball"), capture)
+        captured_joint_track(FollowTracked("Ball"), capture)
 
 
 @every_body

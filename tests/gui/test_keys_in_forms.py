@@ -148,7 +148,7 @@ def test_the_keys_are_the_windows_after_the_focused_form_has_gone(form, window):
 
 
 def test_the_keys_are_the_windows_after_a_question_was_answered(form, window):
-    window.question.ask("Really?", ("Yes", lambda: None), ("No", lambda: None))
+    window.question.ask_user("Really?", ("Yes", lambda: None), ("No", lambda: None))
     press(Qt.Key.Key_Return)
     press(Qt.Key.Key_Space)
     assert plays(window)

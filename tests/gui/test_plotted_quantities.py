@@ -28,8 +28,8 @@ def test_heights_angles_and_the_centre_of_mass_are_those_of_the_poses(user):
         assert values[quantity].min() == pytest.approx(0.0, abs=0.005)
         assert values[quantity].max() > 0.02
     for quantity, first in (
-        (Quantity.LEFT_KNEE_FLEXION, layout.hip(0)),
-        (Quantity.RIGHT_KNEE_FLEXION, layout.hip(1)),
+        (Quantity.LEFT_KNEE_FLEXION, layout.hip_point(0)),
+        (Quantity.RIGHT_KNEE_FLEXION, layout.hip_point(1)),
         (Quantity.LEFT_ELBOW_FLEXION, layout.collar_point(0) + 1),
         (Quantity.RIGHT_ELBOW_FLEXION, layout.collar_point(1) + 1),
     ):
@@ -37,5 +37,5 @@ def test_heights_angles_and_the_centre_of_mass_are_those_of_the_poses(user):
         lengths = np.linalg.norm(upper, axis=1) * np.linalg.norm(lower, axis=1)
         assert np.cos(np.radians(values[quantity])) == pytest.approx((upper * lower).sum(axis=1) / lengths, abs=1e-6)
     mass = values[Quantity.COM_HEIGHT]
-    assert ((mass > height[:, layout.hip(0) + 1]) & (mass < height[:, layout.neck_base])).all()
+    assert ((mass > height[:, layout.hip_point(0) + 1]) & (mass < height[:, layout.neck_base])).all()
     assert 0.3 < values[Quantity.COM_SPEED].mean() < 2.0

@@ -196,6 +196,11 @@ def test_whole_arms_and_trunk_stay_out_of_a_table_of_any_height_that_is_seen(hei
         for key, each in scene.props.items()
     ]
     scene = scene.with_entities("props", tables)
+    areas = [  # as the form of a prop resizes them with it
+        (f"body {key}", replace(scene.constraints[f"body {key}"], size=scene.props[f"table {key}"].size), None)
+        for key in scene.performers
+    ]
+    scene = scene.with_entities("constraints", areas)
     made = adapt_performers(scene, scene.performers, prepared_capture, adapt)
     above = 0
     for key, performance in made.performances.items():

@@ -14,7 +14,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio, centre_of_mass, contact_quality
 from studio.core.quality.report import report_of
 from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
-from studio.core.solver.performers.followed_tracks import tracked_track
+from studio.core.solver.performers.followed_tracks import captured_joint_track
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
 from studio.core.solver.standing.stand import stand, standing_of
@@ -55,7 +55,7 @@ def test_the_report_of_a_kick_has_every_number_and_a_reason_for_every_miss(stem:
         LookAtConstraint("m", "Watch it", EYES, Chain(1, 1, 0, 0.3), 1, ALWAYS, target=FollowBody(RIGHT)),
         PositionConstraint("m", "Cover", LEFT, ARM, 2, ALWAYS, target=FollowBody(RIGHT)),
     )
-    tracks = {hand: tracked_track(hand, capture)}
+    tracks = {hand: captured_joint_track(hand, capture)}
     request = AdaptRequest(motion, BODIES[name], contacts_of(capture), constraints, tracks=tracks)
     adapted = adapt(request)
     report = report_of(standing_of(request), request, adapted)

@@ -145,9 +145,9 @@ def line_up(bench: Workbench) -> None:
     active = document.active_performer_id
     followed = next((paths[key] for key in (active, *performers) if key in performers and key in paths), None)
     travel = None if followed is None else path_heading(followed)
-    with document.group("Line up characters"):
+    with document.group("Arrange characters side by side"):
         for key, performer in lined_up(performers, travel or 0.0, paths).items():
-            document.replace("performers", key, performer, "Line up")
+            document.replace("performers", key, performer, "Arrange side by side")
 
 
 def preferences(bench: Workbench) -> None:

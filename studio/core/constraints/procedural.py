@@ -27,7 +27,8 @@ SLOWEST_WAVE = 0.3
 
 @dataclass(frozen=True, kw_only=True)
 class RuledPlace(ABC):
-    """Common part of all: a ``centre`` in metres and a period in ``seconds``, with phase zero at ``since`` seconds.
+    """Base class of procedural target paths: ``centre`` in metres, period in ``seconds``, phase zero at ``since``
+    seconds.
 
     ``heading`` rotates the whole path about Z, in radians. With an ``origin`` the centre is relative to it, so that
     every body moves about its own position.

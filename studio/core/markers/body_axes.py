@@ -70,9 +70,9 @@ HEAD_MARKERS = tuple(f"{side}_{end}_head" for end in ("front", "back") for side 
 
 
 def head_axes(tracks: Tracks, thorax: FloatArray) -> FloatArray | None:
-    """Axes (F, 3, 3) of the head, level on average over the thorax; None without three markers.
+    """Axes (F, 3, 3) of the head, upright on average relative to the thorax; None with fewer than three head markers.
 
-    Markers show the rotations of the head, but not its front: on average it is taken to face as the chest does.
+    Three markers do not show the front: then the head is taken to face on average as the chest does.
     """
     names = [name for name in HEAD_MARKERS if name in tracks]
     if len(names) < 3:

@@ -70,7 +70,7 @@ class MotionQuality:
 
     @property
     def peak(self) -> float:
-        """Greatest of the peaks."""
+        """Greatest ratio of a limb's peak acceleration to that of the same limb in the source."""
         return max(self.peaks.values())
 
 

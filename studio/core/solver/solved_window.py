@@ -26,7 +26,7 @@ from studio.core.solver.asking.clearance import activations_by_tier, lowest_firs
 from studio.core.solver.asking.contact_constraints import contact_constraints, release_hands, write_contact_targets
 from studio.core.solver.asking.ground_limit import ground_planes, target_above_ground
 from studio.core.solver.asking.kinds.known import ENTERING_KINDS
-from studio.core.solver.asking.limb_availability import arm_availability, leg_availability, limb_availability
+from studio.core.solver.asking.limb_availability import arm_limit_fractions, leg_limit_fractions, limb_availability
 from studio.core.solver.asking.packing import pack_tasks, priority_order
 from studio.core.solver.asking.releasing import contact_release, is_ramped, ramped_target
 from studio.core.solver.asking.self_contact import arm_activations
@@ -144,10 +144,10 @@ class SolvedWindow:
         contacts, limbs = standing.contacts if bound.uses_contacts else (), tasks["limbs"]
         free = limb_availability(limbs, tasks["level"], activations, contacts, standing.motion.frame_rate)
         free = free[:, :, self.window]
-        free[:, :2] *= arm_availability(standing.morphology, standing.positions, self.window)
+        free[:, :2] *= arm_limit_fractions(standing.morphology, standing.positions, self.window)
         touching = self._hand_contacts(self.window)
         free[:, :2] *= 1.0 - np.maximum(touching["together"], touching["resting"])
-        free[:, 2:] *= leg_availability(standing.morphology, standing.ground, standing.positions, self.window)
+        free[:, 2:] *= leg_limit_fractions(standing.morphology, standing.ground, standing.positions, self.window)
         return np.ascontiguousarray(free[:, self._joints.limbs])
 
     def solve(self, frames: IntArray | None = None) -> None:

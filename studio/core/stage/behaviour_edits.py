@@ -60,7 +60,7 @@ def with_new_transition(behaviour: Behaviour, source: str, target: str) -> Behav
     return replace(behaviour, transitions=(*behaviour.transitions, new))
 
 
-def with_transition_put(behaviour: Behaviour, place: int, transition: Transition) -> Behaviour:
+def with_transition_replaced(behaviour: Behaviour, place: int, transition: Transition) -> Behaviour:
     """Copy with another transition in place of one."""
     transitions = list(behaviour.transitions)
     transitions[place] = transition

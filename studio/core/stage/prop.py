@@ -239,7 +239,7 @@ class Prop:
         """Copy without the holds of one performer."""
         return self.with_holds([each for each in self.holds if each.performer_id != performer_id])
 
-    def is_put(self, place: int) -> bool:
+    def release_is_keyed(self, place: int) -> bool:
         """True if a key of the position sets where the hold of index ``place`` puts the prop down."""
         hold, after = self.holds[place], self.holds[place + 1 : place + 2]
         if not isinstance(self.position, KeyedPlace) or (after and after[0].begin == hold.end):

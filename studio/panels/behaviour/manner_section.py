@@ -80,7 +80,7 @@ class MannerSection(Section):
 
     def _add_times(self) -> None:
         self._always = check_box("Whole clip")
-        self._always.setAccessibleName("Meets as long as the clip plays")
+        self._always.setAccessibleName("The point follows its target while the clip plays")
         self._always.toggled.connect(lambda on: self._set(activation=WHOLE_CLIP if on else FIRST_MEETING))
         self.add_row("Active", self._always)
         for label, names in (("Fade in (s)", TIMES[:2]), ("Fade out (s)", TIMES[2:])):

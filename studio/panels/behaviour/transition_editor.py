@@ -110,8 +110,8 @@ class TransitionEditor(PartEditor[Transition]):
 
     def _set_by(self, text: str, make: Callable[[], tuple[Condition, ...]]) -> None:
         transition, place = self.entity, self.place
-        self.edit(lambda old: edits.with_transition_put(old, place, replace(transition, conditions=make())), text)
+        self.edit(lambda old: edits.with_transition_replaced(old, place, replace(transition, conditions=make())), text)
 
     def _set(self, text: str, **values: object) -> None:
         transition, place = self.entity, self.place
-        self.edit(lambda old: edits.with_transition_put(old, place, with_fields(transition, **values)), text)
+        self.edit(lambda old: edits.with_transition_replaced(old, place, with_fields(transition, **values)), text)

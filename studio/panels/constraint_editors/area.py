@@ -93,11 +93,11 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         self.change(f"{verb} {self.entity.name}", **values)
 
     def _set_whole(self, whole: bool) -> None:
-        self._set("Set points of", whole=whole)
+        self._set("Set collision of", whole=whole)
 
     def _set_side(self, side: str) -> None:
         outside: dict[str, object] = {} if side == "outside" else {"whole": False, "margin": 0.0}
-        self._set("Set side of", inside=side == "inside", on_surface=side == "on", **outside)
+        self._set("Set region of", inside=side == "inside", on_surface=side == "on", **outside)
 
     def _set_margin(self, metres: float) -> None:
         self._set("Set margin of", margin=metres)

@@ -21,7 +21,9 @@ class ClearEditor(ConstraintEditor[ClearConstraint]):
         self._arms.value_chosen.connect(lambda arms: self.change(f"Set arms of {self.entity.name}", arms=arms))
         section.add_row("Arms", self._arms)
         self._margin = self.bind(NumberField("Margin", "cm", 0.0, 50.0, 0.5, 1), self._set_margin)
-        self._margin.setToolTip("Minimum distance, also where the actor touches its body, as for thick clothes")
+        self._margin.setToolTip(
+            "Minimum distance, also where the actor touches its own body, for example for thick clothes"
+        )
         section.add_row("Margin", self._margin)
         self._gives = Segments("May move", [(True, "Wrist, elbow"), (False, "Elbow")])
         self._gives.value_chosen.connect(self._set_gives)

@@ -154,10 +154,10 @@ class ResidualSection(Section):
     """Form section of the table of residuals, updated whenever the engine reports new ones."""
 
     def __init__(self, editor: Editor[Constraint]) -> None:
-        super().__init__("Residuals")
+        super().__init__("Error")
         self._editor = editor
         self._table = ResidualTable()
-        self._table.setAccessibleName("Residual on each character")
+        self._table.setAccessibleName("Error on each character")
         self.add_wide(self._table)
         editor.live.reported_changed.connect(self._reported_changed)
 

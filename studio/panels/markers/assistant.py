@@ -90,7 +90,7 @@ class MarkerAssistant(QWidget):
         self.list.setHeaderLabels(["Marker", "Position", "Visible"])
         self.list.setRootIsDecorated(False)
         self.list.setUniformRowHeights(True)
-        self.list.setAccessibleName("Markers of the trial; activate one to assign it to the selected position")
+        self.list.setAccessibleName("Markers of the trial; click one to assign it to the selected position")
         self.list.itemClicked.connect(lambda item, _: self.put_marker(item.text(0)))
         column.addWidget(self.list)
         return box

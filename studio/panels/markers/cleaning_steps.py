@@ -18,7 +18,7 @@ OFFERED: tuple[tuple[Callable[[], Step], str], ...] = (
 
 
 class StepList(QWidget):
-    """List of steps in their order: add one, remove one, set its number."""
+    """Ordered list of cleaning steps: add, remove or reorder them, and set the parameter of each."""
 
     changed = Signal()
 

@@ -14,7 +14,9 @@ from studio.timeline.snapping import Snapped, beat_times, magnets_of, snapped_ti
 
 @dataclass(frozen=True)
 class DragHint:
-    """Text of a drag beside the mouse, at a stage time, and the time to which it has snapped."""
+    """Hint beside the mouse during a drag: ``text`` at a stage time, and the ``magnet``: the time it snapped to, if
+    any.
+    """
 
     time: float
     text: str

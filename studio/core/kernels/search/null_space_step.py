@@ -155,9 +155,9 @@ def damp_direction(damping, direction):
 
 @kernel
 def solve_equalities(equality_count, count, errors, equations):
-    """Solve the active equality rows: ``system`` becomes M_hh^-1 [e_h | M_ha] for the objective rows a; their number.
+    """Solve the active equality rows h for the errors and the objective rows a; returns the number of active rows.
 
-    METHOD (21).
+    ``equations.equalities`` becomes M_hh^-1 [e_h | M_ha]. METHOD (21).
     """
     gram, system, active = equations.gram, equations.equalities, equations.active
     active_count = 0

@@ -124,7 +124,7 @@ def rotation_at(frame, parent, segment, rotations):
 
 @kernel
 def is_calm(limb, frame, most, positions, rotations):
-    """True if the bones of a limb, and hand or foot about itself, accelerate in the world by less than the root of
+    """True if no bone of a limb, nor its hand or foot, has a world angular acceleration above the square root of
     ``most``.
 
     In radians a frame squared, by the second differences of their directions.

@@ -37,7 +37,7 @@ def limb_availability(
     return np.array([[release_weight(each, frame_rate) for each in level] for level in taken])
 
 
-def leg_availability(
+def leg_limit_fractions(
     body: AnyMorphology, ground: Ground, positions: PoseArray, window: slice = slice(None)
 ) -> FloatArray:
     """Fraction (2, F) of its limit by which each leg may rotate about its hip without entering the ground.
@@ -56,12 +56,12 @@ def leg_availability(
     return np.array(found)
 
 
-def arm_availability(body: AnyMorphology, positions: PoseArray, window: slice = slice(None)) -> FloatArray:
+def arm_limit_fractions(body: AnyMorphology, positions: PoseArray, window: slice = slice(None)) -> FloatArray:
     """Fraction (2, F) of its limit by which each arm may rotate about its shoulder: the squared sine of its mass'
     elevation.
 
     A level arm helps whether it rotates up or down, and would change sides between two frames. ``positions`` (all, P,
-    3) and ``window`` as in ``leg_availability``.
+    3) and ``window`` as in ``leg_limit_fractions``.
     """
     found, positions, masses = [], positions[window], point_masses(body.layout)
     for side in range(2):

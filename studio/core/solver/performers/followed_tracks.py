@@ -71,7 +71,7 @@ def performer_track(
     return Track(own.to_motion(placement.to_stage(places)), own.rotation.T @ placement.rotation @ axes)
 
 
-def tracked_track(follow: FollowTracked, capture: Capture, frames: NDArray[np.int64] | None = None) -> Track:
+def captured_joint_track(follow: FollowTracked, capture: Capture, frames: NDArray[np.int64] | None = None) -> Track:
     """Track of a captured joint, in the space of the capture's motion; in some ``frames`` (N,), or in all.
 
     Raises StudioError if there is no such joint.
@@ -90,7 +90,7 @@ def tracked_track(follow: FollowTracked, capture: Capture, frames: NDArray[np.in
 def tracked_in_row(
     follow: FollowTracked, captures: Sequence[Capture], composite: Composite, leg_length: float
 ) -> Track:
-    """``tracked_track`` in the space of a row's motion: in each frame of the playing clip, the newer of two.
+    """``captured_joint_track`` in the space of a row's motion: in each frame of the playing clip, the newer of two.
 
     ``captures`` are those of the row's clips.
     """
@@ -99,10 +99,10 @@ def tracked_in_row(
     for played in composite.played:
         capture = captures[played.piece.origin[0]]
         if composite.is_plain:
-            return tracked_track(follow, capture)
+            return captured_joint_track(follow, capture)
         frames = np.arange(max(played.first, 0), count)
         rows = np.rint(played.motion_frames(frames, composite.timing)).astype(np.int64).clip(0, capture.frame_count - 1)
-        own = tracked_track(follow, capture, rows)
+        own = captured_joint_track(follow, capture, rows)
         carry = clip_transform(played, composite.timing, leg_length)
         c, s = np.cos(carry.turn), np.sin(carry.turn)
         places[frames] = carry.places(own.places)

@@ -118,7 +118,7 @@ def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mappin
     """
     if not places:
         return _unheld(prop, times)
-    hold, put = prop.holds[places[-1]], prop.is_put(places[-1])
+    hold, put = prop.holds[places[-1]], prop.release_is_keyed(places[-1])
     theirs = hands[hold.performer_id]
     if hold.is_always:
         return theirs.track(hold)

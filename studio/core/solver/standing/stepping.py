@@ -36,7 +36,7 @@ class FootFlight:
 
     @property
     def is_step(self) -> bool:
-        """True if it leaves the ground although its own motion stands."""
+        """True if the foot is lifted during the transition although it is in contact in the clip: an added step."""
         return self.held and self.height > 0.0
 
     def free(self, times: FloatArray, rate: float) -> FloatArray:
@@ -86,7 +86,7 @@ def flights_of(
         if standing[side]:
             least, seconds = (
                 given / max(steps.sum(), 1) or max(needed[0, side], BLEND_STEP_SECONDS + each * displacements[side])
-                for each in (1.0, 2.0)
+                for each in (0.75, 1.5)
             )
             leaves = len(own[side])
             if steps[side]:

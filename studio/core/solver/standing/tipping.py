@@ -55,9 +55,10 @@ def out_of_ground(foot: FootPath, measures: FloatArray, depths: FloatArray) -> F
 
 
 def tipped_about_ankle(foot: FootPath, measures: FloatArray, heights: FloatArray, rises: FloatArray) -> FloatArray:
-    """Rotations (F, 3, 3) of a foot about its ankle that raise its heel or ball by ``rises`` (2, F) metres.
+    """Rotations (F, 3, 3) of a foot about its ankle that raise the lower one of heel and ball by ``rises`` (2, F)
+    metres.
 
-    The lower of both, now at ``heights`` (2, F), rises, at most until the foot is level.
+    ``heights`` (2, F) are those of heel and ball before. A foot is not tipped beyond level.
     """
     heel, joint, _, _ = sole_arms(measures)
     pitch, extent = heights[0] - heights[1], joint[:, 0] - heel[:, 0]
