@@ -8,7 +8,7 @@ from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QKeyEvent, QKeySequence
 from PySide6.QtWidgets import QAbstractSpinBox, QApplication, QComboBox, QLineEdit, QPlainTextEdit, QTextEdit
 
-from studio.app.strike_edit import clips_until
+from studio.app.strike_edit import ask_parts, clips_until
 from studio.app.workbench import Workbench
 from studio.core.names import counted_noun
 from studio.core.stage.clip import Clip
@@ -140,6 +140,10 @@ def insert_take(bench: Workbench, take: StageTake) -> None:
                 document.replace(collection, key, entity, "Record take")
             else:
                 document.put_all(collection, {key: entity}, "Record take")
+        for _, key, entity in made if begin != take.begin else ():
+            if isinstance(entity, Performer):
+                kept = [clip for clip in entity.clips if clip.start < begin]
+                ask_parts(document, project.performers[key], kept, "Record take")
     rate = document.playhead.frame_rate
     document.playhead.set_range(round(begin * rate), round((begin + take.end - take.begin) * rate))
     document.playhead.set_time(begin)

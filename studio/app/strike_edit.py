@@ -1,6 +1,6 @@
 """Edit that makes a found strike a clip and a constraint of a performer: one undo step."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,9 +16,11 @@ from studio.core.constraints.target import Place
 from studio.core.errors import StudioError
 from studio.core.mesh.hand_shapes import FIST_GRIP
 from studio.core.stage.clip import Clip
-from studio.core.stage.clip_row import frame_at
+from studio.core.stage.clip_row import clip_halves, frame_at
 from studio.core.stage.placement import Placement
-from studio.core.stage.project import Performer, Project, new_id
+from studio.core.stage.project import Performer, Project, new_id, new_ids
+from studio.document.clip_edits import MOST_PARTS, ask_also
+from studio.document.edited_project import EditedProject
 
 # Here and below: what searches loads the solver, which takes longer than a window.
 if TYPE_CHECKING:
@@ -84,8 +86,9 @@ def put_strike(bench: Workbench, wish: StrikeRequest, source: ReadMotion | str) 
         grip = FIST_GRIP if label.kind is Kind.PUNCH else None
         clip = Clip(motion_id, found.start, label.last, wish.time, id=new_id(), ease=ease, grip=grip)
         rates = {each.motion_id: document.project.frame_rate_of(each) for each in performer.clips}
-        clips = (*clips_until(performer, wish.time, rates), clip)
-        document.replace("performers", key, replace(performer, clips=clips), text)
+        kept = clips_until(performer, wish.time, rates)
+        document.replace("performers", key, replace(performer, clips=(*kept, clip)), text)
+        ask_parts(document, performer, kept, text)
         body = document.project.characters[performer.character_id].morphology
         target: Place = wish.target.follow
         if wish.frozen is not None:
@@ -116,17 +119,32 @@ def space_of_last_frame(
     return Placement.of(project.performers[performer_id]).compose(inner)
 
 
-def clips_until(performer: Performer, time: float, frame_rates: dict[str, float]) -> tuple[Clip, ...]:
-    """Clips of a performer before ``time`` in seconds; later parts are cut off."""
-    kept = []
+def clips_until(performer: Performer, time: float, frame_rates: Mapping[str, float]) -> tuple[Clip, ...]:
+    """Clips of a performer before ``time`` in seconds; later parts are cut off.
+
+    A loop that is cut in its middle becomes a clip of its own, with a new id, after the whole ones.
+    """
+    kept: list[Clip] = []
     for clip in performer.clips:
+        rate, names = frame_rates[clip.motion_id], new_ids(MOST_PARTS)
         if clip.start >= time:
             continue
-        rate = frame_rates[clip.motion_id]
-        once = clip.length(rate) / clip.repeats
-        whole = int((time - clip.start) / once) if once > 0.0 else clip.repeats
-        if whole >= clip.repeats or clip.repeats > 1:
-            kept.append(replace(clip, repeats=max(min(whole, clip.repeats), 1)))
+        length = clip.length(rate)
+        frame = length / max(clip.repeats * (clip.last - clip.first), 1)
+        if clip.start + length <= time + frame:
+            kept.append(clip)
+        elif clip.repeats > 1 and clip.start + frame <= time:
+            kept += [each for each in clip_halves(clip, rate, time, iter(names)) if each.start < time - frame / 2]
         else:
-            kept.append(replace(clip, last=int(frame_at(clip, rate, time))))
+            kept.append(replace(clip, repeats=1, last=int(frame_at(clip, rate, time))))
     return tuple(kept)
+
+
+def ask_parts(document: EditedProject, before: Performer, clips: Sequence[Clip], text: str) -> None:
+    """Copy constraints and contacts of the clips ``before`` to the parts of them among ``clips``, which follow them."""
+    known, whole = {clip.id for clip in before.clips}, ""
+    for clip in clips:
+        if clip.id in known:
+            whole = clip.id
+        else:
+            ask_also(document, whole, clip.id, text)

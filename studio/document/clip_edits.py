@@ -12,6 +12,7 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import ClipEdit, clip_halves, players_of, with_clip_edited, with_row
 from studio.core.stage.layer import Layer
 from studio.core.stage.project import Project, new_id, new_ids
+from studio.core.stage.prop import Carried, InHand
 from studio.document.edited_project import EditedProject
 
 BLEND = 0.3
@@ -67,8 +68,31 @@ def split_clip(document: EditedProject, clip_id: str, time: float) -> str:
 
 def mirror_clip(document: EditedProject, clip_id: str) -> None:
     """Toggle the mirroring of a clip."""
-    text = f"Mirror {name_of(document.project, document.project.clips[clip_id])}"
-    edit_clip(document, clip_id, lambda clip: (replace(clip, mirrored=not clip.mirrored),), text)
+    set_mirrored(document, clip_id, not document.project.clips[clip_id].mirrored)
+
+
+def set_mirrored(document: EditedProject, clip_id: str, mirrored: bool) -> None:
+    """Mirror a clip or not, with the holds of props that last during no other clip of its performers."""
+    project = document.project
+    clip = project.clips[clip_id]
+    if clip.mirrored is mirrored:
+        return
+    text = f"Mirror {name_of(project, clip)}"
+    with document.group(text):
+        edit_clip(document, clip_id, lambda clip: (replace(clip, mirrored=mirrored),), text)
+        for key, prop in project.props.items() if layer_of(project, clip_id) is None else ():
+            held = [hold.mirrored() if _clips_during(project, hold) == [clip_id] else hold for hold in prop.holds]
+            document.replace("props", key, prop.with_holds(held), text)
+
+
+def _clips_during(project: Project, hold: InHand | Carried) -> list[str]:
+    """Clips that the holder plays while a hold lasts."""
+    return [
+        clip.id
+        for clip in project.performers[hold.performer_id].clips
+        if (hold.end is None or clip.start < hold.end)
+        and (hold.begin is None or clip.start + clip.length(project.frame_rate_of(clip)) > hold.begin)
+    ]
 
 
 def duplicate_clip(document: EditedProject, clip_id: str) -> str:

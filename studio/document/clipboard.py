@@ -7,12 +7,13 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NoReturn
 
 from studio.core.body.growth import KeyedProportions
 from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.base import Constraint
-from studio.core.constraints.carried_over import MIRROR, ClipTransform, constraint_on_clip, mirrored_constraint
+from studio.core.constraints.carried_over import MIRROR, ClipTransform, constraint_on_clip
 from studio.core.constraints.objections import objection
 from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.core.constraints.scope import EVERYONE, Scope
@@ -174,9 +175,10 @@ def _paste_entities(document: EditedProject, record: JsonObject, mirrored: bool)
         frames = round(seconds * rate)
         contacts = [replace(each, first=each.first + frames, last=each.last + frames) for each in contacts]
     if mirrored:
-        constraints = [mirrored_constraint(each) for each in constraints]
-        contacts = [mirrored_entity(each) for each in contacts]
-        corrections = [mirrored_entity(each) for each in corrections]
+        mirror = partial(mirrored_entity, document.project, performer_id, replace(clip, mirrored=True))
+        constraints = [mirror(each) for each in constraints]
+        contacts = [mirror(each) for each in contacts]
+        corrections = [mirror(each) for each in corrections]
     count = len(constraints) + len(contacts) + len(corrections)
     names = [each.name for each in constraints] + [each.name for each in corrections]
     name = names[0] if names else f"{contacts[0].point.words} contact"

@@ -49,7 +49,7 @@ class EditedProject(QObject):
         self._gesture = 0
         self._group: list[Edit] | None = None
         self._shown_already = False
-        self._mirrored: tuple[Project, str, Project] | None = None
+        self._mirrored: tuple[Project, str, Clip, Project] | None = None
         self.undo_stack = QUndoStack(self)
         self.selection = Selection(self)
         self._active_before: str | None = None
@@ -73,13 +73,14 @@ class EditedProject(QObject):
 
         They differ from ``project`` where that clip is mirrored.
         """
-        clip = self.active_clip
-        if clip is None or not clip.mirrored:
+        clip, performer_id = self.active_clip, self.active_performer_id
+        if clip is None or performer_id is None or not clip.mirrored:
             return self._project
         known = self._mirrored
-        if known is None or known[0] is not self._project or known[1] != clip.motion_id:
-            known = self._mirrored = self._project, clip.motion_id, mirrored_project(self._project, clip.motion_id)
-        return known[2]
+        if known is None or known[0] is not self._project or known[1:3] != (performer_id, clip):
+            shown = mirrored_project(self._project, performer_id, clip)
+            known = self._mirrored = self._project, performer_id, clip, shown
+        return known[3]
 
     @property
     def revision(self) -> int:
@@ -115,17 +116,21 @@ class EditedProject(QObject):
     ) -> None:
         """``replace`` for a ``new`` entity made from the one of ``shown_project``."""
         old = self._existing(collection, entity_id)
-        if self._plays_mirrored(old):
-            new = mirrored_edit(old, new)
+        if (clip := self._mirrored_clip_of(old)) is not None:
+            new = mirrored_edit(self._project, self.active_performer_id or "", clip, old, new)
         self.replace(collection, entity_id, new, text, gesture)
 
     def add_shown(self, collection: str, entity: Entity, text: str) -> str:
         """``add`` for an entity on the side on which the active clip plays it."""
-        return self.add(collection, mirrored_entity(entity) if self._plays_mirrored(entity) else entity, text)
+        if (clip := self._mirrored_clip_of(entity)) is not None:
+            entity = mirrored_entity(self._project, self.active_performer_id or "", clip, entity)
+        return self.add(collection, entity, text)
 
-    def _plays_mirrored(self, entity: Entity) -> bool:
+    def _mirrored_clip_of(self, entity: Entity) -> Clip | None:
+        """Active clip if it is mirrored and plays the motion of an entity."""
         clip = self.active_clip
-        return clip is not None and clip.mirrored and getattr(entity, "motion_id", None) == clip.motion_id
+        is_mirrored = clip is not None and clip.mirrored and getattr(entity, "motion_id", None) == clip.motion_id
+        return clip if is_mirrored else None
 
     def add(self, collection: str, entity: Entity, text: str) -> str:
         """Append a new entity to its collection and return its id. Raises as ``replace``."""

@@ -6,18 +6,21 @@ from typing import cast
 from studio.core.captures.contacts import ContactInterval
 from studio.core.changed_records import RecordT, with_fields
 from studio.core.constraints.base import Constraint
-from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.normalized.mirror import mirrored_contacts
+from studio.core.stage.clip import Clip
 from studio.core.stage.correction import Correction
+from studio.core.stage.mirrored_props import constraint_as_played
 from studio.core.stage.project import Project
 from studio.document.commands.replace import same_value
 
 
-def mirrored_entity(entity: RecordT) -> RecordT:
-    """Constraint, contact or correction on the other side; other entities unchanged. Its own inverse."""
+def mirrored_entity(project: Project, performer_id: str, clip: Clip, entity: RecordT) -> RecordT:
+    """Constraint, contact or correction on the side where a mirrored clip of a performer plays it; other entities
+    unchanged. Its own inverse.
+    """
     match entity:
         case Constraint():
-            return cast(RecordT, mirrored_constraint(entity))
+            return cast(RecordT, constraint_as_played(project, performer_id, clip, entity))
         case ContactInterval():
             return cast(RecordT, mirrored_contacts((entity,))[0])
         case Correction():
@@ -25,12 +28,12 @@ def mirrored_entity(entity: RecordT) -> RecordT:
     return entity
 
 
-def mirrored_edit(stored: RecordT, new: RecordT) -> RecordT:
-    """``stored`` with the edits that a view made in its mirror image ``new``.
+def mirrored_edit(project: Project, performer_id: str, clip: Clip, stored: RecordT, new: RecordT) -> RecordT:
+    """``stored`` with the edits that a view of a mirrored clip made in its mirror image ``new``.
 
     Fields that the view did not change stay the same objects.
     """
-    before, after = mirrored_entity(stored), mirrored_entity(new)
+    before, after = (mirrored_entity(project, performer_id, clip, each) for each in (stored, new))
     if type(before) is not type(new):
         return after
     names = [each.name for each in fields(new)]
@@ -40,11 +43,11 @@ def mirrored_edit(stored: RecordT, new: RecordT) -> RecordT:
     )
 
 
-def mirrored_project(project: Project, motion_id: str) -> Project:
-    """Project with the constraints and contacts of one motion on the other side."""
+def mirrored_project(project: Project, performer_id: str, clip: Clip) -> Project:
+    """Project with the constraints and contacts of the motion of a mirrored clip on the side where that plays them."""
     changed = {
         name: {
-            key: mirrored_entity(each) if each.motion_id == motion_id else each
+            key: mirrored_entity(project, performer_id, clip, each) if each.motion_id == clip.motion_id else each
             for key, each in getattr(project, name).items()
         }
         for name in ("constraints", "contacts")

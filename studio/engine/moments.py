@@ -18,6 +18,7 @@ from studio.core.curves.keyed import KeyedPlace, Quaternion
 from studio.core.solver.asking.tracks import Targets, Track, fixed_at, moved_target, turned_target
 from studio.core.solver.performers.rows import clip_transform
 from studio.core.solver.request import UnconstrainedPoses
+from studio.core.stage.mirrored_props import constraint_as_played
 from studio.core.stage.project import Project
 from studio.engine.performance import PosedPerformer
 from studio.engine.prop_places import prop_at
@@ -42,6 +43,11 @@ class TargetContext:
             return None
         now, leg_length = np.array([self.pose.seconds]), self.pose.motion.body.leg_length
         return fixed_at(constraint, Targets(now, tracks, lambda: np.zeros((1, 3)), leg_length))
+
+    def as_played(self, constraint: Constraint) -> Constraint:
+        """Constraint on the side where the playing clip has it. Its own inverse."""
+        clip = self.pose.clip
+        return constraint if clip is None else constraint_as_played(self.project, self.performer_id, clip, constraint)
 
     def moved(self, constraint: Constraint, place: Vector) -> Constraint:
         """Constraint with its target moved to ``place`` now, by a key, centre or offset; unchanged if it has none."""

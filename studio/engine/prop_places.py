@@ -15,9 +15,8 @@ from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.grounds.ground import Ground
 from studio.core.rotations import from_euler, from_matrix, multiply, to_matrix
 from studio.core.solver.performers.rows import timing_of
-from studio.core.stage.holding import quarter_turns
 from studio.core.stage.project import Project
-from studio.core.stage.prop import Carried, InHand, Prop
+from studio.core.stage.prop import Carried, InHand, Prop, quarter_turns
 from studio.engine.grasps import chest_heading
 from studio.engine.performance import PosedPerformer
 

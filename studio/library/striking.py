@@ -101,9 +101,22 @@ def make_strike(playing: MotionPiece, at_frame: int, blow: StrikeClip, body: Mor
     """
     rate = playing.motion.frame_rate * float(speed_at(playing.speed, at_frame / playing.motion.frame_rate))
     before = replace(playing, last=at_frame)
-    begin = before.end + 1.0 / rate
-    whole = compose_pieces((before, blow.piece(begin)))
+    begin = before.end  # as a clip that is inserted at the playhead
+    whole = _with_changes_of(before, compose_pieces((before, blow.piece(begin))), rate)
     return strike_in(whole, round((begin - whole.timing.begin) * whole.timing.frame_rate), blow, body, target)
+
+
+def _with_changes_of(piece: MotionPiece, whole: Composite, rate: float) -> Composite:
+    """Composite that begins with a ``piece`` of a row, which plays ``rate`` frames a second, with that row's changes of
+    clips, so that the body is inertialised there too.
+    """
+    scale = whole.timing.frame_rate / rate
+    earlier = [
+        replace(each, first=round((each.first - piece.first) * scale))
+        for each in piece.motion.changes
+        if piece.first < each.first <= piece.last
+    ]
+    return replace(whole, motion=replace(whole.motion, changes=(*earlier, *whole.motion.changes)))
 
 
 def strike_in(composite: Composite, change: int, blow: StrikeClip, body: Morphology, target: Place) -> Strike:

@@ -69,7 +69,7 @@ class ClipEditor(Editor[Clip]):
         section.add_row("Speed", self._speed, self._keyed)
         self._repeats = self.bind(NumberField("Loop count", "", 1, MOST_REPEATS, 1, 0), self._set_repeats)
         section.add_row("Loop count", self._repeats)
-        self._mirrored = self._box("Mirror left/right", lambda on: self._set("Mirror", mirrored=on))
+        self._mirrored = self._box("Mirror left/right", self._set_mirrored)
         section.add_row("Mirror", self._mirrored)
         self._grip = Choice("Hands", GRIP_CHOICES)
         self._grip.setToolTip(
@@ -153,14 +153,21 @@ class ClipEditor(Editor[Clip]):
         return collection in ("performers", "motions")
 
     def _edit(self, edit: ClipEdit, verb: str) -> None:
+        self._edit_each(lambda key, text: clip_edits.edit_clip(self.document, key, edit, text), verb)
+
+    def _edit_each(self, edit: Callable[[str, str], None], verb: str) -> None:
+        """Edit each clip of the selection, by its id and the text of the step, in one step."""
         text = f"{verb} {clip_edits.name_of(self.document.project, self.entity)}"
 
         def edit_all() -> None:
             with self.document.group(text, self._gesture):
                 for key in self.together:
-                    clip_edits.edit_clip(self.document, key, edit, text)
+                    edit(key, text)
 
         self._say(edit_all)
+
+    def _set_mirrored(self, mirrored: bool) -> None:
+        self._edit_each(lambda key, _: clip_edits.set_mirrored(self.document, key, mirrored), "Mirror")
 
     def _set(self, verb: str, **values: object) -> None:
         self._edit(lambda clip: (with_fields(clip, **values),), verb)

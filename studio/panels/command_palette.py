@@ -159,6 +159,10 @@ class CommandPalette(QFrame):
             item.setTextAlignment(1, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
             item.setDisabled(not action.isEnabled())
             self.list.addTopLevelItem(item)
+        if not self.list.topLevelItemCount():
+            item = QTreeWidgetItem([f"Nothing matches “{words.strip()}”" if words.strip() else "Nothing to choose", ""])
+            item.setDisabled(True)
+            self.list.addTopLevelItem(item)
         self._go_to(0)
         rows = min(max(self.list.topLevelItemCount(), 1), MOST_PALETTE_ROWS)
         self.resize(PALETTE_WIDTH, 48 + rows * PALETTE_ROW_PX)

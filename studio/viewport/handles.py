@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from studio.core.constraints.balance import Support
-from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.stage.project import Project
 from studio.engine.moments import TargetContext
 from studio.engine.performance import PosedPerformer
@@ -52,7 +51,7 @@ def constraint_handles(
         for constraint_id, constraint in asked.items():
             if only is not None and constraint_id not in only:
                 continue
-            constraint = mirrored_constraint(constraint) if pose.mirrored else constraint
+            constraint = moment.as_played(constraint)
             now = moment.fixed(constraint) if constraint.enabled else None
             if now is None:
                 continue

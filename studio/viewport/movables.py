@@ -9,7 +9,6 @@ import numpy as np
 
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.base import Constraint
-from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.constraints.follow import Follow
 from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.core.constraints.target import own_place_of
@@ -97,7 +96,7 @@ class MovableTarget(Movable):
     @property
     def _constraint(self) -> Constraint:
         stored = self._document.project.constraints[self._id]
-        return mirrored_constraint(stored) if self._moment.pose.mirrored else stored
+        return self._moment.as_played(stored)
 
     @property
     def place(self) -> FloatArray:
@@ -145,7 +144,9 @@ class MovableTarget(Movable):
 
     def _put(self, seen: Constraint, text: str, gesture: int) -> None:
         stored = self._document.project.constraints[self._id]
-        new = mirrored_edit(stored, seen) if self._moment.pose.mirrored else seen
+        moment, clip = self._moment, self._moment.pose.clip
+        mirrors = clip is not None and clip.mirrored
+        new = mirrored_edit(moment.project, moment.performer_id, clip, stored, seen) if clip and mirrors else seen
         self._document.replace("constraints", self._id, new, text, gesture)
 
 

@@ -13,7 +13,7 @@ from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint, Vector
-from studio.core.constraints.carried_over import mirrored_constraint, other_side
+from studio.core.constraints.carried_over import other_side
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.fitted_activation import LONGEST, LimbPath, fitted_activation
@@ -192,8 +192,7 @@ def constraint_here(here: NewConstraintContext, kind: str) -> Constraint:
     """New constraint of ``kind`` whose target is the present pose."""
     make = CONSTRAINT_KINDS[kind].make
     assert make is not None  # a kind without one has no action
-    made = make(here)
-    return mirrored_constraint(made) if here.pose.mirrored else made
+    return here.moment.as_played(make(here))
 
 
 def new_position(here: NewConstraintContext) -> Constraint:

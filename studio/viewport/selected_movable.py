@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.stage.placement import Placement
 from studio.document.document import Document
 from studio.engine.moments import TargetContext
@@ -56,7 +55,7 @@ def _movable(
     if active is None or constraint is None or constraint.motion_id != active.motion_id:
         return None
     moment, floor = TargetContext(project, posed, active), floor_under(project, active)
-    now = moment.fixed(mirrored_constraint(constraint) if active.mirrored else constraint)
+    now = moment.fixed(moment.as_played(constraint))
     if now is None:
         return None
     kind = target_of_kind(now)

@@ -12,7 +12,6 @@ from PySide6.QtWidgets import QWidget
 
 from studio.core.body.sticks import bone_pairs
 from studio.core.constraints.base import BodyPoint
-from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.stage.saved_camera import CameraPlacement
 from studio.document import colours
@@ -343,7 +342,7 @@ class Viewport(Canvas):
             return None
         context, joint = TargetContext(project, self.posed, pose), picked.joint if picked else None
         constraint = constraint_here(NewConstraintContext(context, joint, self.fits_activation), kind)
-        shown = mirrored_constraint(constraint) if pose.mirrored else constraint
+        shown = context.as_played(constraint)
         constraint_id = self._document.add("constraints", constraint, f"Add '{shown.name}'")
         self.pick(None)
         self._document.selection.set(("performers", performer_id), ("constraints", constraint_id))

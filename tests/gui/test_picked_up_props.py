@@ -7,14 +7,18 @@ import numpy as np
 import pytest
 
 from studio.app.verbs.props import add_box
+from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactInterval, Touch
+from studio.core.constraints.base import BodyPoint
 from studio.core.mesh.hand_shapes import OPEN_GRIP
-from studio.core.solver.performers.prop_tracks import carried_track
-from studio.core.stage.prop import Carried, Prop
+from studio.core.solver.performers.prop_tracks import carried_track, rotations_about_z
+from studio.core.stage.mirrored_props import constraint_as_played
+from studio.core.stage.prop import Carried, InHand, Prop
+from studio.document.clip_edits import mirror_clip
 from studio.engine.performance import posed_performers
 from studio.engine.prop_places import prop_at
 from tests.gui.viewport_use import drag, on_arrow, settle
-from tests.patience import PATIENCE
+from tests.patience import PATIENCE, SECONDS
 
 FIRST = "performer 0"
 PICKED = 0.2
@@ -188,3 +192,36 @@ def test_who_has_just_taken_a_box_does_not_lose_it_as_the_giver_would_put_it_dow
     one, two = document.project.props[prop_id].holds
     assert (one.performer_id, one.end) == (FIRST, pytest.approx(document.playhead.time))
     assert two == taken.holds[1]
+
+
+@pytest.mark.parametrize("turned", [0.0, math.pi / 2])
+def test_hands_that_pick_up_a_box_in_a_mirrored_clip_do_not_cross(played, qtbot, turned):
+    document, live = played.bench.document, played.bench.live
+    clip = document.project.performers[FIRST].clips[0]
+    mirror_clip(document, clip.id)
+    qtbot.waitUntil(lambda: live.result(FIRST).composite.played[0].piece.mirrored, timeout=PATIENCE)
+    prop_id = document.add("props", Prop("Box", position=(4.0, 0.0, 0.2), heading=turned), "Add box")
+    pick_up(played, FIRST, prop_id, PICKED)
+    hold = document.project.props[prop_id].held
+    assert live.wait(SECONDS)
+    clip = document.project.performers[FIRST].clips[0]
+    for stored in document.project.constraints.values():
+        if stored.name.endswith("hand on box"):
+            seen = constraint_as_played(document.project, FIRST, clip, stored)
+            side = 1.0 if seen.name.startswith("Left") else -1.0
+            across = rotations_about_z(np.array([hold.heading]))[0] @ np.array(seen.target.share)
+            assert across == pytest.approx([0.0, side, 0.0], abs=1e-9)
+            assert seen.point.part.value.startswith("left" if side > 0.0 else "right")
+
+
+def test_a_mirrored_clip_takes_the_stick_into_the_other_hand_in_one_step(played):
+    document = played.bench.document
+    hold = InHand(FIRST, BodyPoint(BodyPart.RIGHT_HAND, (0.01, 0.02, 0.03)), (0.1, 0.2, 0.3, 0.9))
+    prop_id = document.add("props", Prop("Stick", (0.03, 0.03, 1.0), held=hold), "Add stick")
+    [clip] = document.project.performers[FIRST].clips
+    steps = document.undo_stack.count()
+    mirror_clip(document, clip.id)
+    assert document.project.props[prop_id].held.point.part is BodyPart.LEFT_HAND
+    assert document.undo_stack.count() == steps + 1
+    mirror_clip(document, clip.id)
+    assert document.project.props[prop_id].held == hold

@@ -36,3 +36,18 @@ def test_arrow_keys_walk_the_list_before_they_are_shortcuts_of_the_window(qtbot)
     QTest.keyClick(palette.field, Qt.Key.Key_Down)
     QTest.keyClick(palette.field, Qt.Key.Key_Return)
     assert ran == ["Ball"]
+
+
+def test_a_list_in_which_nothing_matches_says_so_and_return_runs_nothing(qtbot):
+    window, ran = QMainWindow(), []
+    qtbot.addWidget(window)
+    palette = CommandPalette(window, [QAction("Box", window, triggered=lambda: ran.append("Box"))])
+    palette.open()
+    palette.field.setText("zebra")
+    [item] = [palette.list.topLevelItem(row) for row in range(palette.list.topLevelItemCount())]
+    assert item.text(0) == "Nothing matches “zebra”"
+    assert item.isDisabled()
+    QTest.keyClick(palette.field, Qt.Key.Key_Return)
+    assert ran == []
+    palette.field.setText("b")
+    assert palette.list.topLevelItem(0).text(0) == "Box"

@@ -17,9 +17,11 @@ from studio.core.curves.keyed import KeyedPlace
 from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.names import free_name, readable_name
-from studio.core.stage.holding import HAND_REACH_SECONDS, THIN, grip_constraints, quarter_turns, reaching_time
+from studio.core.stage.clip import Clip
+from studio.core.stage.holding import HAND_REACH_SECONDS, THIN, grip_constraints, reaching_time
+from studio.core.stage.mirrored_props import constraint_as_played
 from studio.core.stage.project import Performer, Project
-from studio.core.stage.prop import Carried, InHand, Prop, PropShape
+from studio.core.stage.prop import Carried, InHand, Prop, PropShape, quarter_turns
 from studio.document.document import Document
 from studio.document.length_units import length_text, shown_unit
 from studio.engine.grasps import Grasp, captured_grasp, chest_heading, grasp_at, grasp_near
@@ -285,7 +287,11 @@ def _hold(bench: Workbench, begin: float | None) -> None:
                 motion_id, performer_id, prop_id, prop, seconds, last,
                 turned=quarter_turns(hold.heading), lower=lower, reaching=reaching, elevation=elevation,
             )  # fmt: skip
-            document.add_all("constraints", made, text)
+            clip = next(
+                each for each in _clips_after(document.project, performer, begin) if each.motion_id == motion_id
+            )
+            seen = [constraint_as_played(document.project, performer_id, clip, each) for each in made]
+            document.add_all("constraints", seen, text)
     if moved:
         bench.say(moved, until=Lifetime.EDITED)
 
@@ -321,17 +327,25 @@ def _in_reach(
     return nearer, words
 
 
+def _clips_after(project: Project, performer: Performer, begin: float | None) -> list[Clip]:
+    """Clips that a performer plays after ``begin``, or all."""
+    return [
+        clip
+        for clip in performer.clips
+        if begin is None or clip.start + clip.length(project.frame_rate_of(clip)) > begin
+    ]
+
+
 def _stretches(project: Project, performer: Performer, begin: float | None) -> dict[str, tuple[float, float]]:
     """Range in seconds of each motion that a performer plays after ``begin``, without motions of which it has played
     the same range before, where the constraints would apply too.
     """
     stretches: dict[str, tuple[float, float]] = {}
-    for clip in performer.clips:
+    for clip in _clips_after(project, performer, begin):
         rate = project.frame_rate_of(clip)
-        if begin is None or clip.start + clip.length(rate) > begin:
-            first = clip.first / rate if begin is None else motion_time(clip, rate, begin)
-            known = stretches.get(clip.motion_id, (first, first))
-            stretches[clip.motion_id] = min(first, known[0]), max(clip.last / rate, known[1])
+        first = clip.first / rate if begin is None else motion_time(clip, rate, begin)
+        known = stretches.get(clip.motion_id, (first, first))
+        stretches[clip.motion_id] = min(first, known[0]), max(clip.last / rate, known[1])
     for clip in performer.clips:
         rate = project.frame_rate_of(clip)
         over = begin is not None and clip.start + clip.length(rate) <= begin

@@ -105,6 +105,13 @@ class ClipTransform:
             return seen
         return seen * ([1.0, -1.0, -1.0] if is_hinged(part) else [-1.0, 1.0, -1.0])
 
+    def own_turn(self, turn: Quaternion, part: BodyPart) -> Quaternion:
+        """Rotation in the axes of a segment; of the other side's in a mirror."""
+        if not self.mirrored:
+            return turn
+        x, y, z, w = turn
+        return (x, -y, -z, w) if is_hinged(part) else (-x, y, -z, w)
+
     def point(self, point: BodyPoint) -> BodyPoint:
         """Point of the body; of the other side in a mirror."""
         if not self.mirrored:
@@ -195,7 +202,7 @@ def _value(name: str, value: Any, constraint: Constraint, carry: ClipTransform) 
         case BodyPoint():
             return carry.point(value)
         case FollowBody():
-            return replace(value, point=carry.point(value.point), turn=_own_turn(value.turn, value.point.part, carry))
+            return replace(value, point=carry.point(value.point), turn=carry.own_turn(value.turn, value.point.part))
         case Arms():
             return _SWAPPED[value] if carry.mirrored else value
         case TriangleMesh() if carry.mirrored:
@@ -237,14 +244,6 @@ def _heading(heading: float, constraint: Constraint, carry: ClipTransform) -> fl
 def _is_heading_mirrored(constraint: Constraint, carry: ClipTransform) -> bool:
     others = isinstance(getattr(constraint, "centre", None), FollowPerformer | FollowProp)
     return carry.mirrored and not others
-
-
-def _own_turn(turn: Quaternion, part: BodyPart, carry: ClipTransform) -> Quaternion:
-    """Rotation in the axes of the other side's segment."""
-    if not carry.mirrored:
-        return turn
-    x, y, z, w = turn
-    return (x, -y, -z, w) if is_hinged(part) else (-x, y, -z, w)
 
 
 def _chain(chain: Chain, carry: ClipTransform) -> Chain:

@@ -36,11 +36,6 @@ FLAT_HAND = (-0.5, 0.5, -0.5, 0.5)
 """A hand in a prop's axes: fingers ahead, the palm on the side."""
 
 
-def quarter_turns(angle: float) -> int:
-    """Number of quarter turns, 0 to 3, nearest to an angle in radians."""
-    return round(2.0 * angle / math.pi) % 4
-
-
 def reaching_time(distance: float) -> float:
     """Seconds in which hands reach a prop that is ``distance`` metres from them."""
     return max(HAND_REACH_SECONDS, EASE_PEAK * distance / REACH_SPEED)

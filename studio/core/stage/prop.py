@@ -6,7 +6,10 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import ClassVar
 
+import numpy as np
+
 from studio.core.constraints.base import BodyPoint, Vector, finite_vector
+from studio.core.constraints.carried_over import MIRROR, is_hinged
 from studio.core.constraints.follow import UNTURNED
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quaternion, unit_quaternion
@@ -26,6 +29,8 @@ class PropShape(StrEnum):
     MESH = "mesh"
 
 
+ACROSS_Y, ACROSS_X = (1.0, -1.0, 1.0), (-1.0, 1.0, 1.0)
+"""Signs of a held prop's axes in a mirror: its y is across the body, or its x if it is held a quarter turned."""
 PICKED = 0.01
 """Seconds after the begin of a hold during which a prop still lies at its pick-up position."""
 
@@ -53,7 +58,12 @@ class Hold:
 
     def holds_at(self, time: float) -> bool:
         """True if the prop is held by this hold at ``time``, in seconds of the stage."""
-        return (self.begin is None or time >= self.begin) and (self.end is None or time <= self.end)
+        return self.seconds_from(time) == 0.0
+
+    def seconds_from(self, time: float) -> float:
+        """Seconds between ``time`` of the stage and the hold; 0 while it lasts."""
+        before = 0.0 if self.begin is None else self.begin - time
+        return max(before, 0.0 if self.end is None else time - self.end, 0.0)
 
 
 @dataclass(frozen=True)
@@ -68,6 +78,15 @@ class InHand(Hold):
     def __post_init__(self) -> None:
         super().__post_init__()
         object.__setattr__(self, "turn", unit_quaternion(self.turn))
+
+    @property
+    def reflection(self) -> Vector:
+        """Signs of the prop's axes where a mirror image of the body holds it."""
+        return ACROSS_X if is_hinged(self.point.part) else ACROSS_Y
+
+    def mirrored(self) -> "InHand":
+        """Hold by the other side, in the mirror image of the body."""
+        return replace(self, point=MIRROR.point(self.point), turn=MIRROR.own_turn(self.turn, self.point.part))
 
 
 @dataclass(frozen=True)
@@ -94,6 +113,24 @@ class Carried(Hold):
         if not math.isfinite(self.heading):
             raise ValueError("A carried prop needs a finite heading.")
         TURN_RANGE.check(self.heading)
+
+    @property
+    def reflection(self) -> Vector:
+        """Signs of the prop's axes where a mirror image of the body holds it: the axis across the body is reversed."""
+        return ACROSS_X if quarter_turns(self.heading) % 2 else ACROSS_Y
+
+    def mirrored(self) -> "Carried":
+        """Hold in the mirror image of the body."""
+        x, y, z = self.offset
+        is_across_x = self.reflection == ACROSS_X
+        tilt = np.array(self.tilt) * [*-np.array(self.reflection), 1.0]
+        heading = math.remainder((math.pi if is_across_x else 0.0) - self.heading, 2.0 * math.pi)
+        return replace(self, offset=(x, -y, z), heading=heading, tilt=tuple(tilt.tolist()))
+
+
+def quarter_turns(angle: float) -> int:
+    """Number of quarter turns, 0 to 3, nearest to an angle in radians."""
+    return round(2.0 * angle / math.pi) % 4
 
 
 @dataclass(frozen=True)
@@ -147,6 +184,13 @@ class Prop:
     def held_at(self, time: float) -> InHand | Carried | None:
         """Latest hold in force at ``time``, in seconds of the stage; None if nobody holds the prop."""
         return next((each for each in reversed(self.holds) if each.holds_at(time)), None)
+
+    def reflection_by(self, performer_id: str, time: float) -> Vector | None:
+        """Signs of the axes where a performer's mirror image holds it, by the hold nearest to ``time``; None if that
+        performer never holds it.
+        """
+        own = [each for each in self.holds if each.performer_id == performer_id]
+        return min(own, key=lambda hold: hold.seconds_from(time)).reflection if own else None
 
     def lies_at(self, time: float) -> bool:
         """True if the prop is at its own position at ``time``, in seconds of the stage: not held, or just picked up."""

@@ -21,6 +21,7 @@ from studio.core.solver.asking.tracks import OwnPath, Track, Tracks
 from studio.core.solver.asking.whole_body import areas_of
 from studio.core.solver.performers.rows import ClipConstraint, timing_of
 from studio.core.solver.request import AdaptedMotion, UnconstrainedPoses
+from studio.core.stage.mirrored_props import with_held_props_reflected
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import InHand, Prop
@@ -53,11 +54,16 @@ def constraints_of_performer(project: Project, performer_id: str) -> tuple[ClipC
 def _asked_of(project: Project, performer_id: str) -> tuple[ClipConstraint, ...]:
     performer, playing = project.performers[performer_id], _playing(project)
     asked = [
-        ClipConstraint(key, part, place, repeat)
+        ClipConstraint(key, with_held_props_reflected(project, performer_id, clip, part, repeat), place, repeat)
         for place, clip in enumerate(performer.clips)
         for key, constraint in project.constraints_for(performer_id, clip).items()
         if constraint.enabled
-        and (concerned := constraint_for_performer(constraint, performer_id, playing, project.props)) is not None
+        and (
+            concerned := constraint_for_performer(
+                constraint, performer_id, playing, project.props, mirrored=clip.mirrored
+            )
+        )
+        is not None
         for repeat in range(clip.repeats)
         for part in _parts_of(concerned, project.characters[performer.character_id])
     ]
@@ -275,11 +281,17 @@ def leader_track(
 
 
 def constraint_for_performer(
-    constraint: Constraint, performer_id: str, playing: Collection[str], props: Mapping[str, Prop]
+    constraint: Constraint,
+    performer_id: str,
+    playing: Collection[str],
+    props: Mapping[str, Prop],
+    *,
+    mirrored: bool = False,
 ) -> Constraint | None:
     """Constraint as it applies to one performer among those ``playing``; None if it does not.
 
-    See ``constraints_of_performer``. A prop that is always in the performer's own hand becomes a point of that hand.
+    See ``constraints_of_performer``. A prop that is always in the performer's own hand becomes a point of that hand; of
+    the other one for a clip that will be ``mirrored``.
     """
     changes: dict[str, Any] = {}
     for name, value in vars(constraint).items():
@@ -288,7 +300,7 @@ def constraint_for_performer(
         if isinstance(value, FollowProp):
             prop = props[value.prop_id]
             if isinstance(prop.held, InHand) and prop.held.is_always and prop.held.performer_id == performer_id:
-                changes[name] = point_in_own_hand(value, prop, prop.held)
+                changes[name] = point_in_own_hand(value, prop, prop.held.mirrored() if mirrored else prop.held)
                 if changes[name].point == constraint.point or objection(replace(constraint, **changes), ()):
                     return None
         if not isinstance(value, FollowPerformer):

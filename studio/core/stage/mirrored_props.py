@@ -1,0 +1,81 @@
+"""Constraints on held props as mirrored clips play them: a prop that a body holds is reflected with its hands."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from studio.core.changed_records import with_fields
+from studio.core.constraints.area import AreaConstraint, AreaShape
+from studio.core.constraints.base import Constraint, Vector
+from studio.core.constraints.carried_over import MIRROR, is_hinged, mirrored_constraint
+from studio.core.constraints.follow import FollowProp
+from studio.core.constraints.rail import RailConstraint
+from studio.core.curves.keyed import KeyedNumber
+from studio.core.rotations import multiply
+from studio.core.stage.clip import Clip
+from studio.core.stage.project import Project
+
+HALF_TURN = np.array([0.0, 0.0, 1.0, 0.0])
+
+
+def constraint_as_played(project: Project, performer_id: str, clip: Clip, constraint: Constraint) -> Constraint:
+    """Constraint on the side where a clip of a performer plays it. Its own inverse."""
+    if not clip.mirrored:
+        return constraint
+    return mirrored_constraint(with_held_props_reflected(project, performer_id, clip, constraint))
+
+
+def with_held_props_reflected(
+    project: Project, performer_id: str, clip: Clip, constraint: Constraint, repeat: int = 0
+) -> Constraint:
+    """Constraint on the other sides of the props that the performer holds, for a repeat of a mirrored clip, whose
+    mirror changes all but what others than the body are followed for. Its own inverse.
+
+    Of several holds of a prop, that at the constraint's full activation counts.
+    """
+    changes: dict[str, Any] = {}
+    for name, follow in vars(constraint).items() if clip.mirrored else ():
+        if isinstance(follow, FollowProp):
+            rate = project.frame_rate_of(clip)
+            first = float(clip.stage_seconds(constraint.activation.full, rate))
+            time = first + repeat * clip.length(rate) / clip.repeats
+            signs = project.props[follow.prop_id].reflection_by(performer_id, time)
+            changes |= _reflected(name, follow, constraint, signs) if signs is not None else {}
+    return with_fields(constraint, **changes)
+
+
+def _reflected(name: str, follow: FollowProp, constraint: Constraint, signs: Vector) -> dict[str, Any]:
+    """Fields of a constraint on a prop with the ``signs`` of its axes.
+
+    With S the signs, the prop's rotation P becomes M P S in the mirror M. A rotation Q in its axes becomes S Q D, where
+    D is the mirror of the segment's axes (``mirrored_motion``); of an area or a rail, which has no segment, S Q S.
+    """
+    turn = np.array(follow.turn) * [*-np.array(signs), 1.0]
+    if name != "centre" and (signs[0] < 0.0) is not is_hinged(constraint.point.part):
+        turn = multiply(turn, HALF_TURN)
+    point = replace(
+        follow, offset=_times(signs, follow.offset), share=_times(signs, follow.share), turn=tuple(turn.tolist())
+    )
+    changes: dict[str, Any] = {name: point}
+    match constraint:
+        case RailConstraint():
+            changes["direction"] = _times(signs, constraint.direction)
+        case AreaConstraint():
+            changes["heading"] = _opposite(constraint.heading)
+            if constraint.shape is AreaShape.HALF_SPACE:
+                changes["size"] = _times(signs, _times((1.0, -1.0, 1.0), constraint.size))
+    return changes
+
+
+def _opposite(heading: float | KeyedNumber) -> float | KeyedNumber:
+    """Heading to the other side."""
+    if not isinstance(heading, KeyedNumber):
+        return -heading
+    return replace(MIRROR.retimed_keys(heading, np.negative), values=tuple(-each for each in heading.values))
+
+
+def _times(signs: Vector, vector: Vector) -> Vector:
+    """Product of each number of both."""
+    x, y, z = (np.array(signs) * vector + 0.0).tolist()
+    return x, y, z
