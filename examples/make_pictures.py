@@ -29,7 +29,7 @@ from pictured.shots import (
 
 from studio.startup import first_run
 
-FILM_WIDTH = 840
+FILM_WIDTH = 820
 STILLS = {
     "window": window,
     "fight": fight,
