@@ -1,5 +1,6 @@
 """Make the pictures and the film of the documents: python examples/make_pictures.py [FOLDER] [NAME...]."""
 
+import subprocess
 import sys
 from pathlib import Path
 
@@ -21,7 +22,11 @@ from pictured.shots import (
     light_theme,
     markers,
     onion_skins,
+    poses,
+    preferences,
+    problem_table,
     rotate,
+    skin_point,
     sliders,
     timeline,
     window,
@@ -29,7 +34,7 @@ from pictured.shots import (
 
 from studio.startup import first_run
 
-FILM_WIDTH = 820
+FILM_WIDTH = 800
 STILLS = {
     "window": window,
     "fight": fight,
@@ -38,6 +43,10 @@ STILLS = {
     "light_theme": light_theme,
     "onion_skins": onion_skins,
     "rotate": rotate,
+    "skin_point": skin_point,
+    "poses": poses,
+    "preferences": preferences,
+    "problem_table": problem_table,
     "correction": correction,
     "timeline": timeline,
     "keys": keys,
@@ -64,6 +73,8 @@ def main(arguments: list[str]) -> None:
             write_film(folder / "kick.gif", KickFilm().images, FRAME_RATE, FILM_WIDTH)
         elif name in FIGURES:
             write_figure(folder / f"{name}.svg", FIGURES[name]())
+        elif name == "light_theme" and len(names) > 1:  # colours are chosen before the window's modules are loaded
+            subprocess.run([sys.executable, __file__, str(folder), name], check=True)
         else:
             write_picture(folder / f"{name}.png", STILLS[name]())
 

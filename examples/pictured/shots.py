@@ -1,5 +1,6 @@
 """The still pictures: each a moment of a session."""
 
+import os
 import wave
 from dataclasses import replace
 from pathlib import Path
@@ -7,13 +8,14 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtCore import QPoint, QRect, QSize, Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QWidget
+from PySide6.QtWidgets import QLineEdit, QWidget
 
 from pictured.session import KICK_TIME, Session, example, kick_target, left_wrist
 from studio.app.marker_dialog import open_markers
+from studio.app.preferences_dialog import PreferencesDialog
 from studio.app.verbs.media import add_footage, add_sound
 from studio.core.body.morphology import Proportions
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace
@@ -312,6 +314,66 @@ def sliders() -> QImage:
     session.settle()
     session.look(30, 6, 1.3, among=("stocky_man", "tall_man", "adult_woman"))
     return _taken(session, [session.bench.viewport, session.window.docks["Inspector"]])
+
+
+def preferences() -> QImage:
+    """The preferences with the keymap of Blender."""
+    session = Session("front_kick", (1280, 980))
+    dialog = PreferencesDialog(session.bench)
+    dialog.map.setCurrentIndex(next(k for k in range(dialog.map.count()) if dialog.map.itemText(k) == "Blender"))
+    dialog.map.activated.emit(dialog.map.currentIndex())
+    dialog.show()
+    session.rest(0.3)
+    image = dialog.grab().toImage()
+    dialog.close()
+    session.close()
+    return image
+
+
+def problem_table() -> QImage:
+    """A constraint on five characters, the worst error first."""
+    session = Session("front_kick", (1100, 900))
+    _aim(session, "child")
+    session.window.show_dock("Problems")
+    session.rest(1.0)
+    return _taken(session, [session.window.docks["Problems"]])
+
+
+def skin_point() -> QImage:
+    """A point on the back of a forearm is picked, and the studio offers to constrain it."""
+    session = Session("reach_grasp", (1100, 860))
+    session.document.playhead.set_time(2.2)
+    session.settle()
+    viewport = session.bench.viewport
+    session.look(10, 6, 1.3, among=("adult_woman",))
+    points, layout = viewport.posed["adult_woman"].points, viewport.posed["adult_woman"].motion.morphology.layout
+    forearm = 0.5 * (points[layout.wrist_point(1)] + points[layout.wrist_point(1) - 1])
+    viewport.begin_skin_pick()
+    QTest.mouseClick(viewport, LEFT, NO_KEY, viewport.widget_point(forearm).toPoint())
+    session.rest(0.3)
+    middle = viewport.mapTo(session.window, viewport.widget_point(forearm).toPoint())
+    image = session.picture(QRect(middle - QPoint(180, 100), QSize(480, 300)))
+    session.close()
+    return image
+
+
+def poses() -> QImage:
+    """Poses of one body in their panel, kept in a folder that goes."""
+    with TemporaryDirectory() as folder:
+        os.environ["XDG_DATA_HOME"] = folder
+        session = Session("reach_grasp", (1280, 780))
+        session.document.selection.set(("performers", "adult_woman"))
+        session.window.show_dock("Poses")
+        panel = session.window.pose_library.panel
+        for time in (0.5, 2.2, 3.4, 4.6):
+            session.document.playhead.set_time(time)
+            session.settle()
+            panel.save.click()
+            QTest.keyClick(panel.poses.viewport().findChild(QLineEdit), Qt.Key.Key_Return)
+            session.rest(0.3)
+        image = _taken(session, [panel])
+        del os.environ["XDG_DATA_HOME"]
+    return image
 
 
 def _aim(session: Session, performer_id: str) -> None:
