@@ -62,7 +62,7 @@ def fill_gaps(values: np.ndarray, known: np.ndarray) -> np.ndarray:
 
 
 def fade_gaps(values: np.ndarray, known: np.ndarray, track: np.ndarray, least: float) -> np.ndarray:
-    """Corrections (F, 3) that fade beside known ones with their velocity, as fast as half of the own acceleration allows."""
+    """Corrections (F, 3) that fade beside known ones with their velocity, as fast as the own acceleration allows."""
     faded = np.where(known[:, None], values, 0.0)
     bends = np.diff(np.pad(track, ((1, 1), (0, 0)), mode="reflect", reflect_type="odd"), 2, axis=0)
     for gap in stretches(~known):
