@@ -66,7 +66,7 @@ class Timeline(QWidget):
         return sheet.rect(row) if row else QRect()
 
     def handle_point(self, constraint_id: str, handle: str) -> QPoint:
-        """Pixel of a constraint's handle: ``start``, ``full``, ``full end``, ``end``."""
+        """Pixel of a constraint's handle: ``start``, ``ease-in end``, ``ease-out start``, ``end``."""
         sheet = self._sheet()
         entity = sheet.shown.project.constraints[constraint_id]
         points = constraint.handle_points(sheet.shown, self.row_rect("constraints", constraint_id), entity)

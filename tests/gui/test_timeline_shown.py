@@ -274,7 +274,7 @@ def test_loop_speed_and_range_reach_the_playhead(document, timeline):
 
 
 def test_a_closed_timeline_follows_nothing_any_more(document, live, timeline, hand):
-    hand.press(timeline.handle_point("kick", "full"))
+    hand.press(timeline.handle_point("kick", "ease-in end"))
     hand.move(pixels(timeline, 10))
     timeline.close()
     assert frames(document.project.constraints["kick"].activation)[1] == 30
@@ -321,7 +321,7 @@ def test_rows_are_folded_by_their_arrow_or_all_at_once_and_unfolded_again(docume
     assert document.selection.items == ()
     shown = timeline.tracks.shown
     assert [body.name for body in constraint.bodies_of(shown, low, "kick")] == ["Body 1"]  # who misses it most
-    hand.drag(timeline.handle_point("kick", "full"), pixels(timeline, 10))
+    hand.drag(timeline.handle_point("kick", "ease-in end"), pixels(timeline, 10))
     assert frames(document.project.constraints["kick"].activation) == (20, 40, 50, 60)
     hand.press(QPoint(6, low.center().y()))
     hand.release()

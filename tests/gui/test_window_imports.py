@@ -117,10 +117,10 @@ def test_read_with_another_unit_the_capture_is_replaced_as_one_undo_step(qtbot, 
     window.inspector.reimport_requested.emit(capture_id, {"unit": "inch"})
     wait_until_idle(qtbot, window)
     assert document.project.captures[capture_id].unit == "inch"
-    assert document.history == ("Import walk.bvh", "Read walk with unit inch")
+    assert document.history == ("Import walk.bvh", "Set unit of walk to inch")
     window.inspector.reimport_requested.emit(capture_id, {"reference": "3"})
     wait_until_idle(qtbot, window)
-    assert document.history[-1] == "Read walk with reference 3"
+    assert document.history[-1] == "Set reference of walk to 3"
     assert document.project.captures[capture_id].unit == "inch"
     QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)
     QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)
