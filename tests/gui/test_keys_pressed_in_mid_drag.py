@@ -51,13 +51,18 @@ def test_undo_takes_the_drag_of_a_key_back_and_the_mouse_moves_it_no_more(user, 
     assert not user.window.bench.live.interactive
 
 
-def test_undo_pressed_twice_in_a_drag_takes_the_edit_before_it_back_too(user, reach):
+def arrow_of_target(user, reach):
+    """Pixel on the upward arrow of the target's gizmo, at a frame without a key."""
     user.go_to(130)
     user.click(user.on_bar(reach, 120))
     for key in (Qt.Key.Key_F, Qt.Key.Key_W):
         user.press(key)
     settle(user.viewport)
-    begin = on_arrow(user.viewport, "z", 0.7)
+    return on_arrow(user.viewport, "z", 0.7)
+
+
+def test_undo_pressed_twice_in_a_drag_takes_the_edit_before_it_back_too(user, reach):
+    begin = arrow_of_target(user, reach)
     with dragging(user.viewport, begin, begin - QPoint(0, 40)):
         assert frames(user, reach) == [100, 130, 160, 220]
         user.press(Qt.Key.Key_Z, CTRL)
@@ -93,12 +98,7 @@ def test_a_bar_that_is_deleted_while_it_is_pressed_is_not_dragged(user, reach):
 
 
 def test_esc_still_cancels_a_drag(user, reach):
-    user.go_to(130)
-    user.click(user.on_bar(reach, 120))
-    for key in (Qt.Key.Key_F, Qt.Key.Key_W):
-        user.press(key)
-    settle(user.viewport)
-    begin = on_arrow(user.viewport, "z", 0.7)
+    begin = arrow_of_target(user, reach)
     with dragging(user.viewport, begin, begin - QPoint(0, 40)):
         user.press(Qt.Key.Key_Escape)
     assert frames(user, reach) == [100, 160, 220]
