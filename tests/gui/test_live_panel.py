@@ -148,7 +148,7 @@ def test_what_is_shown_goes_out_where_it_stands_on_the_stage(control, window, qt
         key, performer = next(iter(window.bench.document.project.performers.items()))
         shown = window.bench.live.shown_frame(key)
         there = Placement.of(performer).to_stage(shown.positions[0, 0])
-        assert np.linalg.norm(inbox.bones()["Hips"].place - there) < 1e-3
+        assert np.linalg.norm(inbox.bones()["Hips"].position - there) < 1e-3
         assert str(listener.port) in control.panel.out_told.text()
         window.actions_by_id.by_id["stream"].trigger()
         assert control.broadcast is None

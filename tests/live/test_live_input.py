@@ -126,7 +126,7 @@ def test_what_is_recorded_is_what_came_and_is_replayed(tmp_path):
         assert eventually(lambda: again.counts.accepted >= 4)  # it begins anew at its end
     finally:
         replay.close()
-    assert abs(again.place(["Cap"])[1]) in (1.0, 2.0)
+    assert abs(again.position_of(["Cap"])[1]) in (1.0, 2.0)
 
 
 def test_an_empty_or_damaged_recording_is_refused_before_anything_is_fed(tmp_path):

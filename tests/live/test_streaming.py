@@ -81,7 +81,7 @@ def test_a_received_body_plays_on_another():
 
 def test_unity_axes_are_ours_seen_in_a_mirror():
     bone = vmc.from_unity([1.0, 2.0, 3.0], [0.0, 0.0, 0.0, 1.0])
-    assert bone.place.tolist() == [3.0, -1.0, 2.0]
+    assert bone.position.tolist() == [3.0, -1.0, 2.0]
     quarter = np.sqrt(0.5)
     turn = vmc.from_unity([0.0] * 3, [0.0, quarter, 0.0, quarter]).rotation  # about up, forward goes to the right
     assert Rotation.from_quat(turn).apply([1.0, 0.0, 0.0]) == pytest.approx([0.0, -1.0, 0.0], abs=1e-9)
@@ -106,8 +106,8 @@ def test_the_newest_value_wins_and_a_head_is_the_mean_of_its_markers():
 def test_a_bone_gives_its_place_in_the_world():
     body = BODIES["child"]
     head = frame_of(body)[0][body.layout.head_joint]
-    assert received(body).place(["Head"]) == pytest.approx(head, abs=1e-3)
-    assert received(body).place(["No such bone"]) is None
+    assert received(body).position_of(["Head"]) == pytest.approx(head, abs=1e-3)
+    assert received(body).position_of(["No such bone"]) is None
 
 
 def test_what_is_no_number_is_refused_and_what_is_absurd_is_clamped():

@@ -21,8 +21,8 @@ class SolverKind:
 
     ``code`` is its number in the kernels. ``write_task`` writes constraint c of the records. ``trajectory`` is its
     target relative to the unsolved poses. ``residual`` measures poses: (F,) metres or radians at full activation, None
-    if only the solver knows it. ``enters``: the kind is active only inside a region, so that it begins and ends within its
-    activation.
+    if only the solver knows it. ``enters``: the kind is active only inside a region, so that it begins and ends within
+    its activation.
     """
 
     code: int
