@@ -85,7 +85,7 @@ def _limb_path(motion: AdaptedMotion, point: BodyPoint, row: int) -> LimbPath | 
     limb, layout = limb_of(point.part), motion.morphology.layout
     if limb < 0:
         return None
-    upper = layout.part(layout.upper_arm_segment(limb) if limb < 2 else layout.thigh_segment(limb - 2))
+    upper = layout.part_of_segment(layout.upper_arm_segment(limb) if limb < 2 else layout.thigh_segment(limb - 2))
     path = body_point_positions(point, motion)
     ends = (body_point_positions(BodyPoint(upper, at_end=far), motion) for far in (False, True))
     return LimbPath(*ends, path, path[row]) if point.part is not upper else None
