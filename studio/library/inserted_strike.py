@@ -33,7 +33,7 @@ from studio.library.searching import Result
 from studio.library.striking import EASED_IN, aimed_constraint
 
 FloatArray = NDArray[np.float64]
-TRIED = "tried strike"
+TRIED_STRIKE = "tried strike"
 """Id of capture, motion, clip and constraint of a strike that is tried."""
 
 
@@ -56,21 +56,21 @@ class StrikeScene:
     def solved_residual(self, found: Result) -> float:
         """Residual in metres that a strike has at its hit once it is inserted; infinite if it is not active then."""
         take, key = found.clip.take, self.performer_id
-        motion_id = self.motions_by_path.get(take.path, TRIED)
-        project = self.project if motion_id != TRIED else _with_take(self.project, take)
+        motion_id = self.motions_by_path.get(take.path, TRIED_STRIKE)
+        project = self.project if motion_id != TRIED_STRIKE else _with_take(self.project, take)
 
         def prepare(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
-            if capture is project.captures.get(TRIED):
+            if capture is project.captures.get(TRIED_STRIKE):
                 return take.motion, found.clip.actor.body
             return _prepared(capture)
 
-        made = inserted_strike(replace(self, project=project), found, motion_id, TRIED, TRIED, prepare)
+        made = inserted_strike(replace(self, project=project), found, motion_id, TRIED_STRIKE, TRIED_STRIKE, prepare)
         player = player_of(made, key, (key,), prepare, self.results.get)
         timing, request = player.composite.timing, player.request
         hit = min(round((self.time + found.seconds - timing.begin) * timing.frame_rate), timing.last)
         standing = grounded_motion(request, standing_of(request, [slice(hit, hit + 1)]))
         adapted = solve_request(standing, request, hit, hit)
-        row = [each.constraint_id for each in constraints_of_performer(made, key)].index(TRIED)
+        row = [each.constraint_id for each in constraints_of_performer(made, key)].index(TRIED_STRIKE)
         residual = float(adapted.residuals[row, 0])
         return residual if math.isfinite(residual) else math.inf
 
@@ -122,6 +122,11 @@ def _with_take(project: Project, take: LibraryTake) -> Project:
     capture = Capture(
         motion.name, "", skeleton, PoseSequence(*still), motion.frame_rate, None, joint, 0.0, "m", "Z", 0, (), ()
     )
-    contacts = ((f"{TRIED} {place}", replace(each, motion_id=TRIED), None) for place, each in enumerate(take.contacts))
-    project = project.with_entity("captures", TRIED, capture)
-    return project.with_entity("motions", TRIED, Motion(motion.name, TRIED)).with_entities("contacts", contacts)
+    contacts = (
+        (f"{TRIED_STRIKE} {place}", replace(each, motion_id=TRIED_STRIKE), None)
+        for place, each in enumerate(take.contacts)
+    )
+    project = project.with_entity("captures", TRIED_STRIKE, capture)
+    return project.with_entity("motions", TRIED_STRIKE, Motion(motion.name, TRIED_STRIKE)).with_entities(
+        "contacts", contacts
+    )

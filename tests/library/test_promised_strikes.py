@@ -27,7 +27,7 @@ from studio.io.project.character_file import bundled_characters
 from studio.jobs.performances import adapted_performers
 from studio.library.clip_labels import hit_point
 from studio.library.indexing import bundled_library
-from studio.library.inserted_strike import TRIED, StrikeScene, inserted_strike
+from studio.library.inserted_strike import TRIED_STRIKE, StrikeScene, inserted_strike
 from studio.library.searching import Result, StrikeQuery, search_strikes
 from studio.library.striking import VISIBLE_MISS, TriedStrike, tried_strikes
 
@@ -94,11 +94,11 @@ def missed_once_inserted(scene: StrikeScene, found: Result) -> float:
     """Distance in metres between what hits and its target on the stage, in the project that the window makes."""
     project = with_motion(scene.project, "strike", found.clip.take.path)
     scene = replace(scene, project=project)
-    made = inserted_strike(scene, found, "strike", "struck", TRIED)
+    made = inserted_strike(scene, found, "strike", "struck", TRIED_STRIKE)
     adapted, performer = adapted_performers(made)["body"], made.performers["body"]
     timing = timing_of(made, performer)
     hit = round((scene.time + found.seconds - timing.begin) * timing.frame_rate)
-    reached = Placement.of(performer).to_stage(body_point_positions(made.constraints[TRIED].point, adapted)[hit])
+    reached = Placement.of(performer).to_stage(body_point_positions(made.constraints[TRIED_STRIKE].point, adapted)[hit])
     return float(np.linalg.norm(reached - scene.target))
 
 

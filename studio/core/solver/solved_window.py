@@ -13,7 +13,7 @@ from studio.core.body.joint_limits import limb_limit_records
 from studio.core.body.morphology import at_frames
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import Constraint
-from studio.core.constraints.follow import Follow, FollowBody
+from studio.core.constraints.follow import Follow, FollowBody, FollowProp
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.target import follows_of, own_places_of
 from studio.core.errors import StudioError
@@ -30,7 +30,7 @@ from studio.core.solver.asking.limb_availability import arm_limit_fractions, leg
 from studio.core.solver.asking.packing import pack_tasks, priority_order
 from studio.core.solver.asking.releasing import contact_release, is_ramped, ramped_target
 from studio.core.solver.asking.self_contact import arm_activations
-from studio.core.solver.asking.tracks import OwnPath, Targets, Track, Tracks
+from studio.core.solver.asking.tracks import OwnPath, Targets, Track, Tracks, raised_along_arms
 from studio.core.solver.performers.followed_tracks import own_track
 from studio.core.solver.smoothing.level_smoothing import (
     SMOOTHING_WIDTHS,
@@ -362,6 +362,8 @@ def targets_of(standing: Standing, constraints: Sequence[Constraint], window: sl
                 track = track.make(standing.unasked, standing.morphology)
             if track is not None:
                 known[follow] = track.in_frames(window)
+                if isinstance(follow, FollowProp) and follow.along_arms:
+                    known[follow] = raised_along_arms(follow, known[follow], standing.positions[window], body.layout)
             elif not isinstance(follow, FollowBody):
                 raise StudioError(f"'{constraint.name}' follows something that is not there. Choose what it follows.")
         if isinstance(constraint, BalanceConstraint) and isinstance(constraint.place, Support):

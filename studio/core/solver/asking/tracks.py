@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.canonical import BodyLayout
 from studio.core.body.morphology import AnyMorphology
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import Support
@@ -17,12 +18,14 @@ from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.rail import RailConstraint
 from studio.core.constraints.target import Place, Turn
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quaternion
-from studio.core.rotations import from_matrix, normalized, shortest_arc, to_matrix
+from studio.core.rotations import from_euler, from_matrix, normalized, shortest_arc, to_matrix
 
 if TYPE_CHECKING:
     from studio.core.solver.request import UnconstrainedPoses
 
 FloatArray = NDArray[np.float64]
+FINGERS_RAISED = 2.0 / 3.0
+"""Part of the arms' elevation by which fingers on a prop are raised; wrists bend by the rest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +38,17 @@ class Track:
     def in_frames(self, window: slice) -> "Track":
         """The frames of ``window``."""
         return self if len(self.places) == 1 else Track(self.places[window], self.rotations[window])
+
+
+def raised_along_arms(follow: FollowProp, track: Track, positions: FloatArray, layout: BodyLayout) -> Track:
+    """Track of a hand on a prop whose fingers are raised by a part of the elevation of the prop's point from the middle
+    of the shoulders of a body with ``positions`` (F, P, 3).
+    """
+    shoulders = (positions[:, layout.collar_point(0) + 1] + positions[:, layout.collar_point(1) + 1]) / 2
+    _, down, ahead = np.einsum("fji,fj->if", track.rotations, track.places - shoulders)  # in the axes of a flat hand
+    angles = FINGERS_RAISED * np.arctan2(-down, np.abs(ahead))
+    rotations = track.rotations @ to_matrix(from_euler("X", angles[:, None]))
+    return Track(track.places + rotations @ np.array(follow.offset), rotations)
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +159,9 @@ def moved_target(target: Place, place: Vector, seconds: float, track: Track | No
         return target.passing(place, seconds)
     if not isinstance(target, FOLLOWS) or track is None:
         return place
-    axes = track.rotations[0] @ to_matrix(np.array(target.turn)).T
+    axes = track.rotations[0]
+    if not (isinstance(target, FollowProp) and target.along_arms):
+        axes = axes @ to_matrix(np.array(target.turn)).T
     further = axes.T @ (np.array(place) - track.places[0])
     if isinstance(target, FollowProp | FollowTracked):
         return replace(target, offset=_sum(target.offset, further))
