@@ -22,7 +22,7 @@ from studio.core.solver.performers.performing import Prepare, motion_of, player_
 from studio.core.solver.performers.rows import composite_of
 from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.stand import standing_of
+from studio.core.solver.standing.stand import grounded_motion_of
 from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import clips_until, copies_for_parts
 from studio.core.stage.placement import Placement
@@ -67,8 +67,8 @@ class StrikeScene:
         made = inserted_strike(replace(self, project=project), found, motion_id, TRIED_STRIKE, TRIED_STRIKE, prepare)
         player = player_of(made, key, (key,), prepare, self.results.get)
         timing, request = player.composite.timing, player.request
-        hit = min(round((self.time + found.seconds - timing.begin) * timing.frame_rate), timing.last)
-        standing = grounded_motion(request, standing_of(request, [slice(hit, hit + 1)]))
+        hit = min(round((self.time + found.seconds_to_hit - timing.begin) * timing.frame_rate), timing.last)
+        standing = grounded_motion(request, grounded_motion_of(request, [slice(hit, hit + 1)]))
         adapted = solve_request(standing, request, hit, hit)
         row = [each.constraint_id for each in constraints_of_performer(made, key)].index(TRIED_STRIKE)
         residual = float(adapted.residuals[row, 0])
@@ -91,7 +91,7 @@ def inserted_strike(
     for collection, copies in copies_for_parts(project, before, kept).items():
         project = project.with_entities(collection, ((each, entity, None) for each, entity in copies.items()))
     grip = FIST_GRIP if label.kind is Kind.PUNCH else None
-    ease = EASED_IN * found.seconds
+    ease = EASED_IN * found.seconds_to_hit
     clip = Clip(motion_id, found.start, label.last, scene.time, clip_id, ease=ease, grip=grip)
     project = project.with_entity("performers", key, replace(before, clips=(*kept, clip)))
     target: Place

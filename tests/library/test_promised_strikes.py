@@ -97,7 +97,7 @@ def missed_once_inserted(scene: StrikeScene, found: Result) -> float:
     made = inserted_strike(scene, found, "strike", "struck", TRIED_STRIKE)
     adapted, performer = adapted_performers(made)["body"], made.performers["body"]
     timing = timing_of(made, performer)
-    hit = round((scene.time + found.seconds - timing.begin) * timing.frame_rate)
+    hit = round((scene.time + found.seconds_to_hit - timing.begin) * timing.frame_rate)
     reached = Placement.of(performer).to_stage(body_point_positions(made.constraints[TRIED_STRIKE].point, adapted)[hit])
     return float(np.linalg.norm(reached - scene.target))
 

@@ -55,14 +55,14 @@ def one_target() -> Project:
 
 
 def target_of(
-    guard: NormalizedMotion, frame: int, body: Morphology, place: tuple[float, float] = (TARGET_AHEAD, TARGET_HEIGHT)
+    guard: NormalizedMotion, frame: int, body: Morphology, position: tuple[float, float] = (TARGET_AHEAD, TARGET_HEIGHT)
 ) -> StrikeQuery:
-    """Search query for strikes from ``frame`` of the guard stance ``guard`` at a target ``place``: metres ahead of the
-    root of ``body``, and above the ground.
+    """Search query for strikes from ``frame`` of the guard stance ``guard`` at a target ``position``: metres ahead of
+    the root of ``body``, and above the ground.
     """
     pose = replace(guard, channels=guard.channels[frame : frame + 1])
     x, y, _ = realize_motion(pose, body)[0][0, 0].tolist()
-    return StrikeQuery(pose, body, (x + place[0], y, place[1]))
+    return StrikeQuery(pose, body, (x + position[0], y, position[1]))
 
 
 def _with_fighter(project: Project, key: str, character: Character, y: float, asked: StrikeQuery) -> Project:
