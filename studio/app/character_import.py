@@ -120,8 +120,9 @@ def add_read_character(document: Document, character: Character, text: str) -> s
     }
     clips = active.clips if active else ()
     sweeps = {
-        key: _swept_points(project, each.clips, project.characters[each.character_id])
+        key: swept
         for key, each in project.performers.items()
+        if (swept := _swept_points(project, each.clips, project.characters[each.character_id])) is not None
     }
     position = end_of_row(project.performers, gaps, sweeps, _swept_points(project, clips, character))
     with document.group(text):
