@@ -125,8 +125,6 @@ class TargetContext:
                     return None
                 placed = prop_at(self.project, self.posed, follow.prop_id, self.time)
                 track = track_in_motion_space(follow, placed.prop, Track(placed.place[None], placed.axes[None]), own)
-                if not follow.along_arms:
-                    return track
                 points = own.to_motion(pose.points)[None]
                 return raised_along_arms(follow, track, points, pose.motion.morphology.layout)
             case FollowTracked():

@@ -188,6 +188,9 @@ def pick_up(bench: Workbench) -> None:
     document, prop_id, performer_id = _holding(bench)
     prop, now = document.project.props[prop_id], document.playhead.time
     hold = prop.held_at(now) or prop.held
+    if isinstance(hold, Carried) and hold.performer_id == performer_id and hold.begin != now and hold.holds_at(now):
+        name = document.project.performers[performer_id].name
+        raise StudioError(f"{name} already carries {prop.name} here. Choose another character, or put it down first.")
     if isinstance(hold, InHand) and hold.performer_id == performer_id:
         end = hold.end if hold.end is not None and hold.end > now else None
         held = prop.with_span(hold, now, end)

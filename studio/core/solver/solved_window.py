@@ -13,7 +13,7 @@ from studio.core.body.joint_limits import limb_limit_records
 from studio.core.body.morphology import at_frames
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import Constraint
-from studio.core.constraints.follow import Follow, FollowBody, FollowProp
+from studio.core.constraints.follow import Follow, FollowBody
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.target import follows_of, own_places_of
 from studio.core.errors import StudioError
@@ -361,9 +361,9 @@ def targets_of(standing: GroundedMotion, constraints: Sequence[Constraint], wind
             if isinstance(track, OwnPath):
                 track = track.make(standing.unconstrained, standing.morphology)
             if track is not None:
-                known[follow] = track.in_frames(window)
-                if isinstance(follow, FollowProp) and follow.along_arms:
-                    known[follow] = raised_along_arms(follow, known[follow], standing.positions[window], body.layout)
+                known[follow] = raised_along_arms(
+                    follow, track.in_frames(window), standing.positions[window], body.layout
+                )
             elif not isinstance(follow, FollowBody):
                 raise StudioError(f"'{constraint.name}' follows something that is not there. Choose what it follows.")
         if isinstance(constraint, BalanceConstraint) and isinstance(constraint.place, Support):

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout
 from studio.core.body.morphology import AnyMorphology
+from studio.core.compact_array import PoseArray
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import Support
 from studio.core.constraints.base import Constraint, Vector
@@ -40,10 +41,14 @@ class Track:
         return self if len(self.positions) == 1 else Track(self.positions[window], self.rotations[window])
 
 
-def raised_along_arms(follow: FollowProp, track: Track, positions: FloatArray, layout: BodyLayout) -> Track:
-    """Track of a hand on a prop whose fingers are raised by a part of the elevation of the prop's point from the middle
-    of the shoulders of a body with ``positions`` (F, P, 3).
+def raised_along_arms(
+    follow: Follow | OwnPlace | Support, track: Track, positions: PoseArray, layout: BodyLayout
+) -> Track:
+    """The ``track`` itself; of a hand on a prop, that with fingers raised by a part of the elevation of the prop's
+    point from the middle of the shoulders of a body with ``positions`` (F, P, 3).
     """
+    if not (isinstance(follow, FollowProp) and follow.along_arms):
+        return track
     shoulders = (positions[:, layout.collar_point(0) + 1] + positions[:, layout.collar_point(1) + 1]) / 2
     _, down, ahead = np.einsum("fji,fj->if", track.rotations, track.positions - shoulders)  # in the axes of a flat hand
     angles = FINGERS_RAISED * np.arctan2(-down, np.abs(ahead))
