@@ -12,14 +12,14 @@ from studio.core.body.morphology import Morphology
 from studio.core.body.sticks import bone_pairs
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.pieces import MotionPiece
-from studio.core.solver.adapt import solve_constraints
+from studio.core.solver.adapt import adapt, solve_constraints
 from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
 from studio.library.indexing import bundled_library
 from studio.library.library import Library
 from studio.library.scenes.choosing import FIGHTER_BODIES, MOST_STRIKES_TRIED, TARGET_AHEAD, TARGET_HEIGHT, target_of
-from studio.library.searching import search_strikes
-from studio.library.striking import StrikeClip, make_strike, tried_strikes
+from studio.library.searching import Result, search_strikes
+from studio.library.striking import Strike, StrikeClip, make_strike, tried_strikes
 
 INK, FOUND, TARGET = "#2F6FB3", "#9AA4AE", "#C8553D"
 HELD = 0.5
@@ -58,9 +58,17 @@ def draw_hits(folder: Path) -> None:
 def _shown(library: Library, guard: MotionPiece, body: Morphology, place: tuple[float, float]) -> Shown:
     last = guard.first + round(HELD * guard.motion.frame_rate)
     asked = target_of(guard.motion, last, body, place)
-    found = tried_strikes(search_strikes(library, asked, MOST_STRIKES_TRIED), asked)[0].found
     x, y, z = np.asarray(asked.place).tolist()
-    made = make_strike(replace(guard, last=last), last, StrikeClip.of(found), body, (x, y, z))
+
+    def made_of(found: Result) -> Strike:
+        return make_strike(replace(guard, last=last), last, StrikeClip.of(found), body, (x, y, z))
+
+    def residual_of(found: Result) -> float:
+        strike = made_of(found)
+        return float(adapt(strike.request(), strike.hit, strike.hit).residuals[0, 0])
+
+    found = tried_strikes(search_strikes(library, asked, MOST_STRIKES_TRIED), residual_of)[0].found
+    made = made_of(found)
     standing = stand(made.composite.motion, body, made.composite.contacts, Ground())
     solved = solve_constraints(standing, [made.constraint], made.hit, made.hit)
     missed = f"{found.clip.take.motion.name.replace('_', ' ')}, {1000.0 * solved.residuals[0, 0]:.2f} mm"

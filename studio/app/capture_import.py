@@ -19,7 +19,7 @@ from studio.core.markers.take import MarkerTake
 from studio.core.solver.performers.rows import stage_span
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Motion, Project, new_id
-from studio.core.stage.staging import is_unarranged, lined_up, side_by_side, travel_heading
+from studio.core.stage.staging import is_unarranged, lined_up, side_by_side, swept_points, travel_heading
 from studio.document.document import Document
 from studio.io.importing import GUESS_ALL, ImportOptions, known_of_motion, read_capture, read_file
 from studio.io.registry import Progress, ReadCapture, ReadCharacter
@@ -339,8 +339,10 @@ def _perform(document: Document, motion_id: str, text: str) -> None:
     playing = {key: replace(each, clips=(clip,)) for key, each in performers.items() if key in shown}
     travel = travel_heading(capture, clip.first, clip.last)
     row = {**performers, **playing} if is_unarranged(performers) else playing
-    if travel is not None and is_unarranged(row):
-        playing = lined_up(row, travel)
+    swept = swept_points(capture, clip.first, clip.last)
+    if swept is not None and is_unarranged(row):
+        legs = {key: project.characters[row[key].character_id].morphology.leg_length for key in playing}
+        playing = lined_up(row, travel or 0.0, {key: leg * swept for key, leg in legs.items()})
     for key, performer in playing.items():
         document.replace("performers", key, performer, text)
 

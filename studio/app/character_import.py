@@ -2,11 +2,12 @@
 others.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from studio.app.capture_import import import_motion, project_unchanged_on_error
 from studio.app.workbench import Workbench
@@ -16,8 +17,9 @@ from studio.core.captures.remarks import body_remarks
 from studio.core.errors import StudioError
 from studio.core.mesh.character import Character
 from studio.core.names import free_name
-from studio.core.stage.project import Performer
-from studio.core.stage.staging import end_of_row
+from studio.core.stage.clip import Clip
+from studio.core.stage.project import Performer, Project
+from studio.core.stage.staging import end_of_row, swept_points
 from studio.document import colours
 from studio.document.document import Document
 from studio.io.figure.body import remapped_character
@@ -116,14 +118,28 @@ def add_read_character(document: Document, character: Character, text: str) -> s
     gaps = {
         key: room + _half_breadth(project.characters[each.character_id]) for key, each in project.performers.items()
     }
-    position = end_of_row(project.performers, gaps)
+    clips = active.clips if active else ()
+    sweeps = {
+        key: swept
+        for key, each in project.performers.items()
+        if (swept := _swept_points(project, each.clips, project.characters[each.character_id])) is not None
+    }
+    position = end_of_row(project.performers, gaps, sweeps, _swept_points(project, clips, character))
     with document.group(text):
         character_id = document.add("characters", character, text)
-        clips = active.clips if active else ()
         performer = Performer(character.name, character_id, clips, position)
         performer_id = document.add("performers", performer, text)
     document.selection.set(("performers", performer_id))
     return performer_id
+
+
+def _swept_points(project: Project, clips: Sequence[Clip], character: Character) -> NDArray[np.float64] | None:
+    """Points (T, P, 2) in metres that a character sweeps in its first clip; None without one."""
+    if not clips:
+        return None
+    clip = clips[0]
+    swept = swept_points(project.captures[project.motions[clip.motion_id].capture_id], clip.first, clip.last)
+    return None if swept is None else character.morphology.leg_length * swept
 
 
 def _half_breadth(character: Character) -> float:

@@ -8,12 +8,13 @@ from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtGui import QKeyEvent, QKeySequence
 from PySide6.QtWidgets import QAbstractSpinBox, QApplication, QComboBox, QLineEdit, QPlainTextEdit, QTextEdit
 
-from studio.app.strike_edit import ask_parts, clips_until
 from studio.app.workbench import Workbench
 from studio.core.names import counted_noun
 from studio.core.stage.clip import Clip
+from studio.core.stage.clip_row import clips_until, copies_for_parts
 from studio.core.stage.conditions import KeyCondition
 from studio.core.stage.project import Entity, Performer, Project, new_id
+from studio.document.clip_edits import put_copies
 from studio.live.recorded_take import StageTake, edits_of
 from studio.panels.fields import NumberField
 from studio.panels.message_strip import Lifetime
@@ -143,7 +144,7 @@ def insert_take(bench: Workbench, take: StageTake) -> None:
         for _, key, entity in made if begin != take.begin else ():
             if isinstance(entity, Performer):
                 kept = [clip for clip in entity.clips if clip.start < begin]
-                ask_parts(document, project.performers[key], kept, "Record take")
+                put_copies(document, copies_for_parts(document.project, project.performers[key], kept), "Record take")
     rate = document.playhead.frame_rate
     document.playhead.set_range(round(begin * rate), round((begin + take.end - take.begin) * rate))
     document.playhead.set_time(begin)

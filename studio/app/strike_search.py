@@ -10,11 +10,10 @@ from studio.app.capture_import import read_motion
 from studio.app.file_dialogs import ask_folder
 from studio.app.labelling import LabelController
 from studio.app.pose_mapping import PoseMapController
-from studio.app.strike_edit import StrikeRequest, put_strike
+from studio.app.strike_edit import FloatArray, StrikeRequest, put_strike, strike_scene
 from studio.app.strike_target import StrikeTarget, targets_of
 from studio.app.workbench import Workbench
 from studio.cli.arguments import library_folder
-from studio.core.captures.contacts import points_on_ground
 from studio.core.errors import StudioError
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.placement import Placement
@@ -29,6 +28,7 @@ from studio.panels.strikes import (
     OF_A_POSE,
     OWN_FACE,
     READY,
+    TRYING,
     UNSOLVED,
     Strikes,
 )
@@ -62,6 +62,8 @@ class StrikeSearchController:
         self._sought: tuple[StrikeQuery, Placement] | None = None
         self._waits = False
         """True while a search waits for a body to be solved."""
+        self._trial = -1
+        """Task that tries the strikes that were found last."""
         self.panel.folder_requested.connect(lambda: ask_folder(bench, "Add to the motion library", self.add_folder))
         self.panel.search_requested.connect(self.search)
         self.panel.strike_chosen.connect(self.play)
@@ -185,8 +187,11 @@ class StrikeSearchController:
         found = search_strikes(self.library, replace(asked, limbs=(), kinds=(), numbers=(clip.number,)), 1)
         if not found:
             raise StudioError("That clip is no longer in the library. Search again.")
-        frozen = None if self.panel.follows else target.place(project, self.bench.live.result, time)
-        return StrikeRequest(found[0], performer_id, time, target, frozen)
+        return StrikeRequest(found[0], performer_id, time, target, self._frozen(target, time))
+
+    def _frozen(self, target: StrikeTarget, time: float) -> FloatArray | None:
+        """Position (3,) of the target at ``time`` on the stage; None if strikes follow it until they hit."""
+        return None if self.panel.follows else target.place(self.bench.document.project, self.bench.live.result, time)
 
     def aim_at(self, index: int) -> None:
         """Show the listed strike as a ghost; none if ``index`` is negative."""
@@ -235,12 +240,38 @@ class StrikeSearchController:
             self.mapping.show(library)
         active, now = self.bench.document.active_performer_id, self.bench.document.playhead.time
         asked = None if active is None else self._strike_query(active, now)
-        self.found = [] if asked is None else tried_strikes(search_strikes(library, asked), asked)
-        if asked is not None and active is not None:
-            self._sought = asked, Placement.of(self.bench.document.project.performers[active])
-        hint = self._unasked(active or "") if asked is None else READY if self.found else NO_MATCH_HINT
-        self._waits = hint == UNSOLVED
-        self._show(hint)
+        target = self.panel.target.value
+        self._end_trial()
+        if asked is None or active is None or not isinstance(target, StrikeTarget):
+            hint = self._unasked(active or "")
+            self._waits = hint == UNSOLVED
+            self._show(hint)
+            return
+        self._waits, self.listed = False, []
+        self.panel.show_results([], TRYING)
+        self._sought = asked, Placement.of(self.bench.document.project.performers[active])
+        scene = strike_scene(self.bench, active, now, target, self._frozen(target, now))
+
+        def work(progress: Progress) -> "list[TriedStrike]":
+            results = search_strikes(library, asked)
+
+            def residual_of(found: "Result") -> float:
+                progress.report(results.index(found) / len(results))
+                return scene.solved_residual(found)
+
+            return tried_strikes(results, residual_of)
+
+        def done(found: "list[TriedStrike]") -> None:
+            if self._trial == number:
+                self.found = found
+                self._show(READY if found else NO_MATCH_HINT)
+
+        number = self._trial = self.bench.runner.run("Trying strikes", work, done)
+
+    def _end_trial(self) -> None:
+        """Cancel the trial that runs, and drop the strikes that were found."""
+        self.bench.runner.cancel(self._trial)
+        self._trial, self.found = -1, []
 
     def _unasked(self, performer_id: str) -> str:
         """Reason why no strike can be ranked."""
@@ -265,14 +296,14 @@ class StrikeSearchController:
 
     def list_clips(self, clips: "list[LibraryClip]") -> None:
         """List given clips: those of one group of the map."""
-        self.found, self.listed = [], clips
+        self._end_trial()
+        self.listed = clips
         aimed = isinstance(self.panel.target.value, StrikeTarget)
         self.panel.show_results([(clip.name, _state(clip)) for clip in clips], OF_A_POSE, aimed)
 
     def _posed(self, performer_id: str, time: float) -> "StrikeQuery | None":
         """Query of a body at ``time``, without a target; None without a motion, or if nothing can be solved."""
         from studio.core.normalized.encode import encode_motion
-        from studio.core.normalized.pieces import MotionPiece
         from studio.library.searching import StrikeQuery
 
         project, adapted = self.bench.document.project, self.bench.live.result(performer_id)
@@ -282,11 +313,7 @@ class StrikeSearchController:
         row = row_at(adapted, timing_of(project, performer), time)
         rows = slice(row, row + 1)
         pose = encode_motion(adapted.positions[rows], adapted.rotations[rows], adapted.morphology, adapted.frame_rate)
-        frame = adapted.first_frame + row
-        stands = points_on_ground(adapted.contacts, frame)
-        whole = adapted.composite
-        playing = None if whole is None else MotionPiece(whole.motion, whole.contacts, 0, frame)
-        return StrikeQuery(pose, adapted.morphology, (0.0, 0.0, 0.0), contacts=stands, playing=playing)
+        return StrikeQuery(pose, adapted.morphology, (0.0, 0.0, 0.0))
 
     def _strike_query(self, performer_id: str, time: float) -> "StrikeQuery | None":
         """Query of a body at ``time``, and the target; None if one of them is missing."""

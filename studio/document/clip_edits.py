@@ -1,23 +1,29 @@
 """Edits of clips: each is one undo step, for all performers of the clip and for its constraints and contacts."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from studio.core.changed_records import with_fields
-from studio.core.constraints.scope import Scope
 from studio.core.curves.retiming import Speed
 from studio.core.errors import StudioError
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
-from studio.core.stage.clip_row import ClipEdit, clip_halves, players_of, with_clip_edited, with_row
+from studio.core.stage.clip_row import (
+    MOST_PARTS,
+    ClipEdit,
+    clip_halves,
+    players_of,
+    scoped_copies,
+    with_clip_edited,
+    with_row,
+)
 from studio.core.stage.layer import Layer
-from studio.core.stage.project import Project, new_id, new_ids
+from studio.core.stage.project import Entity, Project, new_id, new_ids
 from studio.core.stage.prop import Carried, InHand
 from studio.document.edited_project import EditedProject
 
 BLEND = 0.3
 """Seconds by which a clip that is added overlaps what comes before it."""
-MOST_PARTS = 4
 
 
 def edit_clip(document: EditedProject, clip_id: str, edit: ClipEdit, text: str, gesture: int | None = None) -> None:
@@ -184,10 +190,13 @@ def name_of(project: Project, clip: Clip) -> str:
 
 def ask_also(document: EditedProject, clip_id: str, other: str, text: str) -> None:
     """Copy the constraints and contacts of one clip to another."""
-    for collection in ("constraints", "contacts"):
-        asked = _asked_of(document.project, collection, clip_id)
-        copies = (replace(document.project.get(collection, key), scope=Scope(clip_id=other)) for key in asked)
-        document.add_all(collection, copies, text)
+    put_copies(document, scoped_copies(document.project, clip_id, other), text)
+
+
+def put_copies(document: EditedProject, copies: Mapping[str, Mapping[str, Entity]], text: str) -> None:
+    """Add new entities, given by collection and id."""
+    for collection, entities in copies.items():
+        document.put_all(collection, entities, text)
 
 
 def _asked_of(project: Project, collection: str, clip_id: str) -> list[str]:

@@ -15,7 +15,7 @@ from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.target import Place, follows_of, own_place_of, own_places_of, with_own_place
 from studio.core.curves.keyed import KeyedPlace, Quaternion
-from studio.core.solver.asking.tracks import Targets, Track, fixed_at, moved_target, turned_target
+from studio.core.solver.asking.tracks import Targets, Track, fixed_at, moved_target, raised_along_arms, turned_target
 from studio.core.solver.performers.rows import clip_transform
 from studio.core.solver.request import UnconstrainedPoses
 from studio.core.stage.mirrored_props import constraint_as_played
@@ -124,8 +124,9 @@ class TargetContext:
                 if follow.prop_id not in self.project.props:
                     return None
                 placed = prop_at(self.project, self.posed, follow.prop_id, self.time)
-                track = Track(placed.place[None], placed.axes[None])
-                return track_in_motion_space(follow, placed.prop, track, own)
+                track = track_in_motion_space(follow, placed.prop, Track(placed.place[None], placed.axes[None]), own)
+                points = own.to_motion(pose.points)[None]
+                return raised_along_arms(follow, track, points, pose.motion.morphology.layout)
             case FollowTracked():
                 motion = self.project.motions.get(pose.motion_id or "")
                 capture = self.project.captures.get(motion.capture_id) if motion else None

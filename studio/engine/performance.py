@@ -228,20 +228,20 @@ def displayed_stage(document: Document, live: Live) -> tuple[Project, float, dic
     return project, time, posed_performers(project, live.shown_frame, time, live.result)
 
 
-def root_paths(project: Project, result_of: Results) -> dict[str, FloatArray]:
-    """(T, 2) displacement in metres, over all clips, of the root of each performer that has an adapted motion from its
-    position on the stage, in the axes of its placement.
+def swept_points(project: Project, result_of: Results) -> dict[str, FloatArray]:
+    """(T, P, 2) points on the ground below those of each performer that has an adapted motion, the root first, in
+    metres, over all clips, from its position on the stage, in the axes of its placement.
     """
     clips = [clip for performer in project.performers.values() for clip in performer.clips]
     end = max((clip.start + clip.length(project.frame_rate_of(clip)) for clip in clips), default=0.0)
     times = np.arange(0.0, end, 1.0 / PATH_RATE)
-    paths = {}
+    swept = {}
     for performer_id, performer in project.performers.items():
         motion = result_of(performer_id) if performer.clips else None
         if motion is not None:
             timing = timing_of(project, performer)
-            paths[performer_id] = motion.positions[[row_at(motion, timing, time) for time in times], 0, :2]
-    return paths
+            swept[performer_id] = motion.positions[[row_at(motion, timing, time) for time in times], :, :2]
+    return swept
 
 
 def resting_performers(project: Project, posed: Mapping[str, PosedPerformer]) -> dict[str, PosedPerformer]:

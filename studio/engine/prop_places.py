@@ -30,8 +30,6 @@ CARRIED_AHEAD, CARRIED_HEIGHT = 0.28, 0.2
 
 RESTS_WITHIN = 0.01
 """Metres between the ground and the lower side of a prop that rests on it, at most."""
-FINGERS_RAISED = 2.0 / 3.0
-"""Part of the arms' elevation that the fingers on a prop follow; wrists bend by the rest, and by more once it moves."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,16 +230,6 @@ def hold_between_hands(
         if ahead < needed:
             held = replace(held, offset=(needed, 0.0, max(CARRIED_HEIGHT, up)), steady=True)
     return replace(held, heading=wrapped_angle(turned * math.pi / 2))
-
-
-def elevation_of_hands(pose: PropPose, holder: PosedPerformer) -> float:
-    """Upward angle in radians of fingers on a prop: a part of the elevation of the prop from the middle of the
-    shoulders.
-    """
-    layout = holder.motion.morphology.layout
-    shoulders = holder.points[[layout.collar_point(side) + 1 for side in range(2)]].mean(axis=0)
-    x, y, z = (pose.place - shoulders).tolist()
-    return FINGERS_RAISED * math.atan2(z, math.hypot(x, y))
 
 
 def takes_lower(prop: Prop, giver: Carried, taker: Carried) -> bool:

@@ -11,11 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.morphology import Morphology
-from studio.core.captures.contacts import ContactPoint
 from studio.core.kernels import layout as at_channel
 from studio.core.kernels import pose_search as at
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.pieces import MotionPiece
 from studio.core.normalized.realize import realize_motion
 from studio.core.retrieval import PoseQuery, SearchMatch, pose_distances, pose_rows, search
 from studio.library.clip_labels import Kind, Limb
@@ -30,8 +28,8 @@ class StrikeQuery:
     """Query: ``pose`` is a motion of one frame, the performer's now; ``place`` (3,) is the position to hit, in the same
     space on ``body``.
 
-    ``contacts`` are the points that stand in the pose. ``limbs``, ``kinds``, ``tags`` and ``numbers`` each restrict the
-    search to clips of one of them; an empty one does not.
+    ``limbs``, ``kinds``, ``tags`` and ``numbers`` each restrict the search to clips of one of them; an empty one does
+    not.
     """
 
     pose: NormalizedMotion
@@ -43,9 +41,6 @@ class StrikeQuery:
     numbers: Collection[int] = ()
     posture_weight: float = 1.0
     reach_weight: float = 1.0
-    contacts: Collection[ContactPoint] = ()
-    playing: MotionPiece | None = None
-    """Motion that plays up to the pose, from which a strike is tried; None holds the pose."""
     in_box: bool = False
     """True to leave out clips whose hit path lies in a box that does not contain the place, as in P09."""
 

@@ -5,10 +5,8 @@ target: it fades in from the change on (for a leg, shortly before the hit), is f
 The target may move until the hit.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-
-import numpy as np
 
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactInterval
@@ -21,20 +19,16 @@ from studio.core.curves.retiming import speed_at
 from studio.core.normalized.compose import Composite, compose_pieces
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import MotionPiece
-from studio.core.solver.adapt import adapt, body_point_positions
+from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.clip import Clip
 from studio.library.clip_labels import ClipLabel, Limb, hit_point
-from studio.library.searching import Result, StrikeQuery, metres
+from studio.library.searching import Result, metres
 
 CHAIN = Chain(limb=1.0, clavicle=1.0, trunk=0.6, root=0.4)
 """Segments that may help a limb to reach: P09 goes on from the limb to the trunk and the root."""
 VISIBLE_MISS = 0.005
 """Residual in metres below which a miss is invisible."""
-POSE_HOLD_SECONDS = 0.5
-"""Seconds for which a pose is held when a takeover from it is tried."""
-TRIED_SECONDS = 5.0
-"""Seconds of the motion before a strike that are solved with it when it is tried."""
 EASED_IN = 0.6
 """Fraction of the time to the hit in which the clip blends in."""
 SWUNG = 0.25
@@ -143,29 +137,12 @@ class TriedStrike:
         return (*self.found.reasons, "meets it" if self.hits else f"{metres(self.missed)} short")
 
 
-def tried_strikes(found: Sequence[Result], asked: StrikeQuery) -> list[TriedStrike]:
-    """Search results, solved: those that hit before those that do not, each in the order of ``found``."""
-    all_tried = [TriedStrike(each, solved_residual(each, asked)) for each in found]
-    return sorted(all_tried, key=lambda each: not each.hits)
-
-
-def solved_residual(found: Result, asked: StrikeQuery) -> float:
-    """Residual of the hit in metres after solving and smoothing: played from the query's motion, or from its pose, held
-    with its contacts.
+def tried_strikes(found: Sequence[Result], residual_of: Callable[[Result], float]) -> list[TriedStrike]:
+    """Search results, solved by ``residual_of``, which returns the residual at the hit in metres: those that hit before
+    those that do not, each in the order of ``found``.
     """
-    playing, place = asked.playing or _held(asked), np.asarray(asked.place, dtype=np.float64)
-    first = max(playing.first, playing.last - round(TRIED_SECONDS * playing.motion.frame_rate))
-    x, y, z = place.tolist()
-    made = make_strike(replace(playing, first=first), playing.last, StrikeClip.of(found), asked.body, (x, y, z))
-    adapted = adapt(replace(made.request(), eased=True), made.hit, made.hit)
-    return float(np.linalg.norm(body_point_positions(made.constraint.point, adapted)[0] - place))
-
-
-def _held(asked: StrikeQuery) -> MotionPiece:
-    pose = asked.pose
-    held = replace(pose, channels=np.repeat(pose.channels, round(POSE_HOLD_SECONDS * pose.frame_rate), axis=0))
-    last = held.frame_count - 1
-    return MotionPiece(held, tuple(ContactInterval("", point, 0, last) for point in asked.contacts), 0, last)
+    all_tried = [TriedStrike(each, residual_of(each)) for each in found]
+    return sorted(all_tried, key=lambda each: not each.hits)
 
 
 def aimed_constraint(found: Result, clip: Clip, target: Place, body: Morphology) -> PositionConstraint:

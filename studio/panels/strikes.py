@@ -13,6 +13,7 @@ from studio.panels.two_lines import TwoLines
 ALL = "None (list all strikes)"
 NO_STRIKES_HINT = "No clips yet. Add a folder of captures: strikes are found in them automatically."
 READY = "Hover to preview a strike. Drag it onto a character or a track, or insert it at the playhead."
+TRYING = "Strikes are tried in this scene…"
 NO_MATCH_HINT = "No clip in the library matches that limb and type."
 OF_A_POSE = "Clips that contain the selected pose, best match first."
 UNSOLVED = "All strikes of the library. Ranking starts when this character and its target are solved."
@@ -43,6 +44,7 @@ class Strikes(QWidget):
         self.aim = Segments("Aim", ((True, "Follows"), (False, "Frozen")))
         self.aim.setToolTip("Aim at the target at the hit frame (follows), or at its position when searched (frozen)")
         self.aim.value_chosen.connect(self._choose_aim)
+        self.aim.value_chosen.connect(lambda _: self.search_requested.emit())
         self.follows = True
         """True if a strike follows its target until the hit, False if it aims at the target's present position."""
         self.aim.show_value(True)

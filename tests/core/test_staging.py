@@ -60,23 +60,38 @@ def test_a_row_of_which_some_are_missing_is_still_one(missing):
     assert is_unarranged(row)
 
 
+def swept_by(reach, way=0.0, travel=0.0):
+    """Points of a body whose limbs reach so many metres to both sides, and which goes ``way`` metres across."""
+    across, times = np.array([-math.sin(travel), math.cos(travel)]), np.linspace(0.0, 1.0, 30)
+    sides = np.array([-reach, 0.0, reach]) * np.sin(math.pi * times)[:, None] + way * times[:, None]
+    return sides[..., None] * across
+
+
 @pytest.mark.parametrize("travel", [0.0, 1.1, -2.0])
-def test_those_whose_paths_cross_begin_farther_apart(travel):
+@pytest.mark.parametrize(("reach", "ways"), [(0.4, (0.0, 3.0, -2.0)), (1.1, (0.0, 0.0, 0.0)), (0.8, (2.0, 2.0, 2.0))])
+def test_those_who_spread_their_limbs_or_whose_paths_cross_stand_farther_apart(travel, reach, ways):
+    """Only the roots were looked at: in a split neighbours cut into each other."""
+    sweeps = {key: swept_by(reach, way, travel) for key, way in zip(ROW, ways, strict=True)}
+    row = lined_up(ROW, travel, sweeps)
     across = np.array([-math.sin(travel), math.cos(travel)])
-    times = np.linspace(0.0, 1.0, 30)[:, None]
-    paths = {"body 0": 0.0 * times * across, "body 1": 3.0 * times * across, "body 2": -2.0 * times * across}
-    row = lined_up(ROW, travel, paths)
-    tracks = [np.array(each.position) + paths[key] for key, each in row.items()]
-    for one, other in ((0, 1), (0, 2), (1, 2)):
-        assert np.linalg.norm(tracks[one] - tracks[other], axis=1).min() > 0.75
+    tracks = [(np.array(each.position) + sweeps[key]) @ across for key, each in row.items()]
+    tracks.sort(key=lambda track: -track[0].mean())
+    for left, right in ((0, 1), (0, 2), (1, 2)):
+        assert (tracks[left].min(axis=1) - tracks[right].max(axis=1)).min() > 0.29
     assert is_unarranged(row)
+
+
+def test_those_who_keep_their_limbs_near_or_go_the_same_way_stand_as_near_as_usual():
+    for way in (0.0, 5.0):
+        row = lined_up(ROW, 0.3, {key: swept_by(0.4, way, 0.3) for key in ROW})
+        assert math.dist(row["body 0"].position, row["body 1"].position) == pytest.approx(SPACING)
 
 
 @pytest.mark.parametrize("heading", [0.0, 1.3, math.pi / 2])
 def test_one_more_performer_stands_beyond_the_end_of_the_row_and_far_enough_from_its_neighbour(heading):
     row = lined_up(ROW, heading)
     position = end_of_row(row, {"body 0": 9.0, "body 1": 9.0, "body 2": 1.5 * SPACING})
-    assert math.dist(position, row["body 2"].position) == pytest.approx(2 * SPACING)
+    assert math.dist(position, row["body 2"].position) == pytest.approx(1.5 * SPACING)
     assert is_unarranged(row | {"new": replace(ROW["body 0"], position=position)})
 
 

@@ -11,15 +11,18 @@ from PySide6.QtWidgets import QAbstractButton, QApplication
 from studio.app.action_set import with_mnemonics
 from studio.app.actions import MENUS
 from studio.app.application import import_views, show_views
+from studio.app.character_import import add_read_character
 from studio.app.preferences import key_maps
 from studio.core.captures.contacts import ContactInterval, Touch
 from studio.core.stage.prop import Prop
 from studio.core.stage.staging import SPACING, side_by_side
 from studio.document import colours
-from studio.engine.performance import root_paths
+from studio.engine.performance import swept_points
 from studio.io.bvh.writer import write_bvh
+from studio.io.project.character_file import bundled_characters
 from studio.panels.command_palette import plain_text
 from studio.panels.message_strip import Lifetime
+from studio.resources_folder import example_captures_folder
 from tests.builders import make_capture
 from tests.gui.viewport_use import LEFT, NONE, joint_pixel
 from tests.gui.window_use import drop, wait_until_idle
@@ -191,7 +194,7 @@ def test_line_up_puts_bodies_across_their_way_as_one_step(window, qtbot, walk):
     count = document.undo_stack.count()
     window.actions_by_id.by_id["line_up"].trigger()
     places = np.array([each.position for each in document.project.performers.values()])
-    assert np.linalg.norm(places[1] - places[0]) == pytest.approx(1.15)
+    assert np.linalg.norm(places[1] - places[0]) == pytest.approx(2 * SPACING)  # this walk spreads its arms
     assert {each.heading for each in document.project.performers.values()} == {0.0}
     assert document.undo_stack.count() == count + 1
     document.undo_stack.undo()
@@ -226,8 +229,8 @@ def test_bodies_of_which_some_play_another_take_are_lined_up_and_do_not_meet(win
     assert window.bench.live.wait_until_solved(SECONDS)
     window.actions_by_id.by_id["line_up"].trigger()
     assert window.bench.live.wait_until_solved(SECONDS)
-    paths = root_paths(document.project, window.bench.live.result)
-    one, other = (np.array(each.position) + paths[key] for key, each in document.project.performers.items())
+    swept = swept_points(document.project, window.bench.live.result)
+    one, other = (np.array(each.position) + swept[key][:, 0] for key, each in document.project.performers.items())
     assert np.linalg.norm(one - other, axis=1).min() > 0.75
 
 
@@ -240,7 +243,7 @@ def test_line_up_puts_bodies_of_a_mirrored_walk_across_the_way_that_is_seen(wind
     assert window.bench.live.wait_until_solved(SECONDS)
     window.actions_by_id.by_id["line_up"].trigger()
     first, second = (np.array(each.position) for each in document.project.performers.values())
-    path = next(iter(root_paths(document.project, window.bench.live.result).values()))
+    path = next(iter(swept_points(document.project, window.bench.live.result).values()))[:, 0]
     assert (path[-1] - path[0])[1] < -1.0
     assert (path[-1] - path[0]) @ (second - first) == pytest.approx(0.0, abs=0.1)
 
@@ -269,3 +272,22 @@ def test_only_a_warning_has_the_colour_of_a_warning(window):
     window.bench.inform("Exported walk.bvh.")
     QApplication.processEvents()
     assert edge() != colours.PARTLY.lower()
+
+
+def test_a_motion_that_spreads_its_limbs_puts_bodies_farther_apart_and_a_dropped_one_too(window, qtbot):
+    """In splits, kicks and cartwheels neighbours cut into each other."""
+    document, folder = window.bench.document, example_captures_folder()
+    row = side_by_side(document.project.characters).values()
+    for key, stood in zip([*document.project.performers], row, strict=True):
+        document.replace("performers", key, replace(document.project.performers[key], position=stood.position), "Row")
+    drop(window, folder / "handstand.bvh")
+    wait_until_idle(qtbot, window)
+    assert least_spacing(document.project.performers) > SPACING + 0.3
+    character = next(iter(bundled_characters().values()))
+    add_read_character(document, replace(character, name="New"), "Add New")
+    assert least_spacing(document.project.performers) > SPACING + 0.3
+
+
+def least_spacing(performers):
+    places = np.sort([each.position[1] for each in performers.values()])
+    return np.diff(places).min()

@@ -31,6 +31,7 @@ def striking(window, qtbot, library_folder):
     wait_until_idle(qtbot, window)
     made.panel.limb.setCurrentIndex(1 + Limb.LEFT_ARM)  # the bodies of this project reach it with that one
     made.search()
+    wait_until_idle(qtbot, window)
     return made
 
 
@@ -71,6 +72,7 @@ def test_a_target_that_moves_is_hit_where_it_is_then(striking, window, qtbot):
 def test_a_frozen_target_is_hit_where_it_was_when_it_was_asked(striking, window, qtbot):
     document, key = window.bench.document, window.bench.document.active_performer_id
     striking.panel.aim.value_chosen.emit(False)
+    wait_until_idle(qtbot, window)
     dropped_on(striking, window, qtbot, key)
     prop_id, prop = next(iter(document.project.props.items()))
     document.replace("props", prop_id, replace(prop, position=(2.0, 1.0, 0.5)), "Move")
@@ -142,6 +144,7 @@ def test_what_is_said_to_hit_hits_and_what_is_said_to_fall_short_does(striking, 
         document.replace("props", prop_id, replace(prop, position=place), "Move")
         assert window.bench.live.wait_until_solved(PATIENCE / 1000)
         striking.search()
+        wait_until_idle(qtbot, window)
         assert panel.results.item(0).text().endswith(words)
         dropped_on(striking, window, qtbot, key, 0.0)
         missed = np.linalg.norm(struck_place(window, key)[0] - place)

@@ -58,6 +58,8 @@ def test_a_strike_is_found_played_and_made_to_hit_and_one_undo_takes_it_back(str
     striking.panel.limb.setCurrentIndex(1 + Limb.LEFT_ARM)  # the body of this project reaches the box with it
     solved(window, qtbot)
     qtbot.mouseClick(find_button(striking.panel), Qt.MouseButton.LeftButton)
+    assert striking.panel.hint.text() == strikes.TRYING
+    wait_until_idle(qtbot, window)
     assert striking.panel.hint.text() == strikes.READY
     assert "from the target" in striking.panel.results.item(0).text()
     ranks = [(not each.hits, each.found.cost) for each in striking.found]
@@ -83,19 +85,23 @@ def test_the_limb_that_is_chosen_is_the_only_one_that_is_found(striking, window,
     solved(window, qtbot)
     striking.panel.limb.setCurrentIndex(1 + Limb.RIGHT_LEG)
     striking.search()
+    wait_until_idle(qtbot, window)
     assert {each.found.clip.label.limb for each in striking.found} == {Limb.RIGHT_LEG}
     striking.panel.limb.setCurrentIndex(0)
     striking.panel.kind.setCurrentIndex(striking.panel.kind.findText("Grasp"))
     striking.search()
+    wait_until_idle(qtbot, window)
     assert striking.panel.hint.text() == strikes.NO_MATCH_HINT
 
 
 def test_what_is_chosen_is_searched_for_at_once(striking, window, qtbot):
     solved(window, qtbot)
     panel, key = striking.panel, add_box(window)
+    wait_until_idle(qtbot, window)
     assert panel.hint.text() == strikes.READY
     assert "from the target" in panel.results.item(0).text()
     choose_by_keys(panel.limb, 1 + Limb.RIGHT_LEG)
+    wait_until_idle(qtbot, window)
     assert {clip.label.limb for clip in striking.listed} == {Limb.RIGHT_LEG}
     window.bench.document.remove("props", key, "Delete box")
     assert panel.hint.text() == strikes.NO_TARGET
@@ -118,6 +124,7 @@ def test_strikes_are_ranked_as_soon_as_the_body_is_solved(striking, window, qtbo
         assert striking.panel.hint.text() == strikes.UNSOLVED
         assert striking.panel.results.count() == 14
     window.bench.live.adapted.emit(window.bench.document.active_performer_id)
+    wait_until_idle(qtbot, window)
     assert striking.panel.hint.text() == strikes.READY
     assert "from the target" in striking.panel.results.item(0).text()
 
@@ -165,6 +172,7 @@ def test_a_constraint_of_the_strike_belongs_to_its_clip_alone(striking, window, 
     wait_until_idle(qtbot, window)
     solved(window, qtbot)
     striking.search()
+    wait_until_idle(qtbot, window)
     striking.play(0)
     wait_until_idle(qtbot, window)
     document = window.bench.document
@@ -188,6 +196,7 @@ def test_a_result_under_the_mouse_is_a_ghost_that_passes_the_target_and_no_edit(
     add_box(window, place)
     solved(window, qtbot)
     striking.search()
+    wait_until_idle(qtbot, window)
     seen, results, before = SeenPreview(), striking.panel.results, window.bench.document.project
     window.bench.set_viewport(SimpleNamespace(preview=seen))
     results.itemEntered.emit(results.item(0))
@@ -202,6 +211,7 @@ def test_the_button_uses_the_chosen_result(striking, window, qtbot):
     add_box(window)
     solved(window, qtbot)
     striking.search()
+    wait_until_idle(qtbot, window)
     assert not striking.panel.use.isEnabled()
     striking.panel.results.setCurrentRow(1)
     steps = window.bench.document.undo_stack.count()

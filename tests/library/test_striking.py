@@ -8,18 +8,14 @@ import pytest
 
 from studio.cli.live import guard_of
 from studio.core.body.morphology import Proportions
-from studio.core.captures.contacts import points_on_ground
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.compose import compose_pieces
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.normalized.realize import realize_motion
 from studio.core.quality.metrics import angular_acceleration, contact_quality, swing_depths
-from studio.core.solver.adapt import adapt, body_point_positions
+from studio.core.solver.adapt import adapt
 from studio.core.stage.clip import Clip
-from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
-from studio.jobs.adaptation import ready_capture
 from studio.library.catalogue import Catalogue
 from studio.library.clip_labels import Kind, Limb
 from studio.library.hitting import hit_places
@@ -27,7 +23,7 @@ from studio.library.indexing import bundled_library, index_folders
 from studio.library.library import Library
 from studio.library.scenes.choosing import target_of
 from studio.library.searching import StrikeQuery, place_before, search_strikes, strike_path
-from studio.library.striking import VISIBLE_MISS, StrikeClip, aimed_constraint, make_strike, strike_in, tried_strikes
+from studio.library.striking import StrikeClip, aimed_constraint, make_strike
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
@@ -73,62 +69,10 @@ def test_a_target_that_can_be_reached_is_hit_within_a_millimetre(library, name):
     assert np.isnan(adapted.residuals[0, : strike.change]).all()
 
 
-@pytest.mark.parametrize(("name", "frame"), [("walk_turn", 283), ("walk_turn", 381), ("front_kick", 176)])
-def test_what_is_promised_in_the_middle_of_a_turn_or_a_kick_is_met(bundled, name, frame):
-    """Blows were tried from a pose at rest: out of a turn they ended up to 89 cm short of what was promised."""
-    body, ready = BODIES["child"], ready_capture(EXAMPLES / f"{name}.bvh", GUESS_ALL)
-    playing = MotionPiece(ready.motion, ready.contacts, 0, frame)
-    pose = replace(ready.motion, channels=ready.motion.channels[frame : frame + 1])
-    root, generator = realize_motion(pose, body)[0][0, 0], np.random.default_rng(5)
-    stands, promised = points_on_ground(ready.contacts, frame), 0
-    for _ in range(4):
-        place = tuple((root + generator.uniform([0.1, -0.6, -0.5], [1.0, 0.6, 0.8])).tolist())
-        asked = StrikeQuery(pose, body, place, contacts=stands, playing=playing)
-        for each in tried_strikes(search_strikes(bundled, asked), asked):
-            strike = make_strike(playing, frame, StrikeClip.of(each.found), body, place)
-            adapted = adapt(replace(strike.request(), eased=True), strike.hit, strike.hit)
-            missed = float(np.linalg.norm(body_point_positions(strike.constraint.point, adapted)[0] - place))
-            assert not each.hits or missed < 2.0 * VISIBLE_MISS, each.found.clip.name
-            promised += each.hits
-    assert promised >= 8
-
-
-@pytest.mark.parametrize(("frame", "place"), [(279, (0.7504, -0.5016, 0.8727)), (180, (0.9248, -0.391, 1.0885))])
-def test_what_is_promised_is_met_also_where_it_depends_on_seconds_before(bundled, frame, place):
-    """Blows were tried from the last second: these ended 27 and 31 mm short of what was promised."""
-    body, ready = BODIES["child"], ready_capture(EXAMPLES / "front_kick.bvh", GUESS_ALL)
-    playing = MotionPiece(ready.motion, ready.contacts, 0, frame)
-    pose = replace(ready.motion, channels=ready.motion.channels[frame : frame + 1])
-    asked = StrikeQuery(pose, body, place, contacts=points_on_ground(ready.contacts, frame), playing=playing)
-    for each in tried_strikes(search_strikes(bundled, asked), asked):
-        strike = make_strike(playing, frame, StrikeClip.of(each.found), body, place)
-        adapted = adapt(replace(strike.request(), eased=True), strike.hit, strike.hit)
-        missed = float(np.linalg.norm(body_point_positions(strike.constraint.point, adapted)[0] - place))
-        assert not each.hits or missed < 2.0 * VISIBLE_MISS, each.found.clip.name
-
-
-@pytest.mark.parametrize(("frame", "seed"), [(20, 0), (60, 1), (100, 2)])
-def test_what_is_promised_to_meet_its_target_does_so_from_the_motion_that_plays(library, bundled, frame, seed):
-    """Kicks of a child with both feet on the ground were promised, and ended up to 19 cm short."""
-    body, playing = BODIES["child"], guard(library)
-    pose = replace(playing.motion, channels=playing.motion.channels[frame : frame + 1])
-    root = realize_motion(pose, body)[0][0, 0]
-    place = tuple((root + np.random.default_rng(seed).uniform([0.3, -0.4, -0.3], [0.9, 0.4, 0.7])).tolist())
-    stands = points_on_ground(playing.contacts, frame)
-    asked = StrikeQuery(pose, body, place, contacts=stands)
-    for each in tried_strikes(search_strikes(bundled, asked), asked):
-        strike = make_strike(replace(playing, last=frame), frame, StrikeClip.of(each.found), body, place)
-        adapted = adapt(replace(strike.request(), eased=True), strike.hit, strike.hit)
-        missed = float(np.linalg.norm(body_point_positions(strike.constraint.point, adapted)[0] - place))
-        assert not each.hits or missed < 2.0 * VISIBLE_MISS, each.found.clip.name
-
-
 def test_a_blow_that_is_begun_a_frame_before_its_hit_is_aimed_all_the_same(library):
     body = BODIES["adult_woman"]
     best, place = found_for(library, body, 0.7, 1.25)
-    pose = replace(guard(library).motion, channels=guard(library).motion.channels[60:61])
     late, where = replace(best, start=best.hit - 1), tuple(place.tolist())
-    assert tried_strikes([late], StrikeQuery(pose, body, where))[0].missed >= 0.0
     curve = aimed_constraint(late, Clip("punch", late.start, late.clip.label.last), where, body).activation
     assert curve.at(late.hit / late.clip.take.motion.frame_rate) == 1.0
 
@@ -209,30 +153,3 @@ def test_an_outline_starts_in_the_pose_and_passes_the_target_as_far_off_as_it_sa
     passes = hit_places(points, turned, body, best.clip.label.limb, best.clip.label.segment)[-1]
     assert np.linalg.norm(passes - place) == pytest.approx(best.reach, abs=0.005)
     assert np.abs(points[0] - realize_motion(pose, body)[0][0]).mean() < 0.1
-
-
-@pytest.mark.parametrize(("name", "seed"), [("child", 1), ("giant", 1)])
-def test_what_is_promised_in_a_row_of_clips_is_met_by_the_clip_that_is_inserted_there(bundled, name, seed):
-    """Blows were tried a frame later, and without the change of clips before: these ended up to 95 cm short."""
-    body, frame = BODIES[name], 176
-    turn, kick = (ready_capture(EXAMPLES / f"{each}.bvh", GUESS_ALL) for each in ("walk_turn", "front_kick"))
-    first = MotionPiece(turn.motion, turn.contacts, 60, 240)
-    second = MotionPiece(kick.motion, kick.contacts, 0, frame, 2.7)
-    row = compose_pieces((first, second))
-    last, rate = row.timing.last, row.timing.frame_rate
-    playing = MotionPiece(row.motion, row.contacts, 0, last)
-    pose = replace(row.motion, channels=row.motion.channels[last:])
-    root, generator = realize_motion(pose, body)[0][0, 0], np.random.default_rng(seed)
-    stands, promised = points_on_ground(row.contacts, last), 0
-    for _ in range(3):
-        place = tuple((root + generator.uniform([-0.6, -0.6, -0.5], [0.6, 0.6, 0.8])).tolist())
-        asked = StrikeQuery(pose, body, place, contacts=stands, playing=playing)
-        for each in tried_strikes(search_strikes(bundled, asked), asked):
-            blow = StrikeClip.of(each.found)
-            inserted = compose_pieces((first, second, blow.piece(second.end)))
-            strike = strike_in(inserted, round(second.end * rate), blow, body, place)
-            adapted = adapt(replace(strike.request(), eased=True), strike.hit, strike.hit)
-            missed = float(np.linalg.norm(body_point_positions(strike.constraint.point, adapted)[0] - place))
-            assert not each.hits or missed < 2.0 * VISIBLE_MISS, each.found.clip.name
-            promised += each.hits
-    assert promised >= 8

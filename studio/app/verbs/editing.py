@@ -19,7 +19,7 @@ from studio.document.clip_edits import name_of, remove_clips
 from studio.document.clipboard import paste_json, selection_as_json
 from studio.document.correction_edits import set_key as set_correction_key
 from studio.document.key_edits import delete_keys, set_keys
-from studio.engine.performance import root_paths
+from studio.engine.performance import swept_points
 
 EDITED_PARTS = ("clips", "states", "transitions")
 SMALL_THINGS = (
@@ -141,12 +141,12 @@ def line_up(bench: Workbench) -> None:
     performers = {key: project.performers[key] for key in keys if project.performers[key].clips}
     if len(performers) < 2:
         raise StudioError("Show or select at least two characters that play something first.")
-    paths = root_paths(project, bench.live.result)
+    swept = swept_points(project, bench.live.result)
     active = document.active_performer_id
-    followed = next((paths[key] for key in (active, *performers) if key in performers and key in paths), None)
+    followed = next((swept[key][:, 0] for key in (active, *performers) if key in performers and key in swept), None)
     travel = None if followed is None else path_heading(followed)
     with document.group("Arrange characters side by side"):
-        for key, performer in lined_up(performers, travel or 0.0, paths).items():
+        for key, performer in lined_up(performers, travel or 0.0, swept).items():
             document.replace("performers", key, performer, "Arrange side by side")
 
 

@@ -27,7 +27,6 @@ from studio.document.length_units import length_text, shown_unit
 from studio.engine.grasps import Grasp, captured_grasp, chest_heading, grasp_at, grasp_near
 from studio.engine.performance import PosedPerformer, motion_time, posed_performers
 from studio.engine.prop_places import (
-    elevation_of_hands,
     heading_of,
     hold_between_hands,
     prop_at,
@@ -189,6 +188,9 @@ def pick_up(bench: Workbench) -> None:
     document, prop_id, performer_id = _holding(bench)
     prop, now = document.project.props[prop_id], document.playhead.time
     hold = prop.held_at(now) or prop.held
+    if isinstance(hold, Carried) and hold.performer_id == performer_id and hold.begin != now and hold.holds_at(now):
+        name = document.project.performers[performer_id].name
+        raise StudioError(f"{name} already carries {prop.name} here. Choose another character, or put it down first.")
     if isinstance(hold, InHand) and hold.performer_id == performer_id:
         end = hold.end if hold.end is not None and hold.end > now else None
         held = prop.with_span(hold, now, end)
@@ -252,7 +254,7 @@ def _hold(bench: Workbench, begin: float | None) -> None:
     prop, performer, moved = document.project.props[prop_id], document.project.performers[performer_id], ""
     posed = posed_performers(document.project, bench.live.result, document.playhead.time)
     holder, giver = posed.get(performer_id), prop.held_at(begin) if begin is not None else None
-    hold, reaching, lower, elevation = Carried(performer_id), HAND_REACH_SECONDS, False, 0.0
+    hold, reaching, lower = Carried(performer_id), HAND_REACH_SECONDS, False
     if holder is not None:
         grasp = grasp_at(document.project, bench.live.result, performer_id, begin) if begin is not None else None
         heading = None
@@ -261,9 +263,6 @@ def _hold(bench: Workbench, begin: float | None) -> None:
             pose = prop_at(document.project.with_entity("props", prop_id, prop), posed, prop_id, begin)
             heading, reaching = heading_of(pose), reaching_time(wrists_from(pose, holder))
         hold = hold_between_hands(prop, performer_id, holder, heading=heading, lift=grasp.lift(prop) if grasp else None)
-        held = prop.with_holds([hold]) if begin is None else prop.taken(hold, begin)
-        taken = prop_at(document.project.with_entity("props", prop_id, held), posed, prop_id, document.playhead.time)
-        elevation = elevation_of_hands(taken, holder)
         lower = isinstance(giver, Carried) and takes_lower(prop, giver, hold)
     text = f"{performer.name} {'holds' if begin is None else 'picks up'} {prop.name}"
     with document.group(text):
@@ -285,7 +284,7 @@ def _hold(bench: Workbench, begin: float | None) -> None:
             last = max((each.priority for each in others.values()), default=-1) + 1
             made = grip_constraints(
                 motion_id, performer_id, prop_id, prop, seconds, last,
-                turned=quarter_turns(hold.heading), lower=lower, reaching=reaching, elevation=elevation,
+                turned=quarter_turns(hold.heading), lower=lower, reaching=reaching,
             )  # fmt: skip
             clip = next(
                 each for each in _clips_after(document.project, performer, begin) if each.motion_id == motion_id

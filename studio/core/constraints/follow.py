@@ -4,11 +4,12 @@ Each is a place and a rotation fixed to the thing. A position, the outside of a 
 the place; an orientation takes the rotation, an area's heading its turn about Z.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 from studio.core.constraints.base import BodyPoint, Vector, finite_vector
 from studio.core.curves.keyed import Quaternion, unit_quaternion
+from studio.core.curves.tangents import SPARSE
 
 UNTURNED: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
@@ -47,7 +48,9 @@ class FollowPerformer:
 class FollowProp:
     """Point fixed to a prop, in its axes: ``offset`` metres from its centre plus ``share`` of its half size.
 
-    ``share`` (0, 1, 0) is the middle of its left side, whatever its size.
+    ``share`` (0, 1, 0) is the middle of its left side, whatever its size. With ``along_arms`` the followed rotation is
+    that of a hand whose fingers are raised and lowered with the arms, as wrists bend only so far, and ``offset`` is in
+    the hand's axes.
     """
 
     kind: ClassVar[str] = "follow_prop"
@@ -55,6 +58,7 @@ class FollowProp:
     offset: Vector = (0.0, 0.0, 0.0)
     turn: Quaternion = UNTURNED
     share: Vector = (0.0, 0.0, 0.0)
+    along_arms: bool = field(default=False, metadata=SPARSE)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "offset", finite_vector(self.offset, "An offset from a prop"))

@@ -30,7 +30,7 @@ from studio.core.solver.asking.limb_availability import arm_limit_fractions, leg
 from studio.core.solver.asking.packing import pack_tasks, priority_order
 from studio.core.solver.asking.releasing import contact_release, is_ramped, ramped_target
 from studio.core.solver.asking.self_contact import arm_activations
-from studio.core.solver.asking.tracks import OwnPath, Targets, Track, Tracks
+from studio.core.solver.asking.tracks import OwnPath, Targets, Track, Tracks, raised_along_arms
 from studio.core.solver.performers.followed_tracks import own_track
 from studio.core.solver.smoothing.level_smoothing import (
     SMOOTHING_WIDTHS,
@@ -359,7 +359,9 @@ def targets_of(standing: GroundedMotion, constraints: Sequence[Constraint], wind
             if isinstance(track, OwnPath):
                 track = track.make(standing.unconstrained, standing.morphology)
             if track is not None:
-                known[follow] = track.in_frames(window)
+                known[follow] = raised_along_arms(
+                    follow, track.in_frames(window), standing.positions[window], body.layout
+                )
             elif not isinstance(follow, FollowBody):
                 raise StudioError(f"'{constraint.name}' follows something that is not there. Choose what it follows.")
         if isinstance(constraint, BalanceConstraint) and isinstance(constraint.place, Support):

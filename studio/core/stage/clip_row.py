@@ -4,15 +4,18 @@ All performers that have a clip of one id share it: an edit applies to all of th
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
+from studio.core.constraints.scope import Scope
 from studio.core.curves.keyed import KeyedNumber
 from studio.core.stage.clip import Clip
-from studio.core.stage.project import Performer, Project
+from studio.core.stage.project import Entity, Performer, Project, new_ids
 
 ClipEdit = Callable[[Clip], Sequence[Clip]]
 """Function that returns the replacement of a clip: no clip, a changed clip, or several."""
+MOST_PARTS = 4
+"""Clips that one clip is split into at most."""
 
 
 def players_of(project: Project, clip_id: str) -> dict[str, Performer]:
@@ -85,3 +88,52 @@ def clip_halves(clip: Clip, frame_rate: float, time: float, names: Iterator[str]
 def continuing_clip(clip: Clip, clip_id: str) -> Clip:
     """New clip that continues where the previous one ends."""
     return replace(clip, id=clip_id, joined=True, turn=0.0, offset=(0.0, 0.0))
+
+
+def clips_until(performer: Performer, time: float, frame_rates: Mapping[str, float]) -> tuple[Clip, ...]:
+    """Clips of a performer before ``time`` in seconds; later parts are cut off.
+
+    A loop that is cut in its middle becomes a clip of its own, with a new id, after the whole ones.
+    """
+    kept: list[Clip] = []
+    for clip in performer.clips:
+        rate, names = frame_rates[clip.motion_id], new_ids(MOST_PARTS)
+        if clip.start >= time:
+            continue
+        length = clip.length(rate)
+        frame = length / max(clip.repeats * (clip.last - clip.first), 1)
+        if clip.start + length <= time + frame:
+            kept.append(clip)
+        elif clip.repeats > 1 and clip.start + frame <= time:
+            kept += [each for each in clip_halves(clip, rate, time, iter(names)) if each.start < time - frame / 2]
+        else:
+            kept.append(replace(clip, repeats=1, last=int(frame_at(clip, rate, time))))
+    return tuple(kept)
+
+
+def scoped_copies(project: Project, clip_id: str, other: str) -> dict[str, dict[str, Entity]]:
+    """Copies for clip ``other`` of the constraints and contacts that apply to one clip alone: new entities by
+    collection and id.
+    """
+    scoped = {
+        collection: [
+            replace(each, scope=Scope(clip_id=other))
+            for each in getattr(project, collection).values()
+            if each.scope.clip_id == clip_id
+        ]
+        for collection in ("constraints", "contacts")
+    }
+    return {name: dict(zip(new_ids(len(each)), each, strict=True)) for name, each in scoped.items()}
+
+
+def copies_for_parts(project: Project, before: Performer, clips: Sequence[Clip]) -> dict[str, dict[str, Entity]]:
+    """``scoped_copies`` for those of ``clips`` that are new parts of the clips ``before``, which they follow."""
+    known, whole = {clip.id for clip in before.clips}, ""
+    copies: dict[str, dict[str, Entity]] = {"constraints": {}, "contacts": {}}
+    for clip in clips:
+        if clip.id in known:
+            whole = clip.id
+        else:
+            for collection, entities in scoped_copies(project, whole, clip.id).items():
+                copies[collection] |= entities
+    return copies

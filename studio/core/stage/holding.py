@@ -1,6 +1,7 @@
 """Hands that hold a prop between them, for any size of prop and body."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +21,10 @@ from studio.core.stage.prop import Carried, InHand, Prop
 FloatArray = NDArray[np.float64]
 
 HOLDING, TURNING = Chain(clavicle=0.5, trunk=0.3, root=0.3), Chain(end_segment=1.0)
-PALM_OFFSET, THIN_PROP_OFFSET = -0.08, 0.03
-"""Metres from a side of a prop back to the wrist whose palm is on its middle, and from a thin one aside to a wrist."""
+WRIST_OFFSET = (0.0, 0.0, -0.08)
+"""Metres from the middle of a palm back to the wrist, in a hand's axes."""
+THIN_PROP_OFFSET = 0.03
+"""Metres from the middle of a thin prop aside to a palm."""
 THIN, LEAST_HAND_ROOM = 0.1, 0.24
 """Metres of breadth below which two hands have no room beside each other, as on a stick: there the left one holds it
 above the right one, so far apart.
@@ -59,51 +62,38 @@ def grip_constraints(
     turned: int = 0,
     lower: bool = False,
     reaching: float = HAND_REACH_SECONDS,
-    elevation: float = 0.0,
 ) -> tuple[Constraint, ...]:
-    """Constraints that keep both wrists of a performer at the sides of a prop, palms on their middle, over a range of
-    seconds of the motion. They fade in over ``reaching`` seconds before, and out after. The prop is ``turned`` by
-    quarters about Z from the performer's facing direction; ``lower`` is for hands that find the middle taken.
-    Fingers point ahead, raised by ``elevation`` radians like the arms for a prop overhead, because wrists do not
-    bend far enough to point ahead. The rotation of hands has a lower priority than their position.
+    """Constraints that keep both palms of a performer on the middle of a prop's sides over a range of seconds of the
+    motion. They fade in over ``reaching`` seconds before, and out after. The prop is ``turned`` by quarters about Z
+    from the performer's facing direction; ``lower`` is for hands that find the middle taken. Fingers point ahead, and
+    are raised and lowered with the arms, because wrists do not bend far enough to point ahead overhead or on the floor.
+    The rotation of hands has a lower priority than their position.
     """
     begin, end = seconds
     curve = ActivationCurve(begin - reaching, begin, end, end + HAND_REACH_SECONDS)
     scope, words = Scope(performer_id=performer_id), prop.name.lower()
     facing = from_euler("Z", np.array([-turned * math.pi / 2]))
-    fingers = multiply(facing, from_euler("Y", np.array([-elevation])))
-    palm: Quaternion = tuple(multiply(fingers, np.array(FLAT_HAND)).tolist())
+    across = to_matrix(facing)[:, 1]
+    is_thin = float(np.abs(across) @ prop.size) < THIN
+    turn: Quaternion = tuple(multiply(facing, np.array(FLAT_HAND)).tolist())
     asked: list[Constraint] = []
     for side, sign in (("Left", 1.0), ("Right", -1.0)):
-        part = side.lower()
+        hand = BodyPoint(BodyPart(f"{side.lower()}_hand"))
+        place = np.zeros(3) if is_thin else sign * across * prop.size / 2
+        if is_thin:
+            place += sign * (THIN_PROP_OFFSET * across + [0.0, 0.0, min(LEAST_HAND_ROOM, prop.size[2]) / 2])
+        if lower:
+            place[2] -= min(LOWER, max(prop.size[2] / 2 - PROP_EDGE_MARGIN, 0.0))
+        palm = FollowProp(prop_id, turn=turn, share=_vector(2.0 * place / prop.size), along_arms=True)
         on_side = PositionConstraint(
-            motion_id, f"{side} hand on {words}", BodyPoint(BodyPart(f"{part}_forearm"), at_end=True), HOLDING,
-            priority, curve, target=_wrist_on(prop_id, prop, sign, fingers, lower), scope=scope,
+            motion_id, f"{side} hand on {words}", hand, HOLDING, priority, curve,
+            target=replace(palm, offset=WRIST_OFFSET), scope=scope,
         )  # fmt: skip
         flat = OrientationConstraint(
-            motion_id, f"{side} palm on {words}", BodyPoint(BodyPart(f"{part}_hand")), TURNING, priority + 1, curve,
-            target=FollowProp(prop_id, turn=palm), scope=scope,
-        )  # fmt: skip
+            motion_id, f"{side} palm on {words}", hand, TURNING, priority + 1, curve, target=palm, scope=scope
+        )
         asked += [on_side, flat]
     return tuple(asked)
-
-
-def _wrist_on(prop_id: str, prop: Prop, sign: float, fingers: FloatArray, lower: bool) -> FollowProp:
-    """Position of the left wrist (1) or the right one (-1) on a prop, for hands whose fingers point along x and whose
-    palms face y after the rotation ``fingers`` (4,) in its axes.
-    """
-    axes = to_matrix(fingers)
-    breadth, height = float(np.abs(axes[:, 1]) @ prop.size), prop.size[2]
-    share, offset = np.zeros(3), PALM_OFFSET * axes[:, 0]
-    if breadth >= THIN:
-        share = sign * axes[:, 1]
-    else:
-        offset = offset + sign * (
-            THIN_PROP_OFFSET * axes[:, 1] + np.array([0.0, 0.0, min(LEAST_HAND_ROOM, height) / 2])
-        )
-    if lower:
-        offset[2] -= min(LOWER, max(height / 2 - PROP_EDGE_MARGIN, 0.0))
-    return FollowProp(prop_id, offset=_vector(offset), share=_vector(share))
 
 
 def _vector(values: FloatArray) -> Vector:

@@ -49,14 +49,18 @@ def _reflected(name: str, follow: FollowProp, constraint: Constraint, signs: Vec
     """Fields of a constraint on a prop with the ``signs`` of its axes.
 
     With S the signs, the prop's rotation P becomes M P S in the mirror M. A rotation Q in its axes becomes S Q D, where
-    D is the mirror of the segment's axes (``mirrored_motion``); of an area or a rail, which has no segment, S Q S.
+    D is the mirror of the segment's axes (``mirrored_motion``), as for offsets in a hand's axes; of an area or a rail,
+    which has no segment, S Q S.
     """
     turn = np.array(follow.turn) * [*-np.array(signs), 1.0]
-    if name != "centre" and (signs[0] < 0.0) is not is_hinged(constraint.point.part):
+    turned = name != "centre" and (signs[0] < 0.0) is not is_hinged(constraint.point.part)
+    if turned:
         turn = multiply(turn, HALF_TURN)
+    hand = (-1.0, -1.0, 1.0) if follow.along_arms and turned else (1.0, 1.0, 1.0)
     point = replace(
-        follow, offset=_times(signs, follow.offset), share=_times(signs, follow.share), turn=tuple(turn.tolist())
-    )
+        follow, offset=_times(hand, _times(signs, follow.offset)), share=_times(signs, follow.share),
+        turn=tuple(turn.tolist()),
+    )  # fmt: skip
     changes: dict[str, Any] = {name: point}
     match constraint:
         case RailConstraint():

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.canonical import BodyPart
 from studio.core.body.kinematics import joint_world
 from studio.core.body.pose import PoseSequence
 from studio.core.captures.capture import Capture
@@ -17,13 +18,14 @@ from studio.core.stage.project import Motion, Performer, Project
 
 SPACING = 1.15
 """Metres from one performer to the next."""
-CLEARANCE = 0.8
-"""Metres between the roots of two performers at any time, at least."""
-WIDEST_GAP = 12
-"""Spacings between two neighbours at most: bodies that meet even so are left to the user."""
+ROW_STEP = 0.5 * SPACING
+"""Metres by which neighbours that sweep more than usual stand farther apart."""
+JOINT_CLEARANCE = 0.3
+"""Metres across a row between the joints of two neighbours at any time: hands, feet and flesh go beyond them."""
 LEAST_TRAVEL = 1.0
 """Metres; a motion that goes less far has no direction of travel."""
-SPACING_SAMPLES = 64
+HEADING_SAMPLES, SWEEP_SAMPLES = 64, 1024
+"""Most frames of a capture that are looked at for its heading, and for what it sweeps."""
 
 
 def side_by_side(characters: Mapping[str, Character], clips: tuple[Clip, ...] = ()) -> dict[str, Performer]:
@@ -42,10 +44,27 @@ def travel_heading(capture: Capture, first: int, last: int) -> float | None:
     """
     if capture.body_map is None:
         return None
-    rows = np.linspace(first, last, min(SPACING_SAMPLES, last - first + 1)).round().astype(np.int64)
+    return path_heading(_sampled_positions(capture, first, last, HEADING_SAMPLES)[:, capture.body_map.spine[0], :2])
+
+
+def swept_points(capture: Capture, first: int, last: int) -> NDArray[np.float64] | None:
+    """Points (T, P, 2) on the ground below the joints of a body from frame ``first`` to ``last``, from the root in the
+    first one, in leg lengths of the actor; None without a body map.
+    """
+    if capture.body_map is None:
+        return None
+    places = _sampled_positions(capture, first, last, SWEEP_SAMPLES)
+    leg = (capture.body_map[part] for part in (BodyPart.LEFT_THIGH, BodyPart.LEFT_SHANK, BodyPart.LEFT_FOOT))
+    leg_length = float(np.linalg.norm(np.diff(places[0, list(leg)], axis=0), axis=1).sum())
+    joints = list({*capture.body_map.parts.values(), *capture.body_map.spine})
+    return np.asarray((places[:, joints, :2] - places[0, capture.body_map.spine[0], :2]) / leg_length)
+
+
+def _sampled_positions(capture: Capture, first: int, last: int, count: int) -> NDArray[np.float64]:
+    """Positions (T, J, 3) of all joints in at most ``count`` frames."""
+    rows = np.linspace(first, last, min(count, last - first + 1)).round().astype(np.int64)
     poses = PoseSequence(capture.poses.local_rotations[rows], capture.poses.local_translations[rows])
-    places, _ = joint_world(capture.skeleton, poses)
-    return path_heading(places[:, capture.body_map.spine[0], :2])
+    return joint_world(capture.skeleton, poses)[0]
 
 
 def path_heading(path: NDArray[np.float64]) -> float | None:
@@ -56,43 +75,33 @@ def path_heading(path: NDArray[np.float64]) -> float | None:
 
 
 def lined_up(
-    performers: Mapping[str, Performer], travel: float, paths: Mapping[str, NDArray[np.float64]] | None = None
+    performers: Mapping[str, Performer], travel: float, sweeps: Mapping[str, NDArray[np.float64]] | None = None
 ) -> dict[str, Performer]:
     """Performers in a row across heading ``travel`` about their middle, in their present order across it.
 
-    They all face as their motion does. ``paths`` (T, 2), metres, are those of their roots from their positions at the
-    same times: between two that would meet, the gap is a larger multiple of the usual one.
+    They all face as their motion does. ``sweeps`` (T, P, 2), metres, are points of their bodies at the same times, from
+    their positions: neighbours stand so far apart that no time has them overlap across the row.
     """
     across = np.array([-math.sin(travel), math.cos(travel)])
     keys, places = list(performers), np.array([each.position for each in performers.values()])
+    reaches = {key: points @ across for key, points in (sweeps or {}).items()}
     row: dict[str, float] = {}
     for place in np.argsort(-(places @ across), kind="stable"):
         key = keys[place]
-        last = next(reversed(row.values()), SPACING)
-        gaps = (last - SPACING * count for count in range(1, WIDEST_GAP + 1))
-        row[key] = next((gap for gap in gaps if _is_clear(key, gap * across, row, across, paths or {})), last - SPACING)
+        ends = (offset - _spacing(reaches.get(other), reaches.get(key)) for other, offset in row.items())
+        row[key] = min(ends, default=0.0)
     middle = places.mean(axis=0) - np.mean(list(row.values())) * across
     positions = {key: (middle + offset * across).tolist() for key, offset in row.items()}
     return {key: replace(each, position=(*positions[key],), heading=0.0) for key, each in performers.items()}
 
 
-def _is_clear(
-    key: str,
-    position: NDArray[np.float64],
-    row: Mapping[str, float],
-    across: NDArray[np.float64],
-    paths: Mapping[str, NDArray[np.float64]],
-) -> bool:
-    """True if a performer that begins at ``position`` (2,) meets none of a ``row``."""
-    if key not in paths:
-        return True
-    for other, offset in row.items():
-        if other in paths:
-            count = min(len(paths[key]), len(paths[other]))
-            apart = position + paths[key][:count] - offset * across - paths[other][:count]
-            if count and float(np.linalg.norm(apart, axis=1).min()) < CLEARANCE:
-                return False
-    return True
+def _spacing(left: NDArray[np.float64] | None, right: NDArray[np.float64] | None) -> float:
+    """Metres from one performer to the next on its right, whose points reach (T, P) metres to the left."""
+    if left is None or right is None:
+        return SPACING
+    count = min(len(left), len(right))
+    overlap = float((right[:count].max(axis=1) - left[:count].min(axis=1)).max(initial=-math.inf))
+    return max(SPACING, ROW_STEP * math.ceil((overlap + JOINT_CLEARANCE) / ROW_STEP)) if count else SPACING
 
 
 def is_unarranged(performers: Mapping[str, Performer]) -> bool:
@@ -101,7 +110,7 @@ def is_unarranged(performers: Mapping[str, Performer]) -> bool:
     if direction is None:
         return False
     places = np.array([each.position for each in performers.values()])
-    steps = (places - places[0]) @ direction / SPACING
+    steps = (places - places[0]) @ direction / ROW_STEP
     return np.allclose(steps, np.round(steps), atol=1e-6) and len({*np.round(steps).tolist()}) == len(steps)
 
 
@@ -118,18 +127,25 @@ def row_direction(performers: Mapping[str, Performer]) -> NDArray[np.float64] | 
     return direction if np.allclose(row, np.outer(row @ direction, direction), atol=1e-6) else None
 
 
-def end_of_row(performers: Mapping[str, Performer], gaps: Mapping[str, float]) -> tuple[float, float]:
-    """Position in metres for one more performer, whole spacings beyond the end of their row.
+def end_of_row(
+    performers: Mapping[str, Performer],
+    gaps: Mapping[str, float],
+    sweeps: Mapping[str, NDArray[np.float64]] | None = None,
+    own: NDArray[np.float64] | None = None,
+) -> tuple[float, float]:
+    """Position in metres for one more performer beyond the end of their row.
 
-    ``gaps`` are the metres that it must keep from each of them. Performers who form no row are taken as one across
-    heading 0.
+    ``gaps`` are the metres that it must keep from each of them, ``sweeps`` what they sweep as in ``lined_up``, and
+    ``own`` (T, P, 2) what it sweeps itself. Performers who form no row are taken as one across heading 0.
     """
     if not performers:
         return 0.0, 0.0
     direction = row_direction(performers)
     direction = np.array([0.0, -1.0]) if direction is None else direction
     last = max(performers, key=lambda key: float(performers[key].position @ direction))
-    x, y = (performers[last].position + SPACING * math.ceil(gaps[last] / SPACING) * direction).tolist()
+    left, right = (None if points is None else points @ -direction for points in ((sweeps or {}).get(last), own))
+    spacing = max(_spacing(left, right), ROW_STEP * math.ceil(gaps[last] / ROW_STEP))
+    x, y = (performers[last].position + spacing * direction).tolist()
     return x, y
 
 

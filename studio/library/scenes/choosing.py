@@ -19,13 +19,16 @@ from studio.core.stage.project import Motion, Performer, Project
 from studio.core.stage.prop import Prop, PropShape
 from studio.io.importing import load_capture
 from studio.library.indexing import bundled_library
+from studio.library.inserted_strike import StrikeScene, inserted_strike
 from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, bodies, material
 from studio.library.searching import Result, StrikeQuery, search_strikes
-from studio.library.striking import EASED_IN, aimed_constraint, tried_strikes
+from studio.library.striking import tried_strikes
 
 FIGHTER_BODIES = ("child", "adult_woman", "giant")
 GUARD_FRAMES = (240, 300)
 """Frames of the punch in which the fighter only stands on guard; the strike takes over from the last one."""
+STRIKE_BEGIN = (GUARD_FRAMES[1] - GUARD_FRAMES[0]) / BUNDLED_FRAME_RATE
+"""Seconds of the stage at which the strikes begin."""
 TARGET_AHEAD, TARGET_HEIGHT = 0.7, 1.1
 """Distance of the target ahead of the root, and its height above the ground, in metres."""
 BALL_DIAMETER = 0.12
@@ -44,8 +47,10 @@ def one_target() -> Project:
     project = Project(stuff.captures, stuff.motions, {}, {}, {}, stuff.contacts)
     for place, key in enumerate(FIGHTER_BODIES):
         asked = target_of(guard, GUARD_FRAMES[1], people[key].morphology)
-        best = tried_strikes(search_strikes(library, asked, MOST_STRIKES_TRIED), asked)[0].found
-        project = _with_fighter(project, key, people[key], FIGHTER_SPACING * (1 - place), asked, best)
+        project = _with_fighter(project, key, people[key], FIGHTER_SPACING * (1 - place), asked)
+        scene = StrikeScene(project, key, STRIKE_BEGIN, FollowProp(f"target {key}"))
+        found = search_strikes(library, asked, MOST_STRIKES_TRIED)
+        project = _with_strike(scene, tried_strikes(found, scene.solved_residual)[0].found)
     return project
 
 
@@ -60,21 +65,9 @@ def target_of(
     return StrikeQuery(pose, body, (x + position[0], y, position[1]))
 
 
-def _with_fighter(
-    project: Project, key: str, character: Character, y: float, asked: StrikeQuery, found: Result
-) -> Project:
-    """``project`` with one more body that stands on guard and then plays the strike found for it."""
-    motion_id, target, begins = (
-        found.clip.take.motion.name,
-        f"target {key}",
-        (GUARD_FRAMES[1] - GUARD_FRAMES[0] + 1) / BUNDLED_FRAME_RATE,
-    )
-    capture = load_capture(Path(found.clip.take.path))
-    contacts = {f"{motion_id} {place}": each for place, each in enumerate(detected_contacts(capture, motion_id))}
-    clip = Clip(
-        motion_id, found.start, found.clip.label.last, begins, f"{key} strike", ease=EASED_IN * found.seconds_to_hit
-    )
-    performer = Performer(character.name, key, (Clip("guard", *GUARD_FRAMES, id=f"{key} guard"), clip), (0.0, y))
+def _with_fighter(project: Project, key: str, character: Character, y: float, asked: StrikeQuery) -> Project:
+    """``project`` with one more body on guard, and a ball at the place that is asked for."""
+    performer = Performer(character.name, key, (Clip("guard", *GUARD_FRAMES, id=f"{key} guard"),), (0.0, y))
     x, aside, z = np.asarray(asked.place).tolist()
     ball = Prop(
         f"Target of {character.name.lower()}",
@@ -84,11 +77,21 @@ def _with_fighter(
     )
     return replace(
         project,
-        captures={**project.captures, motion_id: capture},
-        motions={**project.motions, motion_id: Motion(motion_id.replace("_", " ").capitalize(), motion_id)},
-        contacts={**project.contacts, **contacts},
         characters={**project.characters, key: replace(character, grip=hand_shapes.FIST_GRIP)},
         performers={**project.performers, key: performer},
-        props={**project.props, target: ball},
-        constraints={**project.constraints, target: aimed_constraint(found, clip, FollowProp(target), asked.body)},
+        props={**project.props, f"target {key}": ball},
     )
+
+
+def _with_strike(scene: StrikeScene, found: Result) -> Project:
+    """Project of a scene with the capture of a strike, which is inserted."""
+    take, key = found.clip.take, scene.performer_id
+    motion_id, capture = take.motion.name, load_capture(Path(take.path))
+    contacts = {f"{motion_id} {place}": each for place, each in enumerate(detected_contacts(capture, motion_id))}
+    project = replace(
+        scene.project,
+        captures={**scene.project.captures, motion_id: capture},
+        motions={**scene.project.motions, motion_id: Motion(motion_id.replace("_", " ").capitalize(), motion_id)},
+        contacts={**scene.project.contacts, **contacts},
+    )
+    return inserted_strike(replace(scene, project=project), found, motion_id, f"{key} strike", f"target {key}")

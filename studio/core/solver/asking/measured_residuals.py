@@ -11,7 +11,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.target import follows_of, own_places_of
 from studio.core.curves.activation import FULLY_ACTIVE
 from studio.core.solver.asking.kinds.known import solver_kind_of
-from studio.core.solver.asking.tracks import Targets, Track
+from studio.core.solver.asking.tracks import Targets, Track, raised_along_arms
 from studio.core.solver.performers.followed_tracks import own_track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.standing.support_polygon import mass_path
@@ -40,7 +40,13 @@ def with_residuals_remeasured(adapted: AdaptedMotion, request: AdaptRequest) -> 
         return adapted
     window = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
     followers, body = [request.constraints[row] for row in rows], request.morphology
-    known = {follow: track.in_frames(window) for follow, track in final.items() if isinstance(track, Track)}
+    known = {
+        follow: raised_along_arms(
+            follow, track.in_frames(window), unasked.positions[window], body.first_frame_body.layout
+        )
+        for follow, track in final.items()
+        if isinstance(track, Track)
+    }
     for place in (place for each in followers for place in own_places_of(each)):
         known[place] = own_track(place, unasked, body, adapted.frame_rate)
     times = np.arange(window.start, window.stop) / adapted.frame_rate

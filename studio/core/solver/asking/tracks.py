@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.canonical import BodyLayout
 from studio.core.body.morphology import AnyMorphology
+from studio.core.compact_array import PoseArray
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import Support
 from studio.core.constraints.base import Constraint, Vector
@@ -17,12 +19,14 @@ from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.rail import RailConstraint
 from studio.core.constraints.target import Place, Turn
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quaternion
-from studio.core.rotations import from_matrix, normalized, shortest_arc, to_matrix
+from studio.core.rotations import from_euler, from_matrix, normalized, shortest_arc, to_matrix
 
 if TYPE_CHECKING:
     from studio.core.solver.request import UnconstrainedPoses
 
 FloatArray = NDArray[np.float64]
+FINGERS_RAISED = 2.0 / 3.0
+"""Part of the arms' elevation by which fingers on a prop are raised; wrists bend by the rest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +39,21 @@ class Track:
     def in_frames(self, window: slice) -> "Track":
         """The frames of ``window``."""
         return self if len(self.positions) == 1 else Track(self.positions[window], self.rotations[window])
+
+
+def raised_along_arms(
+    follow: Follow | OwnPlace | Support, track: Track, positions: PoseArray, layout: BodyLayout
+) -> Track:
+    """The ``track`` itself; of a hand on a prop, that with fingers raised by a part of the elevation of the prop's
+    point from the middle of the shoulders of a body with ``positions`` (F, P, 3).
+    """
+    if not (isinstance(follow, FollowProp) and follow.along_arms):
+        return track
+    shoulders = (positions[:, layout.collar_point(0) + 1] + positions[:, layout.collar_point(1) + 1]) / 2
+    _, down, ahead = np.einsum("fji,fj->if", track.rotations, track.positions - shoulders)  # in the axes of a flat hand
+    angles = FINGERS_RAISED * np.arctan2(-down, np.abs(ahead))
+    rotations = track.rotations @ to_matrix(from_euler("X", angles[:, None]))
+    return Track(track.positions + rotations @ np.array(follow.offset), rotations)
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +164,9 @@ def moved_target(target: Place, position: Vector, seconds: float, track: Track |
         return target.passing(position, seconds)
     if not isinstance(target, FOLLOWS) or track is None:
         return position
-    axes = track.rotations[0] @ to_matrix(np.array(target.turn)).T
+    axes = track.rotations[0]
+    if not (isinstance(target, FollowProp) and target.along_arms):
+        axes = axes @ to_matrix(np.array(target.turn)).T
     further = axes.T @ (np.array(position) - track.positions[0])
     if isinstance(target, FollowProp | FollowTracked):
         return replace(target, offset=_sum(target.offset, further))

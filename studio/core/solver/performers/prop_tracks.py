@@ -185,8 +185,10 @@ def _part_of(rotations: FloatArray, weights: FloatArray) -> FloatArray:
 
 
 def track_in_motion_space(follow: FollowProp, prop: Prop, track: Track, own: Placement) -> Track:
-    """Track of the followed point of a prop at ``track`` on the stage, in the space of a performer at ``own``."""
-    offset = np.array(follow.offset) + np.array(follow.share) * np.array(prop.size) / 2
+    """Track of the followed point of a prop at ``track`` on the stage, in the space of a performer at ``own``; of one
+    along the arms, without its offset.
+    """
+    offset = np.array(follow.share) * np.array(prop.size) / 2 + (0.0 if follow.along_arms else np.array(follow.offset))
     places = track.positions + track.rotations @ offset
     return Track(own.to_motion(places), own.rotation.T @ track.rotations @ to_matrix(np.array(follow.turn)))
 

@@ -316,7 +316,10 @@ def constraint_for_performer(
 
 def point_in_own_hand(follow: FollowProp, prop: Prop, held: InHand) -> FollowBody:
     """Followed point of a prop in one's own hand, as a point of the body."""
-    displacement = np.array(follow.offset) + np.array(follow.share) * np.array(prop.size) / 2
+    offset = np.array(follow.offset)
+    if follow.along_arms:
+        offset = to_matrix(np.array(follow.turn)) @ offset
+    displacement = offset + np.array(follow.share) * np.array(prop.size) / 2
     x, y, z = (np.array(held.point.offset) + to_matrix(np.array(held.turn)) @ displacement).tolist()
     qx, qy, qz, qw = multiply(np.array(held.turn), np.array(follow.turn)).tolist()
     return FollowBody(replace(held.point, offset=(x, y, z)), (qx, qy, qz, qw))

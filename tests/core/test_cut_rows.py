@@ -4,8 +4,8 @@ import itertools
 
 import pytest
 
-from studio.app.strike_edit import clips_until
 from studio.core.stage.clip import Clip
+from studio.core.stage.clip_row import clips_until
 from studio.core.stage.project import Performer
 
 RATE = 60.0
