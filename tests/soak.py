@@ -90,9 +90,12 @@ def watch(suffix: str, first: int, count: int, keep: Path) -> str:
     start, lost, seed = time.monotonic(), 0, first
     while seed < count and lost < MOST_KEPT:
         now = context.Value("q", seed - 1)
-        process = context.Process(target=spoil, args=(suffix, seed, count, now, keep), daemon=True)
-        process.start()
-        reason = _until_it_ends_or_hangs(process, now, suffix, count)
+        process = context.Process(target=spoil, args=(suffix, seed, count, now, keep))
+        process.start()  # no daemon, which could have no workers of its own
+        try:
+            reason = _until_it_ends_or_hangs(process, now, suffix, count)
+        finally:
+            process.kill()
         seed = max(now.value, seed) + 1
         if now.value >= count:
             break
