@@ -112,7 +112,7 @@ def performer_record(project: Project, key: str, performance: Performance, path:
     """Part of the report about a performer."""
     request, composite = performance.request, performance.composite
     source = motion_on_body(composite.motion, request.actor or request.morphology.first_frame_body)
-    peaks = MotionPeaks.of_source(source, performance.played)
+    peaks = MotionPeaks.of_source(source, performance.adapted_on_stage)
     performer = project.performers[key]
     return {
         "name": performer.name,
@@ -122,7 +122,7 @@ def performer_record(project: Project, key: str, performance: Performance, path:
         "begin": composite.timing.start,
         "frame_rate": composite.timing.frame_rate,
         "sweeps": performance.iterations,
-        **quality_record(grounded_motion(request), request, performance.played, peaks, by_frame),
+        **quality_record(grounded_motion(request), request, performance.adapted_on_stage, peaks, by_frame),
     }
 
 
