@@ -11,5 +11,5 @@ def test_any_actions_of_the_menus_are_undone_redone_and_recovered_to_the_byte(qa
         random_actions.play(3, tmp_path, steps=8)
     finally:
         window = random_actions._windows.pop()
-        window.leave()
+        window.close_without_saving()
         window.deleteLater()

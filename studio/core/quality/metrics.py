@@ -255,4 +255,4 @@ def turning_peaks(motion: AdaptedMotion) -> FloatArray:
         run = np.ascontiguousarray(motion.rotations[first : first + PEAK_RUN + 2])
         segment_peaks(parents, run, motion.frame_rate, peaks)
         greatest = np.maximum(greatest, peaks)
-    return greatest[[layout.segment(part) for part in BodyPart]]
+    return greatest[[layout.segment_of_part(part) for part in BodyPart]]
