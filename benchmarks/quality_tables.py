@@ -29,6 +29,7 @@ from studio.core.normalized.round_trip import round_trip  # noqa: E402
 from studio.core.quality.motion_quality import PART_SEGMENTS, MotionQuality, motion_quality  # noqa: E402
 from studio.core.solver.adapt import solve_constraints  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402
+from studio.core.solver.source import source_motion  # noqa: E402
 from studio.core.solver.standing.stand import grounded_motion_of  # noqa: E402
 from studio.io.importing import load_capture  # noqa: E402
 from studio.io.json_text import JsonObject  # noqa: E402
@@ -165,15 +166,16 @@ def quality_row(ready: ReadyCapture, characters: Mapping[str, Character], *, own
     reports: list[JsonObject] = []
     seen: list[MotionQuality] = []
     first, actor = ready.capture.first_frame, ready.actor.morphology
+    source = source_motion(ready.motion, ready.actor)
     on_actor = AdaptRequest(ready.motion, actor, ready.contacts, actor=actor, clears=True)
     requests = [on_actor] if own else []
     requests += [replace(on_actor, morphology=each.morphology, volume=each.volume) for each in characters.values()]
     for asked in requests:
         standing = grounded_motion_of(asked)
         reports.append(
-            quality_record(standing, asked, solve_constraints(standing, (), first), ready.source, by_frame=False)
+            quality_record(standing, asked, solve_constraints(standing, (), first), ready.source_peaks, by_frame=False)
         )
-        seen.append(motion_quality(solve_constraints(standing, ()), ready.source, ready.contacts, Ground(), first))
+        seen.append(motion_quality(solve_constraints(standing, ()), source, ready.contacts, Ground(), first))
     found = [max(report[key] for report in reports) for key in _KEYS]
     found += [max(factor * getattr(each, name) for each in seen) for name, factor in SEEN.values()]
     found += [max(each.peaks[part] for each in seen) for part in PART_SEGMENTS]

@@ -27,11 +27,14 @@ from studio.startup.process import prepare_process
 
 COUNT, COUNTS = (
     100_000,
-    dict.fromkeys((".fbx", "catalogue", "clips", "commands", "stages", "words"), 5_000) | {"kills": 2_000},
+    dict.fromkeys((".fbx", "catalogue", "clips", "commands", "stages", "words"), 5_000)
+    | {"kills": 2_000, "actions": 200},
 )  # these take longer
 SECONDS, STILL, START = 5.0, 600.0, 600.0
 """Seconds of the processor for a file; by the clock, however busy the machine is; and by the clock for the first, for
 which kernels may have to be compiled."""
+SECONDS_OF = {"actions": 200.0}
+"""Seconds of the processor for what is longer than a file."""
 TELLS = 30.0
 """Seconds between two lines that say how far a kind of file is."""
 MEMORY = 500 << 20
@@ -90,9 +93,12 @@ def watch(suffix: str, first: int, count: int, keep: Path) -> str:
     start, lost, seed = time.monotonic(), 0, first
     while seed < count and lost < MOST_KEPT:
         now = context.Value("q", seed - 1)
-        process = context.Process(target=spoil, args=(suffix, seed, count, now, keep), daemon=True)
-        process.start()
-        reason = _until_it_ends_or_hangs(process, now, suffix, count)
+        process = context.Process(target=spoil, args=(suffix, seed, count, now, keep))
+        process.start()  # no daemon, which could have no workers of its own
+        try:
+            reason = _until_it_ends_or_hangs(process, now, suffix, count)
+        finally:
+            process.kill()
         seed = max(now.value, seed) + 1
         if now.value >= count:
             break
@@ -106,6 +112,7 @@ def _until_it_ends_or_hangs(
     process: "multiprocessing.process.BaseProcess", now: "Synchronized[int]", suffix: str, count: int
 ) -> str:
     seen, since, told, worked = now.value, time.monotonic() + START, time.monotonic(), math.inf
+    most = SECONDS_OF.get(suffix, SECONDS)
     while process.is_alive():
         process.join(0.5)
         if time.monotonic() - told > TELLS:
@@ -113,10 +120,10 @@ def _until_it_ends_or_hangs(
             print(f"{suffix:14} {now.value:>9,} of {count:,}", file=sys.stderr, flush=True)
         if now.value != seen:
             seen, since, worked = now.value, time.monotonic(), processor_seconds(process)
-        elif time.monotonic() - since > STILL or processor_seconds(process) - worked > SECONDS:
+        elif time.monotonic() - since > STILL or processor_seconds(process) - worked > most:
             process.kill()
             process.join()
-            return f"seed {seen}: more than {SECONDS:g} seconds"
+            return f"seed {seen}: more than {most:g} seconds"
     return f"seed {now.value}: the process died with {process.exitcode}"
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.constraints.base import BodyPoint
+from studio.core.quality.metrics import MotionPeaks
 from studio.core.solver.adapt import body_point_positions, grounded_motion
 from studio.core.solver.performers.performing import Performance
 from studio.core.solver.source import motion_on_body
@@ -71,6 +72,7 @@ class Adapted:
         """Figures that ``adapt`` writes to ``report.json``: foot slide, penetration, constraints met, ..."""
         request, composite = self.performance.request, self.performance.composite
         source = motion_on_body(composite.motion, request.actor or request.morphology.first_frame_body)
+        peaks = MotionPeaks.of_source(source, self.performance.adapted_on_stage)
         return quality_record(
-            grounded_motion(request), request, self.performance.adapted_on_stage, source, by_frame=False
+            grounded_motion(request), request, self.performance.adapted_on_stage, peaks, by_frame=False
         )

@@ -18,6 +18,7 @@ from studio.app.main_window import MainWindow
 from studio.app.preferences import Preferences, load_preferences
 from studio.app.problems import ProblemHooks, start_log
 from studio.app.settings import Settings
+from studio.app.terminal_interrupt import TerminalInterrupt
 from studio.app.theme import apply_theme
 from studio.app.workbench import Workbench
 from studio.document import colours
@@ -45,6 +46,7 @@ def main(argv: Sequence[str] | None = None, warm_up: WarmUp | None = None) -> No
     journals = journal_folder()
     window = make_window(settings, Document(journal_folder=journals), warm_up)
     problems.message_posted.connect(window.bench.post_message)
+    TerminalInterrupt(window).pressed.connect(window.close_without_saving)
     window.show()
     QTimer.singleShot(0, window, lambda: fill_window(window, [Path(name) for name in names], journals, warm_up))
     code = application.exec()

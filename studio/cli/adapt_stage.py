@@ -10,6 +10,7 @@ from studio.cli.outputs import refuse_replacing
 from studio.cli.printing import QUALITY_TITLES, print_json, print_table
 from studio.core.errors import StudioError
 from studio.core.names import safe_name
+from studio.core.quality.metrics import MotionPeaks
 from studio.core.solver.adapt import grounded_motion
 from studio.core.solver.performers.performing import Performance
 from studio.core.solver.source import motion_on_body
@@ -111,6 +112,7 @@ def performer_record(project: Project, key: str, performance: Performance, path:
     """Part of the report about a performer."""
     request, composite = performance.request, performance.composite
     source = motion_on_body(composite.motion, request.actor or request.morphology.first_frame_body)
+    peaks = MotionPeaks.of_source(source, performance.adapted_on_stage)
     performer = project.performers[key]
     return {
         "name": performer.name,
@@ -120,7 +122,7 @@ def performer_record(project: Project, key: str, performance: Performance, path:
         "begin": composite.timing.start,
         "frame_rate": composite.timing.frame_rate,
         "sweeps": performance.iterations,
-        **quality_record(grounded_motion(request), request, performance.adapted_on_stage, source, by_frame),
+        **quality_record(grounded_motion(request), request, performance.adapted_on_stage, peaks, by_frame),
     }
 
 

@@ -12,6 +12,12 @@ def run(arguments: Namespace) -> int:
     """Run the file as ``__main__``, with its own arguments in ``sys.argv``; an error in it shows its traceback."""
     if not arguments.file.is_file():
         raise StudioError(f"There is no script '{arguments.file}'.")
+    try:
+        compile(arguments.file.read_bytes(), str(arguments.file), "exec")
+    except (SyntaxError, ValueError) as error:
+        raise StudioError(f"'{arguments.file}' is not a Python script: {error}.") from error
+    except OSError as error:
+        raise StudioError(f"'{arguments.file}' cannot be read: {error.strerror}.") from error
     compile_first()
     before = sys.argv, sys.path[:]
     sys.argv = [str(arguments.file), *arguments.arguments]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.base import Constraint
-from studio.core.quality.metrics import SLOW, acceleration_ratio, knee_speeds, speed_ratio, worst_of
+from studio.core.quality.metrics import MotionPeaks, worst_of
 from studio.core.quality.motion_measures import ADDED_MEASURES
 from studio.core.quality.report import (
     BLOCKED_BY_CLEARANCE,
@@ -59,7 +59,7 @@ OTHERS = {
 
 
 def character_report(
-    request: AdaptRequest, source: AdaptedMotion, first_frame: int, *, by_frame: bool = False
+    request: AdaptRequest, source: MotionPeaks, first_frame: int, *, by_frame: bool = False
 ) -> tuple[AdaptedMotion, JsonObject]:
     """Adapted motion from ``first_frame`` on, and the record of its metrics."""
     load_kernels(request.morphology.first_frame_body)
@@ -77,20 +77,22 @@ def place_record(placement: Placement) -> JsonObject:
 
 
 def quality_record(
-    standing: GroundedMotion, request: AdaptRequest, adapted: AdaptedMotion, source: AdaptedMotion, by_frame: bool
+    standing: GroundedMotion, request: AdaptRequest, adapted: AdaptedMotion, source: MotionPeaks, by_frame: bool
 ) -> JsonObject:
-    """Record of an adapted motion's quality metrics, some relative to its ``source``, and of its constraints."""
-    report = report_of(standing, request, adapted)
+    """Record of an adapted motion's quality metrics, some relative to the same frames of its ``source``, and of its
+    constraints.
+    """
+    report, peaks = report_of(standing, request, adapted), MotionPeaks.of(adapted)
     quality = worst_of(report.slides, report.heights)
     record: JsonObject = {
         "slide_mm": 1000.0 * quality.slide,
         "float_mm": 1000.0 * max(quality.rise, 0.0),
         "penetration_mm": 1000.0 * max(quality.penetration, -float(report.lowest.min()), 0.0),
         "skate_mm": 1000.0 * float(report.skates.max()),
-        "acceleration_ratio": acceleration_ratio(adapted, source),
-        "speed_ratio": speed_ratio(adapted, source),
+        "acceleration_ratio": peaks.acceleration_ratio(source),
+        "speed_ratio": peaks.speed_ratio(source),
         "knee_speed_deg": math.degrees(float(report.knee_speeds.max())),
-        "knee_speed_ratio": knee_speed_ratio(report.knee_speeds, adapted.first_frame, source),
+        "knee_speed_ratio": peaks.knee_speed_ratio(source),
         "mass_margin_mm": _least(1000.0 * report.mass_margins),
         "constraints": constraint_records(request, adapted, report, by_frame),
     }
@@ -193,17 +195,3 @@ def residual_record(constraint: Constraint, residual: float | None) -> JsonObjec
         "residual_deg": shown if is_angle else None,
         "reached": None if shown is None else shown <= (REACHED_DEG if is_angle else REACHED_MM),
     }
-
-
-def knee_speed_ratio(speeds: FloatArray, first: int, source: AdaptedMotion) -> float:
-    """Peak of a knee's ``speeds`` (2, F) from frame ``first`` on, divided by the same knee's peak in the source, of
-    the worse knee; a popping knee shows here.
-    """
-    ours, theirs = speeds.max(axis=1), source_knee_speeds(source)[:, first : first + speeds.shape[1]].max(axis=1)
-    return float((np.maximum(ours, SLOW) / np.maximum(theirs, SLOW)).max())
-
-
-@lru_cache(maxsize=4)
-def source_knee_speeds(source: AdaptedMotion) -> FloatArray:
-    """Knee speeds of the source, cached as they are the same for all characters."""
-    return knee_speeds(source)

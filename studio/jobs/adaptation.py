@@ -16,7 +16,7 @@ from studio.core.mesh.character import Character
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import detected_contacts, normalize_capture
-from studio.core.solver.request import AdaptedMotion
+from studio.core.quality.metrics import MotionPeaks
 from studio.core.solver.source import source_motion
 from studio.io.importing import ImportOptions, known_of_motion, load_character, read_capture
 from studio.io.json_text import JsonObject
@@ -41,9 +41,10 @@ class ReadyCapture:
         return self.annotations.contacts or ()
 
     @cached_property
-    def source(self) -> AdaptedMotion:
-        """Motion on its own actor, to which adapted ones are compared."""
-        return source_motion(self.motion, self.actor)
+    def source_peaks(self) -> MotionPeaks:
+        """Peaks of the motion on its own actor from its first frame on, to which adapted ones are compared."""
+        played = source_motion(self.motion, self.actor)
+        return MotionPeaks.of(played.frames(self.capture.first_frame, played.frame_count - 1))
 
 
 def make_folder(folder: Path) -> None:

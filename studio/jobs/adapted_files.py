@@ -170,7 +170,9 @@ def _adapt_to(
 ) -> JsonObject:
     """Write the file of one character, and return its part of the report."""
     place, character = cast.places[key], cast.characters[key]
-    adapted, record = character_report(request, ready.source, ready.capture.first_frame, by_frame=settings.by_frame)
+    adapted, record = character_report(
+        request, ready.source_peaks, ready.capture.first_frame, by_frame=settings.by_frame
+    )
     if character is None:
         take = take_of_actor(adapted, ready.actor, ready.capture, request, place)
     else:

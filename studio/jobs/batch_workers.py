@@ -84,7 +84,7 @@ def load_kernels() -> None:
     ready = ready_capture(min(example_captures_folder().glob("*.bvh"), key=lambda path: path.stat().st_size), GUESS_ALL)
     body = next(iter(bundled_characters().values())).morphology
     request = AdaptRequest(ready.motion, body, ready.contacts, actor=ready.actor.morphology, clears=True)
-    character_report(request, ready.source, ready.capture.first_frame, by_frame=False)
+    character_report(request, ready.source_peaks, ready.capture.first_frame, by_frame=False)
 
 
 def run_in_workers(jobs: Sequence[BatchJob], count: int | None, waited: Callable[[], object]) -> Iterator[JsonObject]:

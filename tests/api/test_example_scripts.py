@@ -93,6 +93,14 @@ def test_swapped_priorities_change_which_constraint_is_met(capsys: pytest.Captur
     assert first != second
 
 
+@pytest.mark.parametrize("content", [b"PK\3\4", b"PK\0\0", bytes(range(128, 256)), b"if True\n"])
+def test_a_file_that_is_no_python_is_named_in_a_sentence(content: bytes, tmp_path, capsys) -> None:
+    (tmp_path / "half.studio").write_bytes(content)
+    assert main(["script", str(tmp_path / "half.studio")]) == 1
+    [sentence] = capsys.readouterr().err.splitlines()
+    assert "half.studio' is not a Python script: " in sentence
+
+
 @pytest.mark.parametrize(
     ("ending", "code", "said"), [("'No capture.'", 1, "No capture.\n"), ("3", 3, ""), ("None", 0, ""), ("", 0, "")]
 )

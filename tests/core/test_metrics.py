@@ -1,5 +1,7 @@
 """The measures of quality, on motions whose faults are known."""
 
+import gc
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +14,7 @@ from studio.core.grounds.slope import Slope
 from studio.core.grounds.steps import Steps
 from studio.core.mesh.volume import BodyVolume, usual_volume
 from studio.core.normalized.realize import realize_motion
+from studio.core.quality import metrics
 from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.quality.metrics import (
     acceleration_ratio,
@@ -19,6 +22,7 @@ from studio.core.quality.metrics import (
     body_heights,
     contact_quality,
     skate_distances,
+    turning_peaks,
 )
 from studio.core.quality.motion_quality import motion_quality
 from studio.core.rotations import to_matrix
@@ -140,6 +144,25 @@ def test_a_window_is_beside_the_same_frames_of_its_source() -> None:
 
 def test_a_still_source_counts_as_quiet_and_not_as_nothing() -> None:
     assert acceleration_ratio(_standing(), _standing()) == 0.0
+
+
+def test_nothing_of_a_source_is_kept_once_it_was_compared() -> None:
+    """The last four sources of reports stayed in memory, 0.3 GB each for a quarter of an hour."""
+    source = _walking()
+    ghost = weakref.ref(source)
+    assert acceleration_ratio(_walking(), source) == 1.0
+    del source
+    gc.collect()
+    assert ghost() is None
+
+
+def test_peaks_of_a_long_motion_are_found_in_runs_of_frames() -> None:
+    motion = _walking()
+    whole = turning_peaks(motion)
+    for length in (3, 7):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(metrics, "PEAK_RUN", length)
+            assert np.array_equal(turning_peaks(motion), whole)
 
 
 def test_the_ground_is_level_and_its_height_a_number() -> None:

@@ -28,6 +28,15 @@ def test_translations_are_copied_unless_nobody_can_write_to_them() -> None:
     assert PoseSequence(rotations, own).local_translations is own
 
 
+def test_rotations_that_their_caller_gives_up_are_not_copied() -> None:
+    given = _rotations()
+    copied = PoseSequence(given, np.zeros((4, 3, 3)))
+    assert not np.shares_memory(copied.local_rotations, given)
+    own = PoseSequence(given, np.zeros((4, 3, 3)), own=True)
+    assert np.shares_memory(own.local_rotations, given)
+    assert np.array_equal(own.local_rotations, copied.local_rotations)
+
+
 def test_signs_are_those_that_lie_nearest_to_the_frame_before() -> None:
     given = _rotations(200, 5)
     poses = PoseSequence(given, np.zeros((200, 5, 3)))

@@ -234,7 +234,7 @@ def test_it_opens_within_its_screen_and_is_usable_at_1280_by_720(qtbot, window, 
     room = window.screen().availableGeometry()
     other = make_window(Settings(tmp_path / "other.ini"), Document(make_project()))
     assert room.contains(other.geometry())
-    other.leave()
+    other.close_without_saving()
     other.deleteLater()
     least = window.minimumSizeHint()
     assert least.width() <= 1280

@@ -1,7 +1,7 @@
 """PoseSequence: local rotations and translations of every joint of a skeleton, frame by frame."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +16,9 @@ FloatArray = NDArray[np.float64]
 class PoseSequence:
     """Local rotations and translations of J joints over F frames (at least one).
 
-    Quaternions are normalised and made continuous in sign; read-only translations are not copied. Raises StudioError if
-    shapes disagree, a number is not finite or a quaternion has no length.
+    Quaternions are normalised and made continuous in sign, in place if the caller gives them up (``own``); read-only
+    translations are not copied. Raises StudioError if shapes disagree, a number is not finite or a quaternion has no
+    length.
     """
 
     local_rotations: FloatArray
@@ -25,10 +26,12 @@ class PoseSequence:
     local_translations: FloatArray
     """(F, J, 3) metres, in the parent's axes: the root's travel, the bones of the others."""
 
-    def __post_init__(self) -> None:
+    own: InitVar[bool] = False
+
+    def __post_init__(self, own: bool) -> None:
         from studio.core.kernels.body.poses import normalize_quaternions  # late: numba takes longer than a window
 
-        rotations = np.array(self.local_rotations, dtype=np.float64, order="C")
+        rotations = np.array(self.local_rotations, dtype=np.float64, order="C", copy=None if own else True)
         translations = frozen_array(self.local_translations)
         if rotations.ndim != 3 or rotations.shape[2] != 4 or translations.shape != (*rotations.shape[:2], 3):
             raise StudioError(

@@ -113,4 +113,4 @@ def actor_joint_poses(
     turns = np.array(actor.pass_through.local_rotations[frames])
     mapped = sorted(segment_of)
     turns[:, mapped] = from_matrix(local[:, mapped])
-    return PoseSequence(turns, translations)
+    return PoseSequence(turns, translations, own=True)

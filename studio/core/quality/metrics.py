@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +17,7 @@ from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.runs import runs_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.footing import foot_states
+from studio.core.solver.standing.stand import PEAK_RUN
 from studio.core.solver.standing.support_polygon import mass_path, support_margins, support_polygons
 from studio.core.solver.standing.swing_foot_path import Sole, worn_height
 from studio.core.threads import do_over_frames
@@ -194,43 +194,65 @@ def angular_acceleration(rotations: FloatArray, frame_rate: float) -> FloatArray
     return np.asarray(np.linalg.norm(np.diff(velocity, axis=0), axis=-1) * frame_rate**2)
 
 
+@dataclass(frozen=True, eq=False)
+class MotionPeaks:
+    """Greatest speeds and accelerations in the frames of a motion: all that a report compares of a source."""
+
+    frame_count: int
+    turning: FloatArray
+    """(P, 2) angular speed in rad/s and acceleration in rad/s^2 of each ``BodyPart``."""
+    knees: FloatArray
+    """(2,) rad/s."""
+
+    @staticmethod
+    def of(motion: AdaptedMotion) -> "MotionPeaks":
+        """Peaks of all frames."""
+        return MotionPeaks(motion.frame_count, turning_peaks(motion), knee_speeds(motion).max(axis=1))
+
+    @staticmethod
+    def of_source(source: AdaptedMotion, adapted: AdaptedMotion) -> "MotionPeaks":
+        """Peaks of a source in the frames of ``adapted``."""
+        first = adapted.first_frame
+        return MotionPeaks.of(source.frames(first, first + adapted.frame_count - 1))
+
+    def acceleration_ratio(self, source: "MotionPeaks") -> float:
+        """Greatest ratio of a limb segment's peak angular acceleration to that of the same segment in the source.
+
+        About 1 is as smooth as the capture; a popping knee or elbow shows as 5 and more. 1 for fewer than three frames.
+        """
+        if self.frame_count < 3:
+            return 1.0
+        ours, theirs = (each.turning[LIMB_BONES, 1] for each in (self, source))
+        return float((ours / np.maximum(theirs, QUIET_PEAK)).max())
+
+    def speed_ratio(self, source: "MotionPeaks") -> float:
+        """Greatest ratio of any segment's peak angular speed to that of the same segment in the source; 1 for a single
+        frame.
+        """
+        if self.frame_count < 2:
+            return 1.0
+        ours, theirs = (np.maximum(each.turning[:, 0], SLOW) for each in (self, source))
+        return float((ours / theirs).max())
+
+    def knee_speed_ratio(self, source: "MotionPeaks") -> float:
+        """Ratio of a knee's peak speed to that of the same knee in the source, of the worse knee; a popping knee shows
+        here.
+        """
+        return float((np.maximum(self.knees, SLOW) / np.maximum(source.knees, SLOW)).max())
+
+
 def acceleration_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
-    """Greatest ratio of a limb segment's peak angular acceleration to that of the same segment in the source.
-
-    About 1 is as smooth as the capture; a popping knee or elbow shows as 5 and more. 1 for fewer than three frames.
-    """
-    if adapted.frame_count < 3:
-        return 1.0
-    ours, theirs = (peaks[LIMB_BONES, 1] for peaks in _both_peaks(adapted, source))
-    return float((ours / np.maximum(theirs, QUIET_PEAK)).max())
-
-
-def speed_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
-    """Greatest ratio of any segment's peak angular speed to that of the same segment in the source; 1 for a single
-    frame.
-    """
-    if adapted.frame_count < 2:
-        return 1.0
-    ours, theirs = (np.maximum(peaks[:, 0], SLOW) for peaks in _both_peaks(adapted, source))
-    return float((ours / theirs).max())
-
-
-def _both_peaks(adapted: AdaptedMotion, source: AdaptedMotion) -> tuple[FloatArray, FloatArray]:
-    """``turning_peaks`` of a motion, and of the same frames of its source."""
-    first = adapted.first_frame
-    return turning_peaks(adapted), _source_peaks(source, first, first + adapted.frame_count - 1)
+    """``MotionPeaks.acceleration_ratio`` of a motion to the same frames of its source."""
+    return MotionPeaks.of(adapted).acceleration_ratio(MotionPeaks.of_source(source, adapted))
 
 
 def turning_peaks(motion: AdaptedMotion) -> FloatArray:
     """Peaks (P, 2) of angular speed (rad/s) and acceleration (rad/s^2) of each ``BodyPart``."""
     layout = motion.morphology.layout
-    rotations = np.ascontiguousarray(motion.rotations[:])
-    peaks = np.empty((layout.segment_count, 2))
-    segment_peaks(np.full(len(peaks), -1), rotations, motion.frame_rate, peaks)
-    return peaks[[layout.segment_of_part(part) for part in BodyPart]]
-
-
-@lru_cache(maxsize=4)
-def _source_peaks(source: AdaptedMotion, first: int, last: int) -> FloatArray:
-    """Peak angular speed and acceleration of each segment in the source, cached for all characters."""
-    return turning_peaks(source.frames(first, last))
+    parents, peaks = np.full(layout.segment_count, -1), np.empty((layout.segment_count, 2))
+    greatest = np.zeros_like(peaks)
+    for first in range(0, max(motion.frame_count - 2, 1), PEAK_RUN):  # all rotations of a long take are large
+        run = np.ascontiguousarray(motion.rotations[first : first + PEAK_RUN + 2])
+        segment_peaks(parents, run, motion.frame_rate, peaks)
+        greatest = np.maximum(greatest, peaks)
+    return greatest[[layout.segment_of_part(part) for part in BodyPart]]

@@ -77,6 +77,7 @@ def with_carried_joints(
     return whole, PoseSequence(
         np.concatenate([poses.local_rotations, np.stack(rotations, axis=1)], axis=1),
         np.concatenate([poses.local_translations, np.stack(translations, axis=1)], axis=1),
+        own=True,
     )
 
 

@@ -86,7 +86,7 @@ def character_poses(adapted: AdaptedMotion) -> PoseSequence:
     do_over_frames(turn, adapted.frame_count)
     translations[:, 0] = adapted.positions[:, 0]
     translations.setflags(write=False)
-    return PoseSequence(rotations, translations)
+    return PoseSequence(rotations, translations, own=True)
 
 
 def joint_points(layout: BodyLayout) -> tuple[int, ...]:

@@ -144,7 +144,7 @@ def to_world(
     for done in over_frames(turn, frame_count):
         progress(done)
     translations.setflags(write=False)
-    return turned, PoseSequence(rotations, translations)
+    return turned, PoseSequence(rotations, translations, own=True)
 
 
 def _up_axis(
