@@ -96,14 +96,14 @@ def limb_hinge(marks: Landmarks, upper: int, is_leg: bool, body: FloatArray) -> 
     return normalized(marks.reference_rotations[upper] @ total + BENT**3 * anatomical)
 
 
-def align_soles(marks: Landmarks, alignments: FloatArray, standing: BoolArray) -> None:
+def align_soles(marks: Landmarks, alignments: FloatArray, standing: BoolArray, frame_rate: float) -> None:
     """Rotate the alignments of feet and toes in place so that soles are level while they stand.
 
     The reference pose of many files stands on tiptoe or heel; the frames (F, 2) of ``standing``, left and right, in
-    which a foot rests do not. Needs 5 frames and a tilt below 45 degrees. Feet and toes are tilted no further than
-    nearly all of these frames agree on, because feet also stand on their edges. If the reference pose is that of all
-    frames, they rotate about their hinge alone. A guard's rear heel, which is raised all the time, is recognised by a
-    bone that is steeper than that of the other foot.
+    which a foot rests do not. Needs 5 frames and a tilt below 45 degrees. Medians are taken, because feet also stand on
+    their edges; sideways the reference pose counts as a second of standing. If it is that of all frames, feet rotate
+    about their hinge alone. A guard's rear heel, which is raised all the time, is recognised by a bone that is steeper
+    than that of the other foot.
     """
     layout = marks.layout
     feet = [layout.foot_segment(side) for side in (0, 1)]
@@ -119,21 +119,18 @@ def align_soles(marks: Landmarks, alignments: FloatArray, standing: BoolArray) -
     for side, foot in enumerate(feet):
         if len(standing_slopes[side]) < MIN_STANDING:
             continue
-        (_, roll), toe = (_common_tilt(tilt) for tilt in tilts[side])
+        seconds = len(standing_slopes[side]) / frame_rate
+        rolling = seconds / (seconds + 1.0) if marks.reference_is_rest else 0.0
+        (_, roll), (toe_pitch, toe_roll) = (np.median(tilt, axis=0) for tilt in tilts[side])
         slope = float(np.median(standing_slopes[side]))
         pitch = slopes[side] - np.clip(slope, usual - UNLIKE_FEET, usual + UNLIKE_FEET)
-        for joint, tilt in ((foot, (pitch, roll)), (foot + 1, toe)):
-            _level(alignments, joint, tilt if marks.reference_is_rest else (tilt[0], 0.0))
+        _level(alignments, foot, pitch, rolling * roll)
+        _level(alignments, foot + 1, toe_pitch, rolling * toe_roll)
 
 
 def _tilts(ups: FloatArray) -> FloatArray:
     """(F, 2) radians forwards and leftwards by which ``ups`` (F, 3) are tilted from Z."""
     return np.arctan2(ups[:, :2], ups[:, 2:])
-
-
-def _common_tilt(tilts: FloatArray) -> FloatArray:
-    """(2,) angles nearest to zero within the middle eight tenths of ``tilts`` (F, 2)."""
-    return np.clip(0.0, *np.quantile(tilts, (0.1, 0.9), axis=0))
 
 
 def _flat_slope(standing: Sequence[FloatArray], neutral: float | None) -> float:
@@ -148,8 +145,8 @@ def _flat_slope(standing: Sequence[FloatArray], neutral: float | None) -> float:
     return min(flat, key=lambda slope: abs(slope - neutral), default=neutral)
 
 
-def _level(alignments: FloatArray, segment: int, tilt: Sequence[float]) -> None:
-    """Rotate one alignment in place by the ``tilt`` forwards and leftwards in radians, unless it is 45 degrees."""
-    up = normalized(np.array([*np.tan(tilt), 1.0]))
+def _level(alignments: FloatArray, segment: int, pitch: float, roll: float) -> None:
+    """Rotate one alignment in place by the tilt forwards and leftwards in radians, unless it is 45 degrees."""
+    up = normalized(np.array([np.tan(pitch), np.tan(roll), 1.0]))
     if up[2] > np.cos(np.deg2rad(45.0)):
         alignments[segment] = alignments[segment] @ shortest_arc(ALIGNED_UP, up)

@@ -81,7 +81,7 @@ def _normalize(capture: Capture, progress: Callable[[float], object]) -> tuple[N
     contacts = found.contacts
     progress(0.6)
     alignments = find_alignments(marks)
-    align_soles(marks, alignments, _standing_feet(contacts, len(marks.points)))
+    align_soles(marks, alignments, _standing_feet(contacts, len(marks.points)), capture.frame_rate)
     rotations = marks.align_rotations(alignments)
     progress(0.8)
     origin = np.array([*marks.points[capture.first_frame, 0, :2], capture.floor])
