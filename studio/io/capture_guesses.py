@@ -30,7 +30,7 @@ from studio.core.rotations import IDENTITY_QUATERNION, normalized
 from studio.io.figure.body_maps import FoundBody, named_sides, similar_joints
 from studio.io.guessing import guess_first_frame, guess_floor
 from studio.io.importing import ImportOptions
-from studio.io.kept_references import kept_reference, seconds_at_ease
+from studio.io.kept_references import certainty, kept_reference, seconds_at_ease
 from studio.io.up_axis import FILE_AXES, axis_called, turn_to_world
 
 FloatArray = NDArray[np.float64]
@@ -196,20 +196,16 @@ def reference_of(
 
 
 def _surest_reference(own: ReferencePose, read: ReadJoints, body_map: BodyMap) -> ReferencePose:
-    """Reference pose kept for the skeleton if the take that it is from stands at ease for longer; else its ``own``."""
+    """Reference pose kept for the skeleton if it is more certain than its ``own``, else that."""
     try:
         kept = kept_reference(read.skeleton, body_map)
     except StudioError as error:
         return replace(own, reason=f"{own.reason} {error}")
     seconds = seconds_at_ease(read.skeleton, read.poses, body_map, read.frame_rate)
-    if kept is None or kept.seconds <= seconds:
+    if kept is None or kept.certainty <= certainty(own.confidence, seconds):
         return own
-    longer = f"{kept.seconds / max(seconds, 0.01 * kept.seconds):.1f} times as long"
-    return replace(
-        kept.pose,
-        source=f"{ALL_FRAMES} of {kept.take}",
-        reason=f"{kept.pose.reason} It is kept from {kept.take}, which shows this skeleton at ease for {longer}.",
-    )
+    reason = f"{kept.pose.reason} It is kept from {kept.take}, which shows this skeleton at ease more surely."
+    return replace(kept.pose, source=f"{ALL_FRAMES} of {kept.take}", reason=reason)
 
 
 def reference_by_option(

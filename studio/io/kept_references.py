@@ -1,4 +1,4 @@
-"""Reference poses kept in the user's folder: for each skeleton that of the take whose body stands at ease longest.
+"""Reference poses kept in the user's folder: for each skeleton that of the take which shows it most surely.
 
 Imports into projects and libraries keep them; every reader uses them. A project stores the pose that it uses.
 """
@@ -33,6 +33,11 @@ class KeptReference:
     take: str
     seconds: float
 
+    @property
+    def certainty(self) -> tuple[int, float]:
+        """Value by which kept and found poses are compared."""
+        return certainty(self.pose.confidence, self.seconds)
+
 
 def references_folder() -> Path:
     """Folder of the kept reference poses."""
@@ -64,7 +69,7 @@ def kept_reference(skeleton: Skeleton, body_map: BodyMap) -> KeptReference | Non
 
 
 def with_reference_kept(capture: Capture) -> Capture:
-    """Capture whose reference pose is kept if it was found from all its frames and none of a longer ease is kept.
+    """Capture whose reference pose is kept if it was found from all its frames and none more certain is kept.
 
     A file that cannot be written is reported among its repairs.
     """
@@ -76,7 +81,7 @@ def with_reference_kept(capture: Capture) -> Capture:
         kept = kept_reference(capture.skeleton, capture.body_map)
     except StudioError:
         kept = None  # the file is damaged, and replaced
-    if kept is not None and kept.seconds >= seconds:
+    if kept is not None and kept.certainty >= certainty(guess.confidence, seconds):
         return capture
     record = {TAKE: capture.name, SECONDS: seconds, REASON: guess.reason, CONFIDENCE: guess.confidence}
     path = _file_of(capture.skeleton, capture.body_map)
@@ -87,6 +92,11 @@ def with_reference_kept(capture: Capture) -> Capture:
         sentence = f"Its reference pose cannot be kept for other takes of its skeleton: {error}"
         return replace(capture, repairs=(*capture.repairs, sentence))
     return capture
+
+
+def certainty(confidence: Confidence, seconds: float) -> tuple[int, float]:
+    """Value by which poses are compared: the confidence of the guess, then the ``seconds`` at ease."""
+    return -list(Confidence).index(confidence), seconds
 
 
 def seconds_at_ease(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap, frame_rate: float) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from studio.core.captures.capture import Capture, Guess
+from studio.core.captures.confidence import Confidence
 from studio.core.rigs.zero_pose import with_zero_pose
 from studio.core.rotations import multiply
 from studio.io.export import write_capture
@@ -19,12 +20,14 @@ from tests.core.motions import about, swaying
 LEFT = (0.0, 1.0, 0.0)
 
 
-def _take(folder: Path, name: str, frames: int, lean: float) -> Path:
-    """A file of one actor, whose zero pose is not human, leaning forward by ``lean`` degrees."""
+def _take(folder: Path, name: str, frames: int, lean: float, look: float = 0.0) -> Path:
+    """A file of one actor, whose zero pose is not human, leaning forward and looking aside by so many degrees."""
     capture = swaying(2, frames=frames, amplitude=0.15, hinged=True)
     rotations = np.array(capture.poses.local_rotations)
     hips = capture.skeleton.index("Hips")
     rotations[:, hips] = multiply(about(LEFT, np.radians(lean)), rotations[:, hips])
+    head = capture.skeleton.index("Head")
+    rotations[:, head] = multiply(about((0.0, 0.0, 1.0), np.radians(look)), rotations[:, head])
     take = replace(capture, poses=replace(capture.poses, local_rotations=rotations))
     random = np.random.default_rng(5)
     axes = np.eye(3)[[random.permutation(3) for _ in range(take.skeleton.joint_count)]]
@@ -60,7 +63,7 @@ def test_a_take_uses_the_reference_pose_of_one_at_ease_for_longer_and_says_so(ca
     assert not np.array_equal(alone.reference_rotations, surest.reference_rotations)
     assert np.array_equal(found.reference_rotations, surest.reference_rotations)
     assert _guess(found).value == "all frames of calm"
-    assert "kept from calm, which shows this skeleton at ease for" in _guess(found).reason
+    assert "kept from calm, which shows this skeleton at ease more surely" in _guess(found).reason
 
 
 def test_a_take_that_is_surer_replaces_the_pose_that_is_kept_and_keeps_its_own(calm: Path, bow: Path) -> None:
@@ -70,6 +73,14 @@ def test_a_take_that_is_surer_replaces_the_pose_that_is_kept_and_keeps_its_own(c
     with_reference_kept(own)
     assert _guess(load_capture(bow)).value == "all frames of calm"
     assert np.array_equal(load_capture(calm).reference_rotations, own.reference_rotations)
+
+
+def test_a_take_that_looks_aside_throughout_uses_the_pose_of_one_that_looks_ahead(calm: Path, tmp_path: Path) -> None:
+    aside = _take(tmp_path, "aside", 300, 0.0, look=50.0)
+    assert _guess(load_capture(aside)).confidence is Confidence.DOUBTFUL
+    with_reference_kept(load_capture(calm))
+    found = _guess(load_capture(aside))
+    assert (found.value, found.confidence) == ("all frames of calm", Confidence.LIKELY)
 
 
 def test_a_library_keeps_the_reference_poses_of_its_takes(calm: Path, bow: Path, tmp_path: Path) -> None:
