@@ -21,8 +21,8 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.project import Motion, Project, new_id
 from studio.core.stage.staging import is_unarranged, lined_up, side_by_side, travel_heading
 from studio.document.document import Document
+from studio.io.figure.kept_references import with_reference_kept
 from studio.io.importing import GUESS_ALL, ImportOptions, known_of_motion, read_capture, read_file
-from studio.io.kept_references import with_reference_kept
 from studio.io.registry import Progress, ReadCapture, ReadCharacter
 from studio.io.source_files import SourceMissing
 from studio.panels.message_strip import Lifetime

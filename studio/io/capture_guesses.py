@@ -28,9 +28,9 @@ from studio.core.errors import StudioError
 from studio.core.names import readable_name
 from studio.core.rotations import IDENTITY_QUATERNION, normalized
 from studio.io.figure.body_maps import FoundBody, named_sides, similar_joints
+from studio.io.figure.kept_references import certainty, kept_reference, seconds_at_ease
 from studio.io.guessing import guess_first_frame, guess_floor
 from studio.io.importing import ImportOptions
-from studio.io.kept_references import certainty, kept_reference, seconds_at_ease
 from studio.io.up_axis import FILE_AXES, axis_called, turn_to_world
 
 FloatArray = NDArray[np.float64]

@@ -14,8 +14,8 @@ from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize_capture
 from studio.core.normalized.realize import realize_motion
+from studio.io.figure.kept_references import skeleton_digest, with_reference_kept
 from studio.io.importing import known_of_motion, read_capture
-from studio.io.kept_references import skeleton_digest, with_reference_kept
 from studio.io.registry import known_formats
 from studio.library.catalogue import Catalogue, FileState
 from studio.library.clip_labels import ClipLabel

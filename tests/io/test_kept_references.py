@@ -11,8 +11,8 @@ from studio.core.captures.confidence import Confidence
 from studio.core.rigs.zero_pose import with_zero_pose
 from studio.core.rotations import multiply
 from studio.io.export import write_capture
+from studio.io.figure.kept_references import references_folder, with_reference_kept
 from studio.io.importing import load_capture
-from studio.io.kept_references import references_folder, with_reference_kept
 from studio.library.catalogue import Catalogue
 from studio.library.indexing import index_folders
 from tests.core.motions import about, swaying

@@ -22,8 +22,6 @@ from studio.core.captures.reference_pose import ALL_FRAMES, ReferencePose, ease_
 from studio.core.errors import StudioError
 from studio.io.json_text import read_json, write_json
 
-TAKE, SECONDS, REASON, CONFIDENCE, ROTATIONS = "take", "seconds at ease", "reason", "confidence", "rotations"
-
 
 @dataclass(frozen=True)
 class KeptReference:
@@ -58,12 +56,12 @@ def kept_reference(skeleton: Skeleton, body_map: BodyMap) -> KeptReference | Non
         return None
     record = read_json(path)
     try:
-        rotations = np.array(record[ROTATIONS], dtype=np.float64)
-        seconds = float(record[SECONDS])
+        rotations = np.array(record["rotations"], dtype=np.float64)
+        seconds = float(record["seconds at ease"])
         if rotations.shape != (skeleton.joint_count, 4) or not _are_unit(rotations) or not np.isfinite(seconds):
             raise ValueError("its rotations are not one quaternion a joint")
-        pose = ReferencePose(rotations, ALL_FRAMES, str(record[REASON]), Confidence(record[CONFIDENCE]))
-        return KeptReference(pose, str(record[TAKE]), seconds)
+        pose = ReferencePose(rotations, ALL_FRAMES, str(record["reason"]), Confidence(record["confidence"]))
+        return KeptReference(pose, str(record["take"]), seconds)
     except (KeyError, TypeError, ValueError) as error:
         raise StudioError(f"{path} is not a kept reference pose ({error}). Delete it.") from error
 
@@ -83,11 +81,17 @@ def with_reference_kept(capture: Capture) -> Capture:
         kept = None  # the file is damaged, and replaced
     if kept is not None and kept.certainty >= certainty(guess.confidence, seconds):
         return capture
-    record = {TAKE: capture.name, SECONDS: seconds, REASON: guess.reason, CONFIDENCE: guess.confidence}
+    record = {
+        "take": capture.name,
+        "seconds at ease": seconds,
+        "reason": guess.reason,
+        "confidence": guess.confidence,
+        "rotations": capture.reference_rotations.tolist(),
+    }
     path = _file_of(capture.skeleton, capture.body_map)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_json(path, record | {ROTATIONS: capture.reference_rotations.tolist()})
+        write_json(path, record)
     except (OSError, StudioError) as error:
         sentence = f"Its reference pose cannot be kept for other takes of its skeleton: {error}"
         return replace(capture, repairs=(*capture.repairs, sentence))
