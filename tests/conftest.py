@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
+from shutil import rmtree
 
 import platformdirs
 import pytest
@@ -60,6 +61,13 @@ def collected() -> Iterator[None]:
     yield
     if enabled:
         gc.enable()
+
+
+@pytest.fixture(autouse=True)
+def nothing_kept() -> Iterator[None]:
+    """Reference poses that one test keeps are none of the next one's."""
+    yield
+    rmtree(Path(os.environ["XDG_DATA_HOME"]) / "morpho-studio" / "reference_poses", ignore_errors=True)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

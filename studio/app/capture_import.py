@@ -21,6 +21,7 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.project import Motion, Project, new_id
 from studio.core.stage.staging import is_unarranged, lined_up, side_by_side, swept_points, travel_heading
 from studio.document.document import Document
+from studio.io.figure.kept_references import with_reference_kept
 from studio.io.importing import GUESS_ALL, ImportOptions, known_of_motion, read_capture, read_file
 from studio.io.registry import Progress, ReadCapture, ReadCharacter
 from studio.io.source_files import SourceMissing
@@ -88,6 +89,7 @@ def read_motion_ready(
 
     capture, read_as = with_corrections(read, options, known, _reading(progress))
     capture = with_drift_reported(capture)
+    capture = with_reference_kept(capture)
     expect(capture)
     progress(READ_SHARE, "looking for contacts")
     remarks_on(capture)  # here, beside the window, whose views show them

@@ -17,11 +17,18 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.captures.motion_faults import clean_motion
-from studio.core.captures.reference_pose import ReferencePose, find_reference_pose, upright_pose
+from studio.core.captures.reference_pose import (
+    ALL_FRAMES,
+    ZERO_POSE,
+    ReferencePose,
+    find_reference_pose,
+    upright_pose,
+)
 from studio.core.errors import StudioError
 from studio.core.names import readable_name
 from studio.core.rotations import IDENTITY_QUATERNION, normalized
 from studio.io.figure.body_maps import FoundBody, named_sides, similar_joints
+from studio.io.figure.kept_references import certainty, kept_reference, seconds_at_ease
 from studio.io.guessing import guess_first_frame, guess_floor
 from studio.io.importing import ImportOptions
 from studio.io.up_axis import FILE_AXES, axis_called, turn_to_world
@@ -121,7 +128,7 @@ def make_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, gue
     first_frame, guess = guess_first_frame(read.positions, read.frame_rate)
     guesses += [guess] if guess else []
     floor = floor_of(read, first_frame, found.body_map, options, guesses)
-    reference = reference_of(read.skeleton, poses, found.body_map, options, guesses)
+    reference = reference_of(read, found.body_map, options, guesses)
     return Capture(
         name=readable_name(read.path.stem),
         source=read.path.name,
@@ -168,26 +175,37 @@ def floor_of(
 
 
 def reference_of(
-    skeleton: Skeleton,
-    poses: PoseSequence,
-    body_map: BodyMap | None,
-    options: ImportOptions,
-    guesses: list[Guess],
+    read: ReadJoints, body_map: BodyMap | None, options: ImportOptions, guesses: list[Guess]
 ) -> FloatArray:
     """(J, 4) local rotations of the upright body, chosen by the user or found.
 
     Raises StudioError for an unknown choice.
     """
     if options.reference is not None:
-        return reference_by_option(skeleton, poses, body_map, options.reference)
+        return reference_by_option(read.skeleton, read.poses, body_map, options.reference)
     if body_map is None:
-        zero = np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))
+        zero = np.tile(IDENTITY_QUATERNION, (read.skeleton.joint_count, 1))
         reason = "Without a human body no other pose is known to be upright."
-        reference = ReferencePose(zero, "zero pose", reason, Confidence.DOUBTFUL)
+        reference = ReferencePose(zero, ZERO_POSE, reason, Confidence.DOUBTFUL)
     else:
-        reference = find_reference_pose(skeleton, poses, body_map)
+        reference = find_reference_pose(read.skeleton, read.poses, body_map)
+        if reference.source == ALL_FRAMES:
+            reference = _surest_reference(reference, read, body_map)
     guesses.append(Guess("reference pose", reference.source, reference.reason, reference.confidence))
     return reference.rotations
+
+
+def _surest_reference(own: ReferencePose, read: ReadJoints, body_map: BodyMap) -> ReferencePose:
+    """Reference pose kept for the skeleton if it is more certain than its ``own``, else that."""
+    try:
+        kept = kept_reference(read.skeleton, body_map)
+    except StudioError as error:
+        return replace(own, reason=f"{own.reason} {error}")
+    seconds = seconds_at_ease(read.skeleton, read.poses, body_map, read.frame_rate)
+    if kept is None or kept.certainty <= certainty(own.confidence, seconds):
+        return own
+    reason = f"{kept.pose.reason} It is kept from {kept.take}, which shows this skeleton at ease more surely."
+    return replace(kept.pose, source=f"{ALL_FRAMES} of {kept.take}", reason=reason)
 
 
 def reference_by_option(

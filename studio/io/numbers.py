@@ -15,7 +15,7 @@ from studio.core.threads import in_threads
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+", re.ASCII)
 _MISSING = re.compile(
-    r"[+-]?(nan(\(\w*\))?|inf(inity)?|1[.,]?#[a-z]+\d*)|\(?null\)?|none|#?n/?a|undefined|missing|-{1,3}|\?|\*",
+    r"[+-]?(nan(\(\w*\))?|inf(inity)?|(1[.,]?)?#[a-z]+\d*)|\(?null\)?|none|#?n/?a|undefined|missing|-{1,3}|\?|\*",
     re.ASCII | re.IGNORECASE,
 )
 """Words for a value that a program did not have."""

@@ -3,21 +3,18 @@
 A file that cannot be used is stored with the reason, a missing folder is reported; the others are indexed.
 """
 
-import hashlib
 import os
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import numpy as np
-
 from studio.core.body.morphology import Morphology
-from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize_capture
 from studio.core.normalized.realize import realize_motion
+from studio.io.figure.kept_references import skeleton_digest, with_reference_kept
 from studio.io.importing import known_of_motion, read_capture
 from studio.io.registry import known_formats
 from studio.library.catalogue import Catalogue, FileState
@@ -116,6 +113,7 @@ def _read(catalogue: Catalogue, path: Path, state: FileState) -> FileState:
         capture = file.capture
         if capture.body_map is None:
             raise StudioError("No human body was found in it.")
+        with_reference_kept(capture)
         motion, performer = normalize_capture(capture)
         contacts = known_of_motion(capture, file.annotations, "").contacts or ()
     except StudioError as error:
@@ -126,7 +124,7 @@ def _read(catalogue: Catalogue, path: Path, state: FileState) -> FileState:
     with catalogue.write_transaction():
         said = catalogue.confirmed_labels(str(path))
         catalogue.store_file_state(str(path), state)
-        actor = catalogue.actor(_bones(capture), f"Actor of {capture.name}", performer.morphology)
+        actor = catalogue.actor(skeleton_digest(capture.skeleton), f"Actor of {capture.name}", performer.morphology)
         take = catalogue.add_take(str(path), actor, motion, contacts)
         proposed = _proposed(motion, performer.morphology, capture.first_frame)
         for label in said + labels_without_confirmed(said, proposed):
@@ -153,14 +151,6 @@ def _proposed(motion: NormalizedMotion, body: Morphology, first_frame: int) -> l
 
 def _path_of(motion: NormalizedMotion, body: Morphology, label: ClipLabel) -> HitPath:
     return hit_path(*realize_motion(motion, body), body, motion.frame_rate, label)
-
-
-def _bones(capture: Capture) -> str:
-    """Hash of a skeleton that all captures of one actor share: joints, and bones to the millimetre."""
-    skeleton = capture.skeleton
-    lengths = np.rint(1000.0 * skeleton.offsets[1:]).astype(np.int64).tolist()
-    text = repr((skeleton.names, skeleton.parents.tolist(), lengths))
-    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _state(path: Path) -> FileState:

@@ -12,7 +12,7 @@ from studio.core.normalized.alignment import align_soles, find_alignments
 from studio.core.normalized.landmarks import find_landmarks
 from studio.core.rigs.zero_pose import with_zero_pose
 from studio.core.rotations import angle_between, from_matrix, multiply
-from tests.core.motions import about, swaying
+from tests.core.motions import HINGES, about, swaying
 
 UP, LEFT = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
 WITHIN = 10.0
@@ -93,7 +93,7 @@ def test_a_heel_that_is_raised_all_the_time_is_no_sole() -> None:
     assert take.body_map is not None
     marks = find_landmarks(take, take.body_map)
     alignments = find_alignments(marks)
-    align_soles(marks, alignments, np.ones((len(marks.points), 2), dtype=bool))
+    align_soles(marks, alignments, np.ones((len(marks.points), 2), dtype=bool), 60.0)
     left, right = (marks.layout.spine_count + 12 + 4 * side for side in (0, 1))
     assert np.degrees(angle_between(*from_matrix(alignments[[left, right]]))) < WITHIN
 
@@ -115,9 +115,42 @@ def test_a_raised_heel_tells_nothing_of_the_sole_of_a_skeleton_without_human_zer
         marks = find_landmarks(replace(odd, reference_rotations=reference.rotations), odd.body_map)
         alignments = find_alignments(marks)
         frames = np.arange(len(marks.points))[:, None]
-        align_soles(marks, alignments, frames < np.array(standing) * len(frames))
+        align_soles(marks, alignments, frames < np.array(standing) * len(frames), 60.0)
         feet.append(from_matrix(alignments[marks.layout.spine_count + 16]))
     assert np.degrees(angle_between(*feet)) < WITHIN
+
+
+def test_an_elbow_that_bends_shows_its_hinge_and_one_that_is_straight_hardly_any() -> None:
+    """Straight elbows bend aside by some degrees in captures of markers; the hinge is that of the frames which bend."""
+    calm = swaying(4, frames=120, amplitude=0.1, hinged=True)
+    rotations = np.array(calm.poses.local_rotations)
+    place = calm.skeleton.index("LeftForeArm")
+    bend = np.where(np.arange(120) < 80, np.radians(8.0), np.radians(90.0))
+    aside = np.where(np.arange(120) < 80, np.radians(18.0), 0.0)
+    rotations[:, place] = multiply(about(HINGES["LeftForeArm"], bend), about((1.0, 0.0, 0.0), aside))
+    take = replace(calm, poses=replace(calm.poses, local_rotations=rotations))
+    apart = []
+    for each in (calm, take):
+        assert each.body_map is not None
+        marks = find_landmarks(each, each.body_map)
+        apart.append(from_matrix(find_alignments(marks)[marks.layout.upper_arm_segment(0)]))
+    assert np.degrees(angle_between(*apart)) < 5.0
+
+
+def test_a_foot_that_stands_on_its_edge_for_a_while_keeps_a_level_sole() -> None:
+    calm = swaying(3, frames=120, amplitude=0.02)
+    rotations = np.array(calm.poses.local_rotations)
+    place = calm.skeleton.index("RightFoot")
+    edge = np.where(np.arange(120) < 50, np.radians(30.0), 0.0)
+    rotations[:, place] = multiply(rotations[:, place], about((1.0, 0.0, 0.0), edge))
+    feet = []
+    for each in (calm, replace(calm, poses=replace(calm.poses, local_rotations=rotations))):
+        assert each.body_map is not None
+        marks = find_landmarks(each, each.body_map)
+        alignments = find_alignments(marks)
+        align_soles(marks, alignments, np.ones((len(marks.points), 2), dtype=bool), 60.0)
+        feet.append(from_matrix(alignments[marks.layout.foot_segment(1)]))
+    assert np.degrees(angle_between(*feet)) < 5.0
 
 
 def test_a_take_in_which_nobody_stands_is_told_as_doubtful() -> None:

@@ -1,6 +1,7 @@
 """The floor that a motion's own footprints show, and heels that leave it."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -33,12 +34,16 @@ def test_who_never_stands_shows_no_floor() -> None:
     assert not shown_floor((), POSITIONS, BODY, WALK.frame_rate).any()
 
 
+def _ankle(heights: np.ndarray) -> np.ndarray:
+    return np.stack([np.zeros(len(heights)), np.zeros(len(heights)), heights], axis=1)
+
+
 @given(st.floats(0.02, 0.08), st.integers(30, 60))
 def test_a_heel_stands_until_it_rises(rise: float, begin: int) -> None:
     """A heel is in contact until it rises over a ball that stands."""
     frames = np.arange(90)
     heights = 0.08 + rise * np.clip((frames - begin) / (89 - begin), 0.0, 1.0)
-    rising = rising_heels([(0, 89)], contact_mask([(0, 89)], 90), heights, 0.85)
+    rising = rising_heels([(0, 89)], contact_mask([(0, 89)], 90), _ankle(heights), 0.85)
     assert not rising[: begin + 1].any()
     assert rising[-1]
     assert np.all(np.diff(rising.astype(int)) >= 0)
@@ -47,4 +52,11 @@ def test_a_heel_stands_until_it_rises(rise: float, begin: int) -> None:
 
 def test_a_heel_that_trembles_stands() -> None:
     heights = 0.08 + 0.006 * np.sin(np.arange(90) / 3)
-    assert not rising_heels([(0, 89)], contact_mask([(0, 89)], 90), heights, 0.85).any()
+    assert not rising_heels([(0, 89)], contact_mask([(0, 89)], 90), _ankle(heights), 0.85).any()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_of_a_heel_that_stands_is_no_rise(seed: int) -> None:
+    """Half a degree of noise in every joint moves ankles by a centimetre."""
+    ankle = _ankle(np.full(300, 0.08)) + np.random.default_rng(seed).normal(scale=0.012, size=(300, 3))
+    assert rising_heels([(0, 299)], contact_mask([(0, 299)], 300), ankle, 0.85).mean() < 0.05

@@ -11,6 +11,7 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix
 from studio.io.figure.body_maps import find_body, loose_feet, loose_hands, named_sides
+from tests.builders import make_poses, make_skeleton
 from tests.core.motions import random_rotations
 from tests.io.character_files import JOINTS, NAMES, PLACES
 
@@ -59,6 +60,19 @@ def test_of_two_joints_in_a_limb_bone_the_upper_one_is_its_part() -> None:
         (BodyPart.RIGHT_FOOT, "foot.R"),
     ):
         assert skeleton.names[found[part]] == name
+
+
+def test_of_two_joints_called_head_the_lower_one_is_the_neck_if_none_is_called_so() -> None:
+    called = {"Neck": "Head", "Head": "Head1"}
+    skeleton = make_skeleton()
+    inner = ~skeleton.end_sites
+    places = np.cumsum(inner) - 1
+    names = tuple(called.get(name, name) for name, kept in zip(skeleton.names, inner, strict=True) if kept)
+    parents = np.array([-1, *places[skeleton.parents[inner][1:]]])
+    twice = Skeleton(names, parents, skeleton.offsets[inner], np.zeros(len(names), bool))
+    found = find_body(twice, joint_positions(twice, make_poses(twice))).body_map
+    assert found is not None
+    assert [twice.names[found[part]] for part in (BodyPart.NECK, BodyPart.HEAD)] == ["Head", "Head1"]
 
 
 @pytest.mark.parametrize("spelling", ["{s}{name}_0{number}", "{s}{name}.0{number}", "{s}{name}{number}"])

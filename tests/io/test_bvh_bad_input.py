@@ -201,7 +201,7 @@ REPAIRED = {
             3,
             "line 20: 1 row lacks numbers; what is missing was filled from the rows before and after.",
         )
-        for word in ("1,#QNAN", "-1,#IND", "#N/A", "NA", "(null)", "---", "-", "?", "*", "missing")
+        for word in ("1,#QNAN", "-1,#IND", "#QNAN", "-#IND", "#N/A", "NA", "(null)", "---", "-", "?", "*", "missing")
     },
     "a row that begins with a word behind a hash": (
         bvh_text([ROW, " ".join(["#N/A"] * 9), ROW]),

@@ -113,7 +113,7 @@ class BodySearch:
         """The spine; adds pelvis, neck, head and clavicles to ``parts``."""
         arms = parts[BodyPart.LEFT_UPPER_ARM], parts[BodyPart.RIGHT_UPPER_ARM]
         chest = self.skeleton.common_ancestor(*arms)
-        heads = self._heads(candidates, arms)
+        heads = self._heads(candidates, arms, chest)
         if heads and not self.skeleton.path(chest, heads[0]):
             chest = self.skeleton.common_ancestor(chest, heads[0])
         pelvis = self.skeleton.common_ancestor(parts[BodyPart.LEFT_THIGH], parts[BodyPart.RIGHT_THIGH], chest)
@@ -132,11 +132,15 @@ class BodySearch:
                 parts[BodyPart.NECK] = way[1]
         return self.skeleton.path(parts[BodyPart.PELVIS], chest)
 
-    def _heads(self, candidates: Candidates, arms: tuple[int, int]) -> list[int]:
-        """The deepest joint called head that is no part of an arm, and rather not the tip of another."""
+    def _heads(self, candidates: Candidates, arms: tuple[int, int], chest: int) -> list[int]:
+        """The deepest joint called head that is no part of an arm, and not the tip of another unless that is the neck:
+        it hangs from the chest, and no joint is called neck.
+        """
         below_arms = {*arms, *self.skeleton.descendants(arms[0]), *self.skeleton.descendants(arms[1])}
         heads = [joint for joint in candidates.get(BodyPart.HEAD, ()) if joint not in below_arms]
         order = sorted(heads, key=lambda joint: (not self.skeleton.children[joint], -self.skeleton.depths[joint]))
+        if order and not candidates.get(BodyPart.NECK) and len(self.skeleton.path(chest, order[0])) == 2:
+            order = [joint for joint in self.skeleton.children[order[0]] if joint in heads] or order
         return order[:1]
 
     def _toes(self, candidates: Candidates, parts: dict[BodyPart, int]) -> None:

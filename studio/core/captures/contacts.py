@@ -461,7 +461,7 @@ def point_speeds(track: FloatArray, near: NDArray[np.bool_], frame_rate: float) 
     is ``near`` the ground (F,).
     """
     smooth = bell_average(track, SMOOTHING * frame_rate)
-    noise = np.sqrt(2.0) * _noise(track, near) * min(1.0, (3.5 * SMOOTHING * frame_rate) ** -0.5)
+    noise = np.sqrt(2.0) * noise_deviation(track, near) * min(1.0, (3.5 * SMOOTHING * frame_rate) ** -0.5)
     apart = int(np.clip(np.ceil(noise * frame_rate / NOISE_SPEED), 1, max(1, round(LONGEST_SPEED_STEP * frame_rate))))
     if len(track) <= apart:
         return np.full(len(track), np.inf)
@@ -470,7 +470,7 @@ def point_speeds(track: FloatArray, near: NDArray[np.bool_], frame_rate: float) 
     return np.asarray(np.minimum(np.append(steps, beyond), np.append(beyond, steps)))
 
 
-def _noise(track: FloatArray, near: NDArray[np.bool_]) -> float:
+def noise_deviation(track: FloatArray, near: NDArray[np.bool_]) -> float:
     """Standard deviation in metres of a track's noise (F, 3) along an axis, by its third differences ``near`` the
     ground. At rest, which lasts for at least a quarter of that time, those of the motion are far smaller.
     """

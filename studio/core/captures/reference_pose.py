@@ -15,6 +15,8 @@ from studio.core.rotations import IDENTITY_QUATERNION, from_matrix, multiply, no
 
 FloatArray = NDArray[np.float64]
 
+ZERO_POSE, ALL_FRAMES = "zero pose", "all frames"
+"""Sources of a reference pose."""
 _UP: FloatArray = np.array([0.0, 0.0, 1.0])
 _NEVER_STOOD = 2.0
 """Worst fault of a take's best frame from which no frame of it stands at ease."""
@@ -30,7 +32,7 @@ class ReferencePose:
 
     rotations: FloatArray
     source: str
-    """``zero pose`` or ``all frames``."""
+    """``ZERO_POSE`` or ``ALL_FRAMES``."""
     reason: str
     confidence: Confidence
 
@@ -46,19 +48,19 @@ def find_reference_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyM
             turned = "" if np.array_equal(standing, zero) else "; it was turned upright"
             return ReferencePose(
                 standing,
-                "zero pose",
+                ZERO_POSE,
                 f"With all rotations zero the body stands like a human{turned}.",
                 Confidence.SURE if worst <= _HARDLY_HUMAN else Confidence.LIKELY,
             )
-    wrong = stance_deviations(joint_positions(skeleton, poses), body_map)
-    neutral = find_neutral_pose(skeleton, poses, body_map, 1.0 / (1.0 + (wrong**2).sum(axis=1)) ** 2)
+    points = joint_positions(skeleton, poses)
+    neutral = find_neutral_pose(skeleton, poses, body_map, ease_weights(points, body_map))
     doubt = f"The head may be turned by {neutral.head_doubt:.0f} degrees" if neutral.head_doubt else "It has no head"
-    stood = wrong.max(axis=1).min() <= _NEVER_STOOD
+    stood = stance_deviations(points, body_map).max(axis=1).min() <= _NEVER_STOOD
     if not stood:
         doubt += ", and the body never stands at ease: look at its head, hands and feet"
     reason = "With all rotations zero the body is not human; its mean pose was stood upright."
     confidence = Confidence.LIKELY if stood and neutral.head_doubt <= _SURE_HEAD else Confidence.DOUBTFUL
-    return ReferencePose(neutral.rotations, "all frames", f"{reason} {doubt}.", confidence)
+    return ReferencePose(neutral.rotations, ALL_FRAMES, f"{reason} {doubt}.", confidence)
 
 
 def upright_pose(skeleton: Skeleton, local_rotations: FloatArray, body_map: BodyMap) -> FloatArray | None:
@@ -75,6 +77,11 @@ def upright_pose(skeleton: Skeleton, local_rotations: FloatArray, body_map: Body
     stood = np.array(local_rotations)
     stood[0] = multiply(from_matrix(shortest_arc(axis, _UP)), stood[0])
     return stood
+
+
+def ease_weights(points: FloatArray, body_map: BodyMap) -> FloatArray:
+    """(F,) from 0 to 1: how upright and symmetric the body stands in each frame of ``points`` (F, J, 3)."""
+    return np.asarray(1.0 / (1.0 + (stance_deviations(points, body_map) ** 2).sum(axis=1)) ** 2)
 
 
 def stance_deviations(points: FloatArray, body_map: BodyMap) -> FloatArray:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.normalized.landmarks import Landmarks, measured_frames
-from studio.core.rotations import frame_along, from_euler, normalized, rotate, shortest_arc
+from studio.core.rotations import frame_along, normalized, shortest_arc
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -81,50 +81,56 @@ def foot_frame(bone: FloatArray, body: FloatArray) -> FloatArray:
 def limb_hinge(marks: Landmarks, upper: int, is_leg: bool, body: FloatArray) -> FloatArray:
     """Axis (3,) about which a limb bends, in the world of the reference pose.
 
-    It is the normalised sum of u x f over frames bent by more than 15 degrees, in the upper segment's axes; its natural
-    sign is right, so samples are not flipped towards a guess. Anatomy decides if no frame is bent.
+    It is the normalised sum of u x f over the frames, in the upper segment's axes, weighted by its square, because a
+    limb that hardly bends shows no hinge. Its natural sign is right, so samples are not flipped towards a guess. The
+    anatomical hinge counts in every frame as if the limb were bent by 15 degrees.
     """
     root = marks.layout.proximal_points()[upper]
     seen = measured_frames(len(marks.points))
     points = marks.points[seen, root : root + 3]
     u, f = normalized(points[:, 1] - points[:, 0]), normalized(points[:, 2] - points[:, 1])
     bend = np.einsum("fji,fj->fi", marks.rotations[seen, upper], np.cross(u, f))
-    total = bend[np.linalg.norm(bend, axis=1) > BENT].sum(axis=0)
-    if np.linalg.norm(total) > BENT:
-        return normalized(marks.reference_rotations[upper] @ total)
+    total = ((bend**2).sum(axis=1)[:, None] * bend).mean(axis=0)
     reference = normalized(marks.reference[root + 1] - marks.reference[root])
-    return body[:, 1] if is_leg else normalized(np.cross(reference, body[:, 0]))
+    anatomical = body[:, 1] if is_leg else normalized(np.cross(reference, body[:, 0]))
+    return normalized(marks.reference_rotations[upper] @ total + BENT**3 * anatomical)
 
 
-def align_soles(marks: Landmarks, alignments: FloatArray, standing: BoolArray) -> None:
-    """Rotate the alignments of feet and toes in place so that soles are level, on average, while they stand.
+def align_soles(marks: Landmarks, alignments: FloatArray, standing: BoolArray, frame_rate: float) -> None:
+    """Rotate the alignments of feet and toes in place so that soles are level while they stand.
 
     The reference pose of many files stands on tiptoe or heel; the frames (F, 2) of ``standing``, left and right, in
-    which a foot rests do not. Needs 5 frames and a tilt below 45 degrees. If the reference pose is that of all frames,
-    feet rotate about their hinge alone, because the angle of a foot that stands on its edge differs between takes. A
-    guard's rear heel, which is raised all the time, is recognised by a bone that is steeper than that of the other
-    foot.
+    which a foot rests do not. Needs 5 frames and a tilt below 45 degrees. Medians are taken, because feet also stand on
+    their edges; sideways the reference pose counts as a second of standing. If it is that of all frames, feet rotate
+    about their hinge alone. A guard's rear heel, which is raised all the time, is recognised by a bone that is steeper
+    than that of the other foot.
     """
     layout = marks.layout
     feet = [layout.foot_segment(side) for side in (0, 1)]
     proximal, distal = layout.proximal_points(), layout.distal_points()
     bones = np.stack([marks.reference[distal[foot]] - marks.reference[proximal[foot]] for foot in feet])
     slopes = np.arctan2(-bones[:, 2], np.linalg.norm(bones[:, :2], axis=1))
-    ups = [marks.rotations[standing[:, side], foot, 2] @ alignments[foot] for side, foot in enumerate(feet)]
-    standing_slopes = [slope - np.arctan2(up[:, 0], up[:, 2]) for slope, up in zip(slopes, ups, strict=True)]
-    rolling = [1.0, 1.0 if marks.reference_is_rest else 0.0, 1.0]
+    tilts = [
+        [_tilts(marks.rotations[standing[:, side], joint, 2] @ alignments[joint]) for joint in (foot, foot + 1)]
+        for side, foot in enumerate(feet)
+    ]
+    standing_slopes = [slope - foot[:, 0] for slope, (foot, _) in zip(slopes, tilts, strict=True)]
     usual = _flat_slope(standing_slopes, None if marks.reference_is_rest else float(slopes.mean()))
     for side, foot in enumerate(feet):
-        if len(ups[side]) < MIN_STANDING:
+        if len(standing_slopes[side]) < MIN_STANDING:
             continue
-        up, toe_up = (
-            normalized((marks.rotations[standing[:, side], joint, 2] @ alignments[joint]).mean(axis=0) * rolling)
-            for joint in (foot, foot + 1)
-        )
-        slope = slopes[side] - np.arctan2(up[0], up[2])
-        steeper = float(slope - np.clip(slope, usual - UNLIKE_FEET, usual + UNLIKE_FEET))
-        _level(alignments, foot, rotate(from_euler("Y", np.array([steeper])), up))
-        _level(alignments, foot + 1, toe_up)
+        seconds = len(standing_slopes[side]) / frame_rate
+        rolling = seconds / (seconds + 1.0) if marks.reference_is_rest else 0.0
+        (_, roll), (toe_pitch, toe_roll) = (np.median(tilt, axis=0) for tilt in tilts[side])
+        slope = float(np.median(standing_slopes[side]))
+        pitch = slopes[side] - np.clip(slope, usual - UNLIKE_FEET, usual + UNLIKE_FEET)
+        _level(alignments, foot, pitch, rolling * roll)
+        _level(alignments, foot + 1, toe_pitch, rolling * toe_roll)
+
+
+def _tilts(ups: FloatArray) -> FloatArray:
+    """(F, 2) radians forwards and leftwards by which ``ups`` (F, 3) are tilted from Z."""
+    return np.arctan2(ups[:, :2], ups[:, 2:])
 
 
 def _flat_slope(standing: Sequence[FloatArray], neutral: float | None) -> float:
@@ -139,7 +145,8 @@ def _flat_slope(standing: Sequence[FloatArray], neutral: float | None) -> float:
     return min(flat, key=lambda slope: abs(slope - neutral), default=neutral)
 
 
-def _level(alignments: FloatArray, segment: int, up: FloatArray) -> None:
-    """Rotate one alignment in place until its ``up`` (3,) is Z, unless it tilts by more than 45 degrees."""
+def _level(alignments: FloatArray, segment: int, pitch: float, roll: float) -> None:
+    """Rotate one alignment in place by the tilt forwards and leftwards in radians, unless it is 45 degrees."""
+    up = normalized(np.array([np.tan(pitch), np.tan(roll), 1.0]))
     if up[2] > np.cos(np.deg2rad(45.0)):
         alignments[segment] = alignments[segment] @ shortest_arc(ALIGNED_UP, up)

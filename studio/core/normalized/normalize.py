@@ -81,7 +81,7 @@ def _normalize(capture: Capture, progress: Callable[[float], object]) -> tuple[N
     contacts = found.contacts
     progress(0.6)
     alignments = find_alignments(marks)
-    align_soles(marks, alignments, _standing_feet(contacts, len(marks.points)))
+    align_soles(marks, alignments, _standing_feet(contacts, len(marks.points)), capture.frame_rate)
     rotations = marks.align_rotations(alignments)
     progress(0.8)
     origin = np.array([*marks.points[capture.first_frame, 0, :2], capture.floor])
@@ -220,7 +220,7 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> tuple[Contacts, FloorSlo
         # A heel does not stand while its knee does; who lies or kneels may trail its toes.
         feet[heel] = spans_outside_mask(feet[heel], contact_mask(bodies[knee], len(points)), shortest)
         rising = rising_heels(
-            feet[heel], contact_mask(feet[toe], len(points)), points[:, layout.ankle_point(side), 2], float(leg)
+            feet[heel], contact_mask(feet[toe], len(points)), points[:, layout.ankle_point(side)], float(leg)
         )
         feet[heel] = spans_outside_mask(feet[heel], rising, shortest)
         low = tracks[knee][:, 2] < LOW_KNEE * leg
