@@ -1,7 +1,7 @@
 """Rotations as unit quaternions (x, y, z, w) and matrices, over arrays of any leading shape."""
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
 
@@ -70,6 +70,15 @@ def to_euler(order: str, quaternions: FloatArray) -> FloatArray:
     third = np.arctan2(-sign * matrices[..., x, y], matrices[..., x, x])
     first = np.where(locked, np.arctan2(sign * matrices[..., z, y], matrices[..., y, y]), first)
     return np.stack([first, np.arctan2(sine, cosine), np.where(locked, 0.0, third)], axis=-1)
+
+
+def rotations_about_z(angles: ArrayLike) -> FloatArray:
+    """Matrices (..., 3, 3) of rotations about Z by ``angles`` (...) in radians."""
+    about = np.asarray(angles, dtype=np.float64)
+    turns = np.zeros((*about.shape, 3, 3))
+    turns[..., 0, 0] = turns[..., 1, 1] = np.cos(about)
+    turns[..., 1, 0], turns[..., 0, 1], turns[..., 2, 2] = np.sin(about), -np.sin(about), 1.0
+    return turns
 
 
 def to_matrix(quaternions: FloatArray) -> FloatArray:
