@@ -31,6 +31,12 @@ SAME_TIME = 1e-4
 """Seconds; nearer than this two keys are one."""
 
 
+def read_only(values: FloatArray) -> FloatArray:
+    """The array itself, protected from changes."""
+    values.setflags(write=False)
+    return values
+
+
 @dataclass(frozen=True)
 class Key:
     """Key: its time in seconds, its value, and its tangents unless they are automatic."""
@@ -97,9 +103,7 @@ class Keys:
     @cached_property
     def seconds(self) -> FloatArray:
         """(K,) times of the keys."""
-        seconds = np.array(self.times)
-        seconds.setflags(write=False)
-        return seconds
+        return read_only(np.array(self.times))
 
     @property
     def keys(self) -> tuple[Key, ...]:
@@ -184,7 +188,12 @@ class Keys:
 
     def rates(self) -> tuple[FloatArray, FloatArray]:
         """(K, D) rates a second at which each key is reached, and (K, D) at which it is left."""
-        return rates_of(self.seconds, self._steps(), self.tangents, self.before, self.after)
+        return self._rates
+
+    @cached_property
+    def _rates(self) -> tuple[FloatArray, FloatArray]:
+        arriving, leaving = rates_of(self.seconds, self._steps(), self.tangents, self.before, self.after)
+        return read_only(arriving), read_only(leaving)
 
     def _steps(self) -> FloatArray:
         """(K - 1, D) differences from each key to the next."""
@@ -290,12 +299,16 @@ class Line(Keys):
 
     def path(self, time: float) -> FloatArray:
         """(N, size) the whole path from the first key to the last; ``time`` is not used."""
-        return self.at(np.linspace(self.times[0], self.times[-1], 24 * len(self.times) + 1))
+        return self._path
 
-    @property
+    @cached_property
+    def _path(self) -> FloatArray:
+        return read_only(self.at(np.linspace(self.times[0], self.times[-1], 24 * len(self.times) + 1)))
+
+    @cached_property
     def points(self) -> FloatArray:
         """(K, size) values of the keys."""
-        return np.array(self.values, dtype=np.float64).reshape(-1, self.size)
+        return read_only(np.array(self.values, dtype=np.float64).reshape(-1, self.size))
 
     def _steps(self) -> FloatArray:
         return np.diff(self.points, axis=0)
