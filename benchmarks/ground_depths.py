@@ -22,7 +22,7 @@ from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration, point_heights
 from studio.core.solver.adapt import body_point_positions, solve_constraints
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.stand import Standing, stand
+from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, ready_capture
@@ -56,7 +56,7 @@ class Result:
 
 
 @cache
-def standing_on(name: str, body: str) -> Standing:
+def standing_on(name: str, body: str) -> GroundedMotion:
     """Grounded motion of a clip."""
     path = example_captures_folder() / name if name in BUNDLED else REAL / name
     ready = ready_capture(path, GUESS_ALL)
@@ -66,7 +66,7 @@ def standing_on(name: str, body: str) -> Standing:
     )
 
 
-def press(standing: Standing, joint: BodyJoint, row: int) -> PositionConstraint:
+def press(standing: GroundedMotion, joint: BodyJoint, row: int) -> PositionConstraint:
     """Constraint that keeps a joint where it is at a frame."""
     before, rate = solve_constraints(standing, ()), standing.motion.frame_rate
     path, seconds = body_point_positions(joint.point, before), np.arange(before.frame_count) / rate
@@ -74,7 +74,7 @@ def press(standing: Standing, joint: BodyJoint, row: int) -> PositionConstraint:
     return _position(joint, path[row], times)
 
 
-def far(standing: Standing, joint: BodyJoint, row: int, way: FloatArray) -> PositionConstraint:
+def far(standing: GroundedMotion, joint: BodyJoint, row: int, way: FloatArray) -> PositionConstraint:
     """Constraint that pulls a joint far ``way`` (3,) from where it is."""
     before, now = solve_constraints(standing, ()), row / standing.motion.frame_rate
     half = 0.5 * HELD
@@ -87,7 +87,7 @@ def _position(joint: BodyJoint, place: FloatArray, times: ActivationCurve) -> Po
     return PositionConstraint(ADAPTED_MOTION_ID, joint.name, joint.point, joint.chain, 0, times, target=target)
 
 
-def measure(case: str, standing: Standing, constraint: PositionConstraint, row: int) -> Result:
+def measure(case: str, standing: GroundedMotion, constraint: PositionConstraint, row: int) -> Result:
     """Depths of the solved motion beyond those of the unconstrained one."""
     before, solved = solve_constraints(standing, ()), solve_constraints(standing, (constraint,), eased=True)
     heights = [point_heights(each, standing.ground) for each in (before, solved)]

@@ -96,7 +96,7 @@ class PosedPerformer:
     def played(self) -> PlayedPiece | None:
         """Clip of the performer's track that plays at this frame; None for a motion that is not composed of clips."""
         composite = self.motion.composite
-        return composite.playing(self.frame) if composite else None
+        return composite.piece_at(self.frame) if composite else None
 
     @property
     def mirrored(self) -> bool:
@@ -109,7 +109,7 @@ class PosedPerformer:
         frame, composite = self.frame, self.motion.composite
         if composite is None or composite.is_plain:
             return frame / self.motion.frame_rate
-        played = composite.playing(frame)
+        played = composite.piece_at(frame)
         return float(played.motion_frames(np.array([frame]), composite.timing)[0]) / played.piece.motion.frame_rate
 
     @cached_property
@@ -128,7 +128,9 @@ class PosedPerformer:
         if composite is None or all(clip.grip is None for clip in clips):
             return own
         reach = CLOSING * self.motion.frame_rate
-        around = [composite.playing(round(self.frame + part * reach)) for part in np.linspace(-0.5, 0.5, CLOSING_STEPS)]
+        around = [
+            composite.piece_at(round(self.frame + part * reach)) for part in np.linspace(-0.5, 0.5, CLOSING_STEPS)
+        ]
         grips = [clips[min(played.piece.origin[0], len(clips) - 1)].grip for played in around]
         return sum(own if grip is None else grip for grip in grips) / CLOSING_STEPS
 
@@ -149,7 +151,7 @@ class PosedPerformer:
 
     def rotation_in_clip(self, part: BodyPart) -> FloatArray:
         """Rotation (3, 3) of a segment in the space of the playing clip."""
-        rotation: FloatArray = self.motion.rotations[self.row, self.motion.morphology.layout.segment(part)]
+        rotation: FloatArray = self.motion.rotations[self.row, self.motion.morphology.layout.segment_of_part(part)]
         if self.clip_placement == self.placement:
             return rotation
         return np.asarray(self.clip_placement.rotation.T @ self.placement.rotation @ rotation)
@@ -221,9 +223,9 @@ def displayed_stage(document: Document, live: Live) -> tuple[Project, float, dic
     """Project, stage time and pose of every visible performer: at the playhead, or as the stage plays live."""
     moment = live.play.moment
     if moment is not None:
-        return moment.staged, moment.seconds, posed_performers(moment.staged, live.shown, moment.seconds)
+        return moment.project, moment.seconds, posed_performers(moment.project, live.shown_frame, moment.seconds)
     project, time = document.project, document.playhead.time
-    return project, time, posed_performers(project, live.shown, time, live.result)
+    return project, time, posed_performers(project, live.shown_frame, time, live.result)
 
 
 def root_paths(project: Project, result_of: Results) -> dict[str, FloatArray]:

@@ -59,7 +59,7 @@ def row_of_two(*grips, change=60):
     clips = tuple(Clip("motion", 0, 5, place, grip=grip) for place, grip in enumerate(grips))
     performer = replace(project.performers["performer 0"], clips=clips)
     playing = lambda frame: SimpleNamespace(piece=SimpleNamespace(origin=(int(frame >= change),)))  # noqa: E731
-    adapted = SimpleNamespace(first_frame=0, frame_rate=motion.frame_rate, composite=SimpleNamespace(playing=playing))
+    adapted = SimpleNamespace(first_frame=0, frame_rate=motion.frame_rate, composite=SimpleNamespace(piece_at=playing))
     return [PosedPerformer(performer, adapted, frame, Placement()).grip(0.25) for frame in range(2 * change)]
 
 

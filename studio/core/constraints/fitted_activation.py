@@ -48,7 +48,7 @@ class LimbPath:
     end: FloatArray
     target: FloatArray
 
-    def drawn(self, activation: FloatArray, rows: IntArray) -> FloatArray:
+    def end_positions(self, activation: FloatArray, rows: IntArray) -> FloatArray:
         """(R, 3) position of the end in the frames ``rows`` (R,) for ``activation`` (R,)."""
         part = activation[:, None]
         upper = _rotated(self._upper[rows], self._held[0][rows], part)
@@ -106,7 +106,7 @@ def fitted_activation(
     def straight(activation: FloatArray, rows: IntArray) -> FloatArray:
         return np.asarray(values[rows] + activation[:, None] * (here - values[rows]))
 
-    drawn, rows = straight if limb is None else limb.drawn, np.arange(len(seconds))
+    drawn, rows = straight if limb is None else limb.end_positions, np.arange(len(seconds))
     hold_in, ramp_in, weight_in = _fitted_side(now - seconds, rows[::-1], values, drawn, now - begin)
     hold_out, ramp_out, weight_out = _fitted_side(seconds - now, rows, values, drawn, end - now)
     times = now - hold_in - ramp_in, now - hold_in, now + hold_out, now + hold_out + ramp_out

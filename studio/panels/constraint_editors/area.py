@@ -93,11 +93,11 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         """Update the rows that depend on the playhead."""
         turned = self.entity.shape in TURNED
         self._source.refresh()
-        now = self._source.now()
+        now = self._source.current_numbers()
         if now is not None:
             self._centre.show_values(now)
         self._direction.refresh(turned)
-        self._heading.show_value(math.degrees(self._direction.now))
+        self._heading.show_value(math.degrees(self._direction.current_number))
         tilted = self.entity.shape in TILTED
         for field, radians in zip(self._tilts, to_euler("ZYX", np.array(self._tilt_now()))[:0:-1], strict=True):
             field.show_value(math.degrees(radians))
@@ -112,8 +112,8 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
             widget.setVisible(visible)
         self._tilt_keys.refresh(tilted)
 
-    def _set_centre(self, place: tuple[float, ...]) -> None:
-        self._source.set_numbers(place, f"Move {self.entity.name}")
+    def _set_centre(self, position: tuple[float, ...]) -> None:
+        self._source.set_numbers(position, f"Move {self.entity.name}")
 
     def _set(self, verb: str, **values: object) -> None:
         self.change(f"{verb} {self.entity.name}", **values)
