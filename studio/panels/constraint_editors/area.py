@@ -142,14 +142,14 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
     def _tilt_now(self) -> Quaternion:
         """Tilt at the playhead."""
         tilt = self.entity.tilt
-        return tilt.value_at(self._tilt_keys.now) if isinstance(tilt, KeyedTurn) else tilt  # type: ignore[no-any-return]
+        return tilt.value_at(self._tilt_keys.now) if isinstance(tilt, KeyedTurn) else tilt
 
     def _set_tilt(self, axis: int, degrees: float) -> None:
         angles, tilt = to_euler("ZYX", np.array(self._tilt_now())), self.entity.tilt
         angles[2 - axis] = math.radians(degrees)
         x, y, z, w = from_euler("ZYX", angles).tolist()
-        keyed = isinstance(tilt, KeyedTurn)
-        self._set("Rotate", tilt=tilt.with_key(self._tilt_keys.now, (x, y, z, w)) if keyed else (x, y, z, w))
+        now = self._tilt_keys.now
+        self._set("Rotate", tilt=tilt.with_key(now, (x, y, z, w)) if isinstance(tilt, KeyedTurn) else (x, y, z, w))
 
     def _key_tilt(self, keyed: bool) -> None:
         tilt = self._tilt_now()

@@ -85,7 +85,7 @@ class Targets:
 
     def area_rotations(self, area: AreaConstraint) -> FloatArray:
         """Rotations (F or 1, 3, 3) of an area; those of a half-space take x to its normal."""
-        tilts = x_along(area.size) if area.shape is AreaShape.HALF_SPACE else self.turns(area.tilt)
+        tilts = x_along(area.size) if area.shape is AreaShape.HALF_SPACE else self.rotations(area.tilt)
         return self._headed(tilts, area.heading, area.centre)
 
     def rail_rotations(self, rail: RailConstraint) -> FloatArray:
@@ -133,7 +133,7 @@ def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
         changes["direction"] = tuple(tilt[:, 0].tolist())
     elif "centre" in changes and isinstance(constraint, AreaConstraint):
         rotation = targets.area_rotations(constraint)[0]
-        headed = rotation @ targets.turns(constraint.tilt)[0].T
+        headed = rotation @ targets.rotations(constraint.tilt)[0].T
         heading = math.atan2(headed[1, 0] - headed[0, 1], headed[0, 0] + headed[1, 1])
         tilt = rotations_about_z(-heading) @ rotation
         changes["heading"], changes["tilt"] = heading, tuple(from_matrix(tilt).tolist())
