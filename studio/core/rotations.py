@@ -7,6 +7,8 @@ FloatArray = NDArray[np.float64]
 
 IDENTITY_QUATERNION: FloatArray = np.array([0.0, 0.0, 0.0, 1.0])
 IDENTITY_QUATERNION.setflags(write=False)
+UNIT_WITHIN = 4.0 * float(np.finfo(np.float64).eps)
+"""Difference from 1 of the length of a vector that has been normalised, by rounding alone."""
 _SIX_DIGITS = 1e-6
 _BLOCK = 1 << 14
 """Rotations turned at a time: what stays in the processor's cache."""
@@ -151,6 +153,14 @@ def normalized(vectors: FloatArray) -> FloatArray:
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     unit: FloatArray = np.asarray(vectors) / np.where(length > 0.0, length, 1.0)
     return unit
+
+
+def unit_vectors(vectors: FloatArray) -> FloatArray:
+    """Vectors (..., N) of length 1; one that has been normalised is unchanged, so that what is read back from a file
+    equals what was written.
+    """
+    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.where(np.abs(lengths - 1.0) <= UNIT_WITHIN, vectors, vectors / lengths)
 
 
 def sign_continuous(quaternions: FloatArray) -> FloatArray:

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from studio.core.curves.activation import EaseShape, ease, weighted_progress
 from studio.core.curves.tangents import SPARSE, Beyond, Tangents, rates_of
 from studio.core.plausible import PLACE_RANGE, TIME_RANGE
-from studio.core.rotations import from_matrix
+from studio.core.rotations import from_matrix, unit_vectors
 
 FloatArray = NDArray[np.float64]
 Vector = tuple[float, float, float]
@@ -403,10 +403,10 @@ def _vector_rates(vectors: FloatArray, rates: FloatArray) -> FloatArray:
 
 
 def unit_quaternion(value: ArrayLike) -> Quaternion:
-    """Normalised quaternion of four numbers. Raises ValueError if their norm is zero."""
+    """Normalised quaternion of four numbers, see ``unit_vectors``. Raises ValueError if their norm is zero."""
     numbers = np.array(value, dtype=np.float64)
     length = np.linalg.norm(numbers) if numbers.shape == (4,) and np.isfinite(numbers).all() else 0.0
     if length < 1e-9:
         raise ValueError("a rotation is four finite numbers (x, y, z, w), not all zero.")
-    x, y, z, w = (numbers / length).tolist()
+    x, y, z, w = unit_vectors(numbers).tolist()
     return x, y, z, w
