@@ -62,6 +62,8 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
             self.bind(NumberField(f"Tilt {axis}", "°", -180.0, 180.0, 1.0, 1), partial(self._set_tilt, place))
             for place, axis in enumerate("XY")
         ]
+        for field in self._tilts:
+            field.setToolTip("Rotation about X, then about Y, in degrees; the heading comes last.")
         self._tilt_keyed = check_box("keyed")
         self._tilt_keyed.setAccessibleName("Tilt is animated")
         self._tilt_keyed.clicked.connect(self._key_tilt)
