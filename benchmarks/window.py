@@ -1,4 +1,6 @@
-"""The real window under a hand: ``python -m benchmarks.window [--seconds N] [--film FOLDER] [--slow FACTOR]``.
+"""The real window under a hand.
+
+``python -m benchmarks.window [--seconds N] [--bodies N] [--film FOLDER] [--slow FACTOR]``
 
 A target, a slider, a curve's handle, the ground's height, a key, a tangent and a ring are dragged for some seconds each
 by a mouse at 60 Hz, then eight bodies play and rest. Told are how old the pose of every picture is, how many pictures

@@ -407,10 +407,11 @@ def slow_down(factor: float) -> None:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Measure, print, write; a slowed run writes nothing."""
+    """Measure, print, write; a run that is slowed or has other bodies writes nothing."""
     parser = argparse.ArgumentParser(prog="benchmarks.window")
     parser.add_argument("--seconds", type=float, default=5.0)
     parser.add_argument("--only", choices=[*DRAGS, "playback", "fight"])
+    parser.add_argument("--bodies", type=int, default=BODIES, help="bodies of the drags")
     parser.add_argument("--film", type=Path)
     parser.add_argument("--slow", type=float, default=1.0, help="times as much processor time as a solve takes")
     options = parser.parse_args(arguments)
@@ -418,7 +419,7 @@ def main(arguments: Sequence[str]) -> int:
     parts, clip, told = Parts(), long_clip(), []
     with tempfile.TemporaryDirectory() as folder:
         if options.only in (None, *DRAGS):
-            window = open_clip(clip, BODIES, Path(folder))
+            window = open_clip(clip, options.bodies, Path(folder))
             chosen = [options.only] if options.only else list(DRAGS)
             watch = Watch(window, options.film)
             told.append(tables([drag(window, watch, parts, name, options.seconds) for name in chosen]))
@@ -437,7 +438,7 @@ def main(arguments: Sequence[str]) -> int:
     )
     text = "\n".join([words, *told])
     print(text)
-    if options.only is None and options.slow == 1.0:
+    if options.only is None and (options.slow, options.bodies) == (1.0, BODIES):
         document = ROOT / "docs" / "window.md"
         _, tasks, counted = document.read_text(encoding="utf-8").partition(TASKS)
         document.write_text(f"{text}\n{tasks}{counted}", encoding="utf-8")

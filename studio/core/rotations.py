@@ -1,12 +1,14 @@
 """Rotations as unit quaternions (x, y, z, w) and matrices, over arrays of any leading shape."""
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
 
 IDENTITY_QUATERNION: FloatArray = np.array([0.0, 0.0, 0.0, 1.0])
 IDENTITY_QUATERNION.setflags(write=False)
+UNIT_WITHIN = 4.0 * float(np.finfo(np.float64).eps)
+"""Difference from 1 of the length of a vector that has been normalised, by rounding alone."""
 _SIX_DIGITS = 1e-6
 _BLOCK = 1 << 14
 """Rotations turned at a time: what stays in the processor's cache."""
@@ -70,6 +72,15 @@ def to_euler(order: str, quaternions: FloatArray) -> FloatArray:
     third = np.arctan2(-sign * matrices[..., x, y], matrices[..., x, x])
     first = np.where(locked, np.arctan2(sign * matrices[..., z, y], matrices[..., y, y]), first)
     return np.stack([first, np.arctan2(sine, cosine), np.where(locked, 0.0, third)], axis=-1)
+
+
+def rotations_about_z(angles: ArrayLike) -> FloatArray:
+    """Matrices (..., 3, 3) of rotations about Z by ``angles`` (...) in radians."""
+    about = np.asarray(angles, dtype=np.float64)
+    turns = np.zeros((*about.shape, 3, 3))
+    turns[..., 0, 0] = turns[..., 1, 1] = np.cos(about)
+    turns[..., 1, 0], turns[..., 0, 1], turns[..., 2, 2] = np.sin(about), -np.sin(about), 1.0
+    return turns
 
 
 def to_matrix(quaternions: FloatArray) -> FloatArray:
@@ -142,6 +153,14 @@ def normalized(vectors: FloatArray) -> FloatArray:
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     unit: FloatArray = np.asarray(vectors) / np.where(length > 0.0, length, 1.0)
     return unit
+
+
+def unit_vectors(vectors: FloatArray) -> FloatArray:
+    """Vectors (..., N) of length 1; one that has been normalised is unchanged, so that what is read back from a file
+    equals what was written.
+    """
+    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.where(np.abs(lengths - 1.0) <= UNIT_WITHIN, vectors, vectors / lengths)
 
 
 def sign_continuous(quaternions: FloatArray) -> FloatArray:

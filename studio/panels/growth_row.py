@@ -26,11 +26,6 @@ class GrowthRow(KeyRow):
         section.add_row("Proportions", self._over_time)
         super().__init__(editor, section, "proportions")
 
-    @property
-    def current_proportions(self) -> float:
-        """Stage time in seconds of the frame at the playhead."""
-        return self._seconds()
-
     def refresh(self, known: bool = True) -> None:
         """Show if the proportions are keyed, and the key at the playhead."""
         self._over_time.setChecked(self._keyed() is not None)
@@ -45,6 +40,7 @@ class GrowthRow(KeyRow):
         return proportions if isinstance(proportions, KeyedProportions) else None
 
     def _seconds(self) -> float:
+        """Stage time in seconds of the frame at the playhead."""
         playhead = self._editor.document.playhead
         return playhead.frame / playhead.frame_rate
 

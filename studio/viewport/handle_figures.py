@@ -161,8 +161,7 @@ def area_figure(constraint: AreaConstraint, pose: PosedPerformer, floor: float) 
         lines, faces = mesh_lines(constraint.mesh)
     else:
         lines, faces = _SHAPES[constraint.shape](np.array(constraint.size))
-    turn = Placement(heading=float(np.array(constraint.heading))).rotation
-    centre = np.array(constraint.centre)
+    turn, centre = _rotation(constraint), np.array(constraint.centre)
     link = np.stack([_point(pose, constraint.point), _allowed(constraint, _point(pose, constraint.point))])
     return HandleShape(
         tuple(line @ turn.T + centre for line in lines),
@@ -228,6 +227,12 @@ def _allowed(constraint: AreaConstraint, position: FloatArray) -> FloatArray:
     )  # not before a result is there: it loads kernels
 
     return nearest_allowed_position(constraint, position)
+
+
+def _rotation(constraint: AreaConstraint) -> FloatArray:
+    from studio.core.solver.asking.area_rows import fixed_rotation  # as above
+
+    return fixed_rotation(constraint)
 
 
 def _mass(pose: PosedPerformer) -> FloatArray:

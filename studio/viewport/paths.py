@@ -2,16 +2,18 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.captures.contacts import ContactPoint, touching_points
 from studio.core.constraints.base import BodyPoint
+from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.project import Project
 from studio.document import colours
-from studio.document.keyed_fields import fields_of, to_stage
-from studio.engine.performance import FloatArray, PosedPerformer, pose_of
+from studio.document.keyed_fields import all_to_stage, fields_of
+from studio.engine.performance import FloatArray, PosedPerformer, row_at
 from studio.viewport.body_points import point_path
 
 TRAIL_SECONDS, TRAIL_RATE = 0.8, 120.0
@@ -76,10 +78,10 @@ def trail_keys(
     found = []
     for pose in posed.values():
         motion = pose.over_time
-        times = [
-            to_stage(project, pose.clip, field, seconds) for field, keyed in fields.items() for seconds in keyed.times
-        ]
-        frames = np.unique([pose_of(project, pose.performer, motion, time).frame for time in times])
+        timing = timing_of(project, pose.performer) if pose.performer.clips else None
+        times = [all_to_stage(project, pose.clip, field, keyed.times).tolist() for field, keyed in fields.items()]
+        rows = [row_at(motion, timing, time) for time in chain.from_iterable(times)]
+        frames = np.unique(rows) + motion.first_frame
         near = frames[np.abs(frames - pose.frame) <= round(TRAIL_SECONDS * motion.frame_rate)].astype(np.intp)
         if len(near):
             path = point_path(motion, point, near - motion.first_frame)

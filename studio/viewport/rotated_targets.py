@@ -13,11 +13,11 @@ from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.rail import RailConstraint
 from studio.core.constraints.upright import UprightConstraint
-from studio.core.curves.keyed import KeyedTurn
-from studio.core.rotations import frame_along, from_matrix, to_matrix
+from studio.core.curves.keyed import KeyedNumber, KeyedTurn
+from studio.core.rotations import frame_along, from_matrix, rotations_about_z, to_matrix
 from studio.document.document import Document
 from studio.engine.moments import TargetContext
-from studio.engine.prop_places import further_heading, is_about_z
+from studio.engine.prop_places import further_heading, is_about_z, wrapped_angle
 from studio.viewport.body_points import point_path
 from studio.viewport.camera import FloatArray
 from studio.viewport.movables import LEAST_SIDE, MovableTarget
@@ -29,7 +29,6 @@ SIZED = {
     AreaShape.CYLINDER: (True, False, True),
 }
 """The sides of an area that its shape uses."""
-HEADED = (AreaShape.BOX, AreaShape.TABLE, AreaShape.MESH)
 
 
 class RotatedTarget(MovableTarget):
@@ -165,13 +164,12 @@ class RotatedLookAt(RotatedTarget):
 
 
 class RotatedArea(RotatedAboutCentre):
-    """Area: one with a heading rotates about Z, a half-space tilts in every direction, and most have a size."""
+    """Area: all but a sphere rotate, and most have a size."""
 
     def __init__(self, document: Document, constraint_id: str, moment: TargetContext, floor: float) -> None:
         super().__init__(document, constraint_id, moment, floor)
         area = self._area
-        self.rotates = area.shape in HEADED or area.shape is AreaShape.HALF_SPACE
-        self.heading_only = area.shape in HEADED
+        self.rotates = area.shape is not AreaShape.SPHERE
         self.scales = SIZED.get(area.shape, (False, False, False))
 
     @property
@@ -181,31 +179,61 @@ class RotatedArea(RotatedAboutCentre):
 
     @property
     def own_axes(self) -> FloatArray:
-        """(3, 3) axes of its heading; the last is the normal of a half-space."""
+        """(3, 3) its own axes; the last is the normal of a half-space."""
         now = self._moment.with_targets_fixed(self._constraint)
         assert isinstance(now, AreaConstraint)
         if now.shape is AreaShape.HALF_SPACE:
             return self._axes_along(now.size)
-        heading = now.heading if isinstance(now.heading, float | int) else 0.0
-        return self.placement.compose(type(self.placement)(heading=heading)).rotation
+        return np.asarray(self.placement.rotation @ _area_rotation(now))
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
-        """Rotate it about Z through its centre, or tilt the plane of a half-space."""
+        """Rotate it about its centre: about Z by its heading, so that a keyed one may exceed a full turn, else by
+        its tilt.
+        """
         area = self._area
         text = f"Rotate {area.name}"
         if area.shape is AreaShape.HALF_SPACE:
             tilt = tilt_of(self._moment, area, "size")
             x, y, z = (tilt.T @ self._here(rotation) @ tilt @ np.array(area.size)).tolist()
             self._put(replace(area, size=(x, y, z)), text, gesture)
-        elif is_about_z(rotation):
+            return
+        fixed, seconds = self._fixed, self._moment.pose.seconds
+        assert isinstance(fixed, AreaConstraint)
+        now = _area_rotation(fixed)
+        headed = now @ _tilt_at(area, seconds).T
+        if is_about_z(rotation) and is_about_z(headed):
             angle = math.atan2(rotation[1, 0], rotation[0, 0])
-            heading = further_heading(area.heading, angle, self._moment.pose.seconds)
-            self._put(replace(area, heading=heading), text, gesture)
+            self._put(replace(area, heading=further_heading(area.heading, angle, seconds)), text, gesture)
+            return
+        tilt = headed.T @ self._here(rotation) @ now
+        x, y, z, w = from_matrix(tilt).tolist()
+        if isinstance(area.tilt, KeyedTurn):
+            self._put(replace(area, tilt=area.tilt.with_key(seconds, (x, y, z, w))), text, gesture)
+        elif isinstance(area.heading, KeyedNumber):
+            self._put(replace(area, tilt=KeyedTurn((seconds,), ((x, y, z, w),))), text, gesture)
+        else:  # what it turns about Z goes into the heading
+            about_z = math.atan2(tilt[1, 0], tilt[0, 0])
+            x, y, z, w = from_matrix(rotations_about_z(-about_z) @ tilt).tolist()
+            heading = wrapped_angle(area.heading + about_z)
+            self._put(replace(area, heading=heading, tilt=(x, y, z, w)), text, gesture)
 
     def scale(self, factors: FloatArray, gesture: int) -> None:
         """Resize it about its centre."""
         x, y, z = np.maximum(np.array(self._area.size) * factors, LEAST_SIDE).tolist()
         self._put(replace(self._area, size=(x, y, z)), f"Resize {self._area.name}", gesture)
+
+
+def _area_rotation(fixed: AreaConstraint) -> FloatArray:
+    from studio.core.solver.asking.area_rows import fixed_rotation  # not before a result is there: it loads kernels
+
+    return fixed_rotation(fixed)
+
+
+def _tilt_at(area: AreaConstraint, seconds: float) -> FloatArray:
+    """(3, 3) tilt of an area at ``seconds`` of its motion."""
+    if isinstance(area.tilt, KeyedTurn):
+        return np.asarray(area.tilt.at([seconds])[0])
+    return to_matrix(np.array(area.tilt))
 
 
 def tilt_of(moment: TargetContext, constraint: Constraint, name: str) -> FloatArray:

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studio.core.curves.activation import EaseShape, ease
-from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, unit_quaternion
 from studio.core.rotations import angle_between, from_matrix, to_matrix
 from tests.core.motions import from_vectors
 
@@ -126,3 +126,11 @@ def test_a_key_is_put_replaced_and_taken_away() -> None:
 def test_keys_that_make_no_sense_are_refused(times: tuple, values: tuple, sentence: str) -> None:
     with pytest.raises(ValueError, match=sentence):
         KeyedPlace(times, values)
+
+
+def test_a_rotation_that_is_read_back_is_the_same_to_the_bit() -> None:
+    random = np.random.default_rng(0)
+    for numbers in random.normal(size=(5000, 4)):
+        once = unit_quaternion(numbers)
+        assert np.linalg.norm(once) == pytest.approx(1.0, abs=1e-15)
+        assert unit_quaternion(once) == once

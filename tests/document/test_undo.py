@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactInterval, ContactPoint
+from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.base import BodyPoint, Constraint
-from studio.core.constraints.follow import FollowPerformer, FollowProp, FollowTracked
-from studio.core.curves.keyed import KeyedNumber, KeyedPlace
+from studio.core.constraints.follow import UNTURNED, FollowPerformer, FollowProp, FollowTracked
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, unit_quaternion
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
@@ -39,7 +40,7 @@ PROJECT = make_project(characters=3, constraints=2, contacts=3)
 
 EDITS = (
     "add", "add contact", "add prop", "drag", "drag", "trim", "remove", "ground", "group", "behave", "camera", "sound",
-    "footage", "correct", "correct", "retime", "retime",
+    "footage", "correct", "correct", "retime", "retime", "tilt",
 )  # fmt: skip
 """Kinds of random edits, the frequent ones twice."""
 REMOVED = {
@@ -65,10 +66,17 @@ def behaviour_of(document: Document, chance: Random) -> Behaviour:
     return Behaviour("Fighter", (rest, State("Go")), (Transition("Rest", "Go", (near,)),), cast=role)
 
 
+def make_area(priority: int) -> AreaConstraint:
+    """Table that the point of ``make_constraint`` keeps out of."""
+    base = make_constraint()
+    return AreaConstraint(base.motion_id, f"Table {priority}", base.point, base.chain, priority, base.activation)
+
+
 def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
     """One of the edits an animator makes; some belong to the current gesture."""
     project = document.project
-    constraints, contacts = list(project.constraints), list(project.contacts)
+    areas = [key for key, each in project.constraints.items() if isinstance(each, AreaConstraint)]
+    constraints, contacts = [key for key in project.constraints if key not in areas], list(project.contacts)
     match chance.choice(EDITS):
         case "add" if project.motions:
             props = [FollowProp(key) for key in project.props]
@@ -84,6 +92,12 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
             target = (chance.choice([0.0, 0.1, 0.2]), 0.0, 1.0)
             moved = replace(project.constraints[key], target=target)
             document.replace("constraints", key, moved, "Move target", gesture)
+        case "tilt" if project.motions:
+            key = chance.choice([document.add("constraints", make_area(chance.randrange(10**9)), "Add area"), *areas])
+            turn = unit_quaternion([chance.uniform(-1.0, 1.0) for _ in range(3)] + [1.0])
+            tilt = chance.choice([turn, KeyedTurn((0.1, 0.2), (turn, UNTURNED))])
+            tilted = replace(document.project.constraints[key], tilt=tilt, heading=chance.uniform(-3.0, 3.0))
+            document.replace("constraints", key, tilted, "Rotate area", gesture)
         case "trim" if contacts:
             key = chance.choice(contacts)
             trimmed = replace(project.contacts[key], last=12 + chance.randrange(5))

@@ -17,6 +17,7 @@ from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.quality.metrics import centre_of_mass
+from studio.core.rotations import from_euler
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
 from studio.engine.moments import TargetContext
@@ -244,6 +245,18 @@ def test_balance_recruits_free_arms_and_the_free_leg_until_they_are_locked_on_th
     assert "Weight of Free arms" not in [each.accessibleName() for each in visible_numbers(inspector)]
 
 
+def test_the_tilt_of_an_area_is_keyed_by_its_checkbox_and_a_number_sets_the_key(studio):
+    _, document, inspector = studio
+    add(studio, "area")
+    enter(inspector, "Tilt X", "20")
+    press(inspector, "Tilt is animated")
+    enter(inspector, "Tilt X", "30")
+    assert len(current(document).tilt.times) == 1
+    assert current(document).tilt.values[0] == pytest.approx(from_euler("X", np.radians([30.0])), abs=1e-6)
+    press(inspector, "Tilt is animated")
+    assert current(document).tilt == pytest.approx(tuple(from_euler("X", np.radians([30.0]))), abs=1e-6)
+
+
 def test_a_table_reaches_up_to_the_wrist_and_its_shape_changes_with_its_numbers(studio):
     viewport, document, inspector = studio
     table = add(studio, "area")
@@ -252,8 +265,11 @@ def test_a_table_reaches_up_to_the_wrist_and_its_shape_changes_with_its_numbers(
     assert table.centre[2] == pytest.approx(table.size[2] / 2)
     enter(inspector, "Heading", "30")
     assert np.degrees(current(document).heading) == pytest.approx(30.0)
+    enter(inspector, "Tilt X", "20")
+    enter(inspector, "Tilt Y", "-15")
+    assert np.array(current(document).tilt) == pytest.approx(from_euler("YX", np.radians([-15.0, 20.0])), abs=1e-6)
     choose(inspector, "Shape", "Sphere")
-    assert not any(each.accessibleName() == "Heading" for each in visible_numbers(inspector))
+    assert not {"Heading", "Tilt X"} & {each.accessibleName() for each in visible_numbers(inspector)}
     press(inspector, "Region: Inside")
     enter(inspector, "Size X", "0.4")
     assert (current(document).shape, current(document).inside, current(document).size[0]) == ("sphere", True, 0.4)

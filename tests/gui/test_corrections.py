@@ -158,14 +158,14 @@ def test_the_bar_on_the_timeline_moves_with_its_keys_and_its_ends_are_dragged(po
     QTest.qWait(50)
     canvas, row, key = bar(posing)
     before = the_correction(posing)
-    points = handle_points(canvas.sheet.shown, row, before.activation)
+    points = handle_points(canvas.sheet.context, row, before.activation)
     middle = QPoint(round((points[ItemPart.START].x() + points[ItemPart.FULL].x()) / 2), row.bottom() - 8)
     drag(canvas, middle, middle + QPoint(40, 0))
     after = the_correction(posing)
     later = after.activation.start - before.activation.start
     assert later > 0.0
     assert after.keys.times[0] - before.keys.times[0] == pytest.approx(later)
-    end = handle_points(canvas.sheet.shown, row, after.activation)[ItemPart.END].toPoint()
+    end = handle_points(canvas.sheet.context, row, after.activation)[ItemPart.END].toPoint()
     drag(canvas, end, end + QPoint(30, 0))
     assert the_correction(posing).activation.end > after.activation.end
     assert the_correction(posing).activation.start == after.activation.start

@@ -11,7 +11,8 @@ from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactInterval, Touch
 from studio.core.constraints.base import BodyPoint
 from studio.core.mesh.hand_shapes import OPEN_GRIP
-from studio.core.solver.performers.prop_tracks import carried_track, rotations_about_z
+from studio.core.rotations import rotations_about_z
+from studio.core.solver.performers.prop_tracks import carried_track
 from studio.core.stage.mirrored_props import constraint_as_played
 from studio.core.stage.prop import Carried, InHand, Prop
 from studio.document.clip_edits import mirror_clip

@@ -6,15 +6,17 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
+from scipy.spatial.transform import Rotation
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.follow import UNTURNED
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.upright import UprightConstraint
 from studio.core.curves.keyed import KeyedTurn
-from studio.core.rotations import from_euler, to_matrix
+from studio.core.rotations import from_euler, to_euler, to_matrix
 from studio.core.stage.prop import Prop
 from studio.document.obstacles import set_obstacle
 from studio.viewport.gizmo import Space
@@ -203,6 +205,37 @@ def test_a_table_is_turned_about_the_vertical_and_made_broader_by_its_handles(st
     viewport.cancel_gesture()
     assert document.project.constraints[key].size == size
     assert document.undo_stack.count() == 2
+
+
+@pytest.mark.parametrize("shape", [AreaShape.TABLE, AreaShape.BOX, AreaShape.CYLINDER])
+def test_an_area_is_tilted_by_the_rings_of_x_and_y_and_undone_exactly(studio, shape):
+    viewport, document, key = shown(studio, area(shape, heading=0.4), heading=0.5)
+    viewport.set_tool("rotate")
+    before, now = document.project, Rotation.from_rotvec([0.0, 0.0, 0.9])
+    assert viewport.movable().own_axes == pytest.approx(now.as_matrix())
+    for ring, axis in (("x", (1.0, 0.0, 0.0)), ("y", (0.0, 1.0, 0.0)), ("z", (0.0, 0.0, 1.0))):
+        begin, end = on_front(viewport, ring, 35)
+        drag(viewport, begin, end, modifiers=CTRL)
+        settle(viewport)
+        turned = Rotation.from_matrix(viewport.movable().own_axes)
+        by = (turned * now.inv()).as_rotvec()
+        assert by == pytest.approx(np.sign(by @ axis) * np.radians(30.0) * np.array(axis), abs=1e-6)
+        now = turned
+    tilted = document.project.constraints[key]
+    assert to_euler("ZYX", np.array(tilted.tilt))[0] == pytest.approx(0.0, abs=1e-9)  # all about Z is its heading
+    while document.undo_stack.canUndo():
+        document.undo_stack.undo()
+    assert document.project.constraints == before.constraints
+
+
+def test_a_keyed_tilt_gets_a_key_at_the_playhead(studio):
+    viewport, document, key = shown(studio, area(AreaShape.BOX, tilt=KeyedTurn((0.0,), (UNTURNED,))))
+    viewport.set_tool("rotate")
+    for pressed in (Qt.Key.Key_X, Qt.Key.Key_Plus):
+        QTest.keyClick(viewport, pressed)
+    keys = document.project.constraints[key].tilt
+    assert keys.values[-1] == pytest.approx(from_euler("X", np.radians([15.0])))
+    assert len(keys.times) == (1 if document.playhead.time == 0.0 else 2)
 
 
 def test_a_plane_tilts_every_way_and_has_no_size(studio):

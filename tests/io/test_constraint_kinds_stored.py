@@ -50,6 +50,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     BalanceConstraint("motion", "Balance", BodyPoint(BodyPart.PELVIS), *COMMON),
     BalanceConstraint("motion", "Lean", BodyPoint(BodyPart.PELVIS), *COMMON, place=(0.1, -0.1)),
     AreaConstraint("motion", "Table", WRIST, *COMMON, centre=(0.4, 0.0, 0.7), size=(1.0, 1.5, 0.1), heading=0.3),
+    AreaConstraint("motion", "Ramp", WRIST, *COMMON, shape="box", heading=0.3, tilt=(0.6, 0.0, 0.0, 0.8)),
     AreaConstraint("motion", "Cage", WRIST, *COMMON, shape="sphere", inside=True),
     AreaConstraint("motion", "Rock", WRIST, *COMMON, shape="mesh", mesh=ROCK, on_surface=True),
     ClearConstraint("motion", "Clear", WRIST, *COMMON, arms="left", margin=0.02),
@@ -95,6 +96,9 @@ TARGETS: tuple[Constraint, ...] = (
     BalanceConstraint("motion", "Path", HAND, *COMMON, place=KEYED, vertical=True),
     BalanceConstraint("motion", "Support", HAND, *COMMON, place=Support(0.01)),
     AreaConstraint("motion", "Tray", WRIST, *COMMON, centre=FollowProp("box"), heading=KeyedNumber((0.0,), (0.5,))),
+    AreaConstraint(
+        "motion", "Seesaw", WRIST, *COMMON, tilt=KeyedTurn((0.0, 1.0), ((0.0, 0.0, 0.0, 1.0), (0.6, 0.0, 0.0, 0.8)))
+    ),
     RailConstraint("motion", "Pole", WRIST, *COMMON, centre=FollowProp("box"), direction=(0.0, 0.6, 0.8)),
     PositionConstraint("motion", "Own keys", WRIST, *COMMON, target=OwnPlace(WRIST, 0.4, own=APART).keyed(0.5)),
     PositionConstraint(

@@ -1,14 +1,14 @@
 """Bodies whose proportions change over time."""
 
 from dataclasses import astuple, dataclass, fields
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.morphology import AnimatedMorphology, Morphology, Proportions
-from studio.core.curves.keyed import Line
+from studio.core.curves.keyed import Line, read_only
 from studio.core.project_cache import project_cache
 
 FloatArray = NDArray[np.float64]
@@ -33,10 +33,10 @@ class KeyedProportions(Line):
         """Proportions at ``time``, in seconds of the stage."""
         return Proportions(*self.at([time])[0].tolist())
 
-    @property
+    @cached_property
     def points(self) -> FloatArray:
         """(K, 11) factors of each key."""
-        return np.array([astuple(value) for value in self.values])
+        return read_only(np.array([astuple(value) for value in self.values]))
 
     def _checked(self, value: Any) -> Proportions:
         return value if isinstance(value, Proportions) else Proportions(*super()._checked(value))

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyLayout
 from studio.core.kernels import layout as at
 from studio.core.plausible import BONE_RANGE
+from studio.core.rotations import unit_vectors
 
 FloatArray = NDArray[np.float64]
 
@@ -89,10 +90,9 @@ class Morphology:
             if name in _LENGTHS and (array <= 0).any():
                 raise ValueError(f"{name}: a bone needs a length above zero.")
             if name in _DIRECTIONS:
-                lengths = np.linalg.norm(array, axis=-1, keepdims=True)
-                if (lengths < 1e-9).any():
+                if (np.linalg.norm(array, axis=-1) < 1e-9).any():
                     raise ValueError(f"{name}: a direction needs a length above zero.")
-                object.__setattr__(self, name, array / lengths)
+                object.__setattr__(self, name, unit_vectors(array))
             if isinstance(getattr(self, name), np.ndarray):
                 getattr(self, name).setflags(write=False)
 

@@ -6,16 +6,17 @@ from enum import StrEnum
 from typing import ClassVar
 
 from studio.core.constraints.base import Constraint, KindInfo, Vector, finite_vector
+from studio.core.constraints.follow import UNTURNED
 from studio.core.constraints.target import Place, checked_place
-from studio.core.curves.keyed import KeyedNumber
+from studio.core.curves.keyed import KeyedNumber, KeyedTurn, Quaternion, unit_quaternion
 from studio.core.curves.tangents import SPARSE
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.plausible import TURN_RANGE
 
 
 class AreaShape(StrEnum):
-    """Shape of an area. A half-space lies below its tilted top plane. A table is a box with upward, and at its edges
-    sideways, exits.
+    """Shape of an area. A half-space lies below its tilted top plane. A table is a box with exits along its own z, and
+    at its edges sideways.
     """
 
     HALF_SPACE = "half_space"
@@ -31,12 +32,12 @@ class AreaConstraint(Constraint):
     """``point`` stays outside the shape, or inside it, or ``on_surface`` from either side.
 
     ``centre`` in metres, motion space; ``size`` in metres: the edges of a box or table (x, y, z), the diameter of a
-    sphere (x), diameter and height of an upright cylinder (x, z); ``heading`` turns all but what is round about Z. A
-    half-space is bounded by the plane through ``centre`` whose normal is ``size`` as a direction; outside is the side
-    to which the normal points. A ``mesh`` has its own size and its origin at ``centre``; outside is where its triangles
-    are seen counter-clockwise. An area moves when centre or heading is keyed, and with what its centre follows: its
-    turn about Z is added to the heading, and a half-space tilts with a prop. Raises ValueError for an area of no size,
-    or a mesh shape without a mesh.
+    sphere (x), diameter and height of a cylinder (x, z). All but a sphere and a half-space are rotated by ``tilt`` and
+    then by ``heading`` about Z. A half-space is bounded by the plane through ``centre`` whose normal is ``size`` as a
+    direction; outside is the side to which the normal points. A ``mesh`` has its own size and its origin at ``centre``;
+    outside is where its triangles are seen counter-clockwise. An area moves when centre, heading or tilt is keyed, and
+    with what its centre follows: it rotates with a prop, and about Z with a bone. Raises ValueError for an area of no
+    size, or a mesh shape without a mesh.
     """
 
     kind: ClassVar[str] = "area"
@@ -55,6 +56,7 @@ class AreaConstraint(Constraint):
     """True if it keeps arms, legs and trunk out; the point and the chain are not used then."""
     margin: float = field(default=0.0, metadata=SPARSE)
     """Distance in metres that a point outside keeps, rounded at edges; a whole body keeps its thickness besides."""
+    tilt: Quaternion | KeyedTurn = field(default=UNTURNED, metadata=SPARSE)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -64,6 +66,8 @@ class AreaConstraint(Constraint):
         if not (isinstance(self.heading, KeyedNumber) or math.isfinite(self.heading)):
             raise ValueError(f"'{self.name}': a heading is a finite number of radians, got {self.heading}.")
         TURN_RANGE.check(self.heading.values if isinstance(self.heading, KeyedNumber) else self.heading)
+        if not isinstance(self.tilt, KeyedTurn):
+            object.__setattr__(self, "tilt", unit_quaternion(self.tilt))
         if self.shape is AreaShape.MESH and self.mesh is None:
             raise ValueError(f"'{self.name}': an area with the shape of a mesh needs one. Load it from a file.")
         if (self.whole or self.margin) and (self.inside or self.on_surface):

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.area import AreaConstraint, AreaShape
-from studio.core.constraints.base import BodyPoint, Chain, Constraint
+from studio.core.constraints.base import BodyPoint, Chain, Constraint, Vector
 from studio.core.constraints.clear import Arms
 from studio.core.constraints.follow import FOLLOWS, FollowBody, FollowPerformer, FollowProp
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
@@ -30,6 +30,8 @@ COMING = 0.2
 """Seconds in which a constraint that is active at a clip's end fades in or out."""
 NEVER = ActivationCurve(-10.0, -10.0, -10.0, -10.0)
 """Activation of a constraint that is never active: it lies before all motions."""
+ACROSS_Y: Vector = (1.0, -1.0, 1.0)
+"""Signs of the axes in the mirror image of a motion."""
 _HINGED = ("upper_arm", "forearm", "hand", "thigh", "shank")
 """Segments whose x axis is a hinge, which a mirror reverses."""
 _SWAPPED = {Arms.LEFT: Arms.RIGHT, Arms.RIGHT: Arms.LEFT, Arms.BOTH: Arms.BOTH}
@@ -176,6 +178,9 @@ def _value(name: str, value: Any, constraint: Constraint, carry: ClipTransform) 
                 offsets, times=_keys(value, carry), values=_tuples(carry.directions(value.values)), origin=origin
             )
         case KeyedTurn():
+            if name == "tilt":
+                mirrored = reflected_tilt(value, ACROSS_Y) if _is_heading_mirrored(constraint, carry) else value
+                return replace(carry.retimed_keys(mirrored, np.asarray), times=_keys(value, carry))
             quaternions = carry.rotations(value.values, constraint.point.part)
             turned = carry.retimed_keys(value, lambda rate: carry.own_rates(rate, constraint.point.part))
             return replace(turned, times=_keys(value, carry), values=_tuples(quaternions))
@@ -226,6 +231,8 @@ def _own_place(place: OwnPlace, carry: ClipTransform) -> OwnPlace:
 def _plain(name: str, value: Any, constraint: Constraint, carry: ClipTransform) -> Any:
     if name == "heading":
         return _heading(value, constraint, carry)
+    if name == "tilt":
+        return reflected_tilt(value, ACROSS_Y) if _is_heading_mirrored(constraint, carry) else value
     if name == "size" and isinstance(constraint, AreaConstraint) and constraint.shape is AreaShape.HALF_SPACE:
         x, y, z = value
         return (x, -y, z) if carry.mirrored else value
@@ -241,6 +248,15 @@ def _heading(heading: float, constraint: Constraint, carry: ClipTransform) -> fl
     follows = isinstance(getattr(constraint, "centre", None), FOLLOWS)
     seen = -heading if _is_heading_mirrored(constraint, carry) else heading
     return seen if follows else seen + carry.turn
+
+
+def reflected_tilt(tilt: Quaternion | KeyedTurn, signs: Vector) -> Any:
+    """Rotation of an area in a mirror with the ``signs`` of the axes."""
+    axes = -np.array(signs)
+    if isinstance(tilt, KeyedTurn):
+        values = _tuples(np.array(tilt.values) * [*axes, 1.0])
+        return replace(tilt.with_rates(lambda rate: rate * axes), values=values)
+    return tuple((np.array(tilt) * [*axes, 1.0] + 0.0).tolist())
 
 
 def _is_heading_mirrored(constraint: Constraint, carry: ClipTransform) -> bool:

@@ -47,9 +47,8 @@ def own_places_of(constraint: Constraint) -> list[OwnPlace]:
 
 def own_place_of(target: object) -> OwnPlace | None:
     """Per-character position that is the target, or its origin; None for a target shared by all."""
-    if isinstance(target, OwnPlace):
-        return target
-    return target.origin if isinstance(target, KeyedOwnPlace | ProceduralPlace) else None
+    own = target if isinstance(target, OwnPlace) else getattr(target, "origin", None)
+    return own if isinstance(own, OwnPlace) else None
 
 
 def with_own_place(target: Place, own: OwnPlace) -> Place:

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from studio.core.curves.activation import EaseShape, ease, weighted_progress
 from studio.core.curves.tangents import SPARSE, Beyond, Tangents, rates_of
 from studio.core.plausible import PLACE_RANGE, TIME_RANGE
-from studio.core.rotations import from_matrix
+from studio.core.rotations import from_matrix, unit_vectors
 
 FloatArray = NDArray[np.float64]
 Vector = tuple[float, float, float]
@@ -29,6 +29,12 @@ Quaternion = tuple[float, float, float, float]
 
 SAME_TIME = 1e-4
 """Seconds; nearer than this two keys are one."""
+
+
+def read_only(values: FloatArray) -> FloatArray:
+    """The array itself, protected from changes."""
+    values.setflags(write=False)
+    return values
 
 
 @dataclass(frozen=True)
@@ -97,9 +103,7 @@ class Keys:
     @cached_property
     def seconds(self) -> FloatArray:
         """(K,) times of the keys."""
-        seconds = np.array(self.times)
-        seconds.setflags(write=False)
-        return seconds
+        return read_only(np.array(self.times))
 
     @property
     def keys(self) -> tuple[Key, ...]:
@@ -184,7 +188,12 @@ class Keys:
 
     def rates(self) -> tuple[FloatArray, FloatArray]:
         """(K, D) rates a second at which each key is reached, and (K, D) at which it is left."""
-        return rates_of(self.seconds, self._steps(), self.tangents, self.before, self.after)
+        return self._rates
+
+    @cached_property
+    def _rates(self) -> tuple[FloatArray, FloatArray]:
+        arriving, leaving = rates_of(self.seconds, self._steps(), self.tangents, self.before, self.after)
+        return read_only(arriving), read_only(leaving)
 
     def _steps(self) -> FloatArray:
         """(K - 1, D) differences from each key to the next."""
@@ -290,12 +299,16 @@ class Line(Keys):
 
     def path(self, time: float) -> FloatArray:
         """(N, size) the whole path from the first key to the last; ``time`` is not used."""
-        return self.at(np.linspace(self.times[0], self.times[-1], 24 * len(self.times) + 1))
+        return self._path
 
-    @property
+    @cached_property
+    def _path(self) -> FloatArray:
+        return read_only(self.at(np.linspace(self.times[0], self.times[-1], 24 * len(self.times) + 1)))
+
+    @cached_property
     def points(self) -> FloatArray:
         """(K, size) values of the keys."""
-        return np.array(self.values, dtype=np.float64).reshape(-1, self.size)
+        return read_only(np.array(self.values, dtype=np.float64).reshape(-1, self.size))
 
     def _steps(self) -> FloatArray:
         return np.diff(self.points, axis=0)
@@ -390,10 +403,10 @@ def _vector_rates(vectors: FloatArray, rates: FloatArray) -> FloatArray:
 
 
 def unit_quaternion(value: ArrayLike) -> Quaternion:
-    """Normalised quaternion of four numbers. Raises ValueError if their norm is zero."""
+    """Normalised quaternion of four numbers, see ``unit_vectors``. Raises ValueError if their norm is zero."""
     numbers = np.array(value, dtype=np.float64)
     length = np.linalg.norm(numbers) if numbers.shape == (4,) and np.isfinite(numbers).all() else 0.0
     if length < 1e-9:
         raise ValueError("a rotation is four finite numbers (x, y, z, w), not all zero.")
-    x, y, z, w = (numbers / length).tolist()
+    x, y, z, w = unit_vectors(numbers).tolist()
     return x, y, z, w

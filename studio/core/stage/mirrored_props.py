@@ -8,7 +8,7 @@ import numpy as np
 from studio.core.changed_records import with_fields
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import Constraint, Vector
-from studio.core.constraints.carried_over import MIRROR, is_hinged, mirrored_constraint
+from studio.core.constraints.carried_over import MIRROR, is_hinged, mirrored_constraint, reflected_tilt
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.rail import RailConstraint
 from studio.core.curves.keyed import KeyedNumber
@@ -67,6 +67,7 @@ def _reflected(name: str, follow: FollowProp, constraint: Constraint, signs: Vec
             changes["direction"] = _times(signs, constraint.direction)
         case AreaConstraint():
             changes["heading"] = _opposite(constraint.heading)
+            changes["tilt"] = reflected_tilt(constraint.tilt, signs)
             if constraint.shape is AreaShape.HALF_SPACE:
                 changes["size"] = _times(signs, _times((1.0, -1.0, 1.0), constraint.size))
     return changes

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from studio.core.constraints.base import BodyPoint, Vector, finite_vector
-from studio.core.constraints.carried_over import MIRROR, is_hinged
+from studio.core.constraints.carried_over import ACROSS_Y, MIRROR, is_hinged
 from studio.core.constraints.follow import UNTURNED
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quaternion, unit_quaternion
@@ -29,7 +29,7 @@ class PropShape(StrEnum):
     MESH = "mesh"
 
 
-ACROSS_Y, ACROSS_X = (1.0, -1.0, 1.0), (-1.0, 1.0, 1.0)
+ACROSS_X: Vector = (-1.0, 1.0, 1.0)
 """Signs of a held prop's axes in a mirror: its y is across the body, or its x if it is held a quarter turned."""
 PICKED = 0.01
 """Seconds after the begin of a hold during which a prop still lies at its pick-up position."""

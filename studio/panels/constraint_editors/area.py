@@ -1,10 +1,15 @@
 """Form of a restricted area: its shape, position and size, and the allowed side."""
 
 import math
+from functools import partial
+
+import numpy as np
 
 from studio.core.constraints.area import AreaConstraint, AreaShape
+from studio.core.curves.keyed import KeyedTurn, Quaternion
+from studio.core.rotations import from_euler, to_euler
 from studio.panels.constraint_editors.common import ConstraintEditor
-from studio.panels.constraint_editors.target_rows import NumberRows, TargetRows
+from studio.panels.constraint_editors.target_rows import KeyRow, NumberRows, TargetRows
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.fields import Choice, NumberField, Section, Segments, check_box
 
@@ -25,6 +30,7 @@ SIZE_FIELDS = {
 }
 """Caption and unit of a size's three numbers, and which of them are used, by shape; other shapes have a box's edges."""
 TURNED = (AreaShape.TABLE, AreaShape.BOX, AreaShape.MESH)
+TILTED = (*TURNED, AreaShape.CYLINDER)
 LEAST_AREA_SIZE = 0.001
 AREA_UP, METRE_SIZE = (0.0, 0.0, 1.0), (1.0, 1.0, 1.0)
 
@@ -33,7 +39,7 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
     """Form of an area; only the numbers of its shape are shown."""
 
     def add_kind_rows(self, section: Section) -> None:
-        """Add the rows of shape, side, centre, size, margin and heading."""
+        """Add the rows of shape, side, centre, size, margin, heading and tilt."""
         self._shape = Choice("Shape", SHAPE_CHOICES)
         self._shape.value_chosen.connect(self._set_shape)
         section.add_row("Shape", self._shape)
@@ -52,6 +58,17 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         self._heading = self.bind(NumberField("Heading", "°", -360.0, 360.0, 1.0, 1), self._set_heading)
         self._direction = NumberRows(self, section, "heading")
         self._heading_caption = section.add_row("Heading", self._heading, self._direction.keyed)
+        self._tilts = [
+            self.bind(NumberField(f"Tilt {axis}", "°", -180.0, 180.0, 1.0, 1), partial(self._set_tilt, place))
+            for place, axis in enumerate("XY")
+        ]
+        for field in self._tilts:
+            field.setToolTip("Rotation about X, then about Y, in degrees; the heading comes last.")
+        self._tilt_keyed = check_box("keyed")
+        self._tilt_keyed.setAccessibleName("Tilt is animated")
+        self._tilt_keyed.clicked.connect(self._key_tilt)
+        self._tilt_caption = section.add_row("Tilt", *self._tilts, self._tilt_keyed)
+        self._tilt_keys = KeyRow(self, section, "tilt")
 
     def refresh(self) -> None:
         """Update all fields from the document."""
@@ -83,8 +100,19 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
             self._centre.show_values(now)
         self._direction.refresh(turned)
         self._heading.show_value(math.degrees(self._direction.current_number))
-        for widget in (self._heading, self._heading_caption):
-            widget.setVisible(turned)
+        tilted = self.entity.shape in TILTED
+        for field, radians in zip(self._tilts, to_euler("ZYX", np.array(self._tilt_now()))[:0:-1], strict=True):
+            field.show_value(math.degrees(radians))
+        self._tilt_keyed.setChecked(isinstance(self.entity.tilt, KeyedTurn))
+        for widget, visible in (
+            (self._heading, turned),
+            (self._heading_caption, turned),
+            (self._tilt_caption, tilted),
+            (self._tilt_keyed, tilted),
+            *((field, tilted) for field in self._tilts),
+        ):
+            widget.setVisible(visible)
+        self._tilt_keys.refresh(tilted)
 
     def _set_centre(self, position: tuple[float, ...]) -> None:
         self._source.set_numbers(position, f"Move {self.entity.name}")
@@ -112,6 +140,23 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         if shape is not old and AreaShape.HALF_SPACE in (shape, old):
             size = AREA_UP if shape is AreaShape.HALF_SPACE else METRE_SIZE
         self._set("Set shape of", shape=shape, size=size)
+
+    def _tilt_now(self) -> Quaternion:
+        """Tilt at the playhead."""
+        tilt = self.entity.tilt
+        return tilt.value_at(self._tilt_keys.now) if isinstance(tilt, KeyedTurn) else tilt
+
+    def _set_tilt(self, axis: int, degrees: float) -> None:
+        angles, tilt = to_euler("ZYX", np.array(self._tilt_now())), self.entity.tilt
+        angles[2 - axis] = math.radians(degrees)
+        x, y, z, w = from_euler("ZYX", angles).tolist()
+        now = self._tilt_keys.now
+        self._set("Rotate", tilt=tilt.with_key(now, (x, y, z, w)) if isinstance(tilt, KeyedTurn) else (x, y, z, w))
+
+    def _key_tilt(self, keyed: bool) -> None:
+        tilt = self._tilt_now()
+        words = "Key tilt of" if keyed else "Remove keys of the tilt of"
+        self._set(words, tilt=KeyedTurn((self._tilt_keys.now,), (tilt,)) if keyed else tilt)
 
     def _set_heading(self, degrees: float) -> None:
         self._direction.set_number(math.radians(degrees), f"Rotate {self.entity.name}")

@@ -346,6 +346,11 @@ class KeyRow:
         value = getattr(self._editor.entity, self._field)
         return value if isinstance(value, Keys) else None
 
+    @property
+    def now(self) -> float:
+        """Seconds at the playhead, in the time of the keys."""
+        return self._seconds()
+
     def _seconds(self) -> float:
         """Time of the motion at the playhead."""
         document = self._editor.document
@@ -409,16 +414,16 @@ class NumberRows:
     def current_number(self) -> float:
         """Number at the playhead."""
         value = getattr(self._editor.entity, self._field)
-        return float(value.at([self._keys._seconds()])[0, 0]) if isinstance(value, KeyedNumber) else float(value)
+        return float(value.at([self._keys.now])[0, 0]) if isinstance(value, KeyedNumber) else float(value)
 
     def set_number(self, number: float, text: str) -> None:
         """Set the number: constant, or as a key at the playhead if it is keyed."""
         value = getattr(self._editor.entity, self._field)
-        new = value.with_key(self._keys._seconds(), number) if isinstance(value, KeyedNumber) else number
+        new = value.with_key(self._keys.now, number) if isinstance(value, KeyedNumber) else number
         self._editor.change(text, **{self._field: new})
 
     def _toggle(self, keyed: bool) -> None:
-        value = KeyedNumber((self._keys._seconds(),), (self.current_number,)) if keyed else self.current_number
+        value = KeyedNumber((self._keys.now,), (self.current_number,)) if keyed else self.current_number
         text = f"{'Key' if keyed else 'Remove keys of the'} {self._field} of {self._editor.entity.name}"
         self._editor.change(text, **{self._field: value})
 

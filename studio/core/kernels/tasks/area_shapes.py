@@ -13,12 +13,12 @@ HALF_SPACE_SHAPE, BOX_SHAPE, SPHERE_SHAPE, CYLINDER_SHAPE, TABLE_SHAPE, MESH_SHA
 OUTSIDE_AREA, INSIDE_AREA, ON_AREA_SURFACE = 0, 1, 2
 """Allowed side of the point."""
 (
-    AREA_SHAPE, AREA_SIDE, CENTRE_X, CENTRE_Y, CENTRE_Z, SIZE_X, SIZE_Y, SIZE_Z, AREA_COSINE, AREA_SINE, AREA_MARGIN,
-) = range(11)  # fmt: skip
-"""Columns of an area; cosine and sine are those of the heading. The size of a half-space is its normal, that of a line
-half of its extent, both as vectors. The margin is the distance in metres that a point outside keeps.
+    AREA_SHAPE, AREA_SIDE, CENTRE_X, CENTRE_Y, CENTRE_Z, SIZE_X, SIZE_Y, SIZE_Z, AREA_MARGIN, AREA_ROTATION,
+) = range(10)  # fmt: skip
+"""Columns of an area; its rotation (3, 3) is the last, row by row. The size of a half-space is its normal, that of a
+line half of its extent, both as vectors. The margin is the distance in metres that a point outside keeps.
 """
-AREA_NUMBERS = 11
+AREA_NUMBERS = AREA_ROTATION + 9
 """Number of these columns; the field of a mesh follows (``kernels.tasks.mesh_distance_field``), in the area's own
 space.
 """
@@ -43,13 +43,14 @@ def set_area_pose(row, area, centre, rotation):
 
 @kernel
 def follow_area(row, area, pose):
-    """Move an ``area`` to the point of the own body that it follows, with its heading."""
+    """Move an ``area`` to the point of the own body that it follows, rotated by the heading of its segment."""
     rotation = compose(rotation_from_matrix(pose.rotations[row.segments[1]]), rotation_from_matrix(row.relative))
     c, s = rotation[0] + rotation[4], rotation[3] - rotation[1]
     size = max(math.sqrt(c * c + s * s), 1e-9)
     place_area(area, end_position(row, 1, pose), row.goal_rotation)
-    cosine, sine = area[AREA_COSINE], area[AREA_SINE]
-    area[AREA_COSINE], area[AREA_SINE] = (c * cosine - s * sine) / size, (s * cosine + c * sine) / size
+    for axis in range(AREA_ROTATION, AREA_ROTATION + 3):
+        x, y = area[axis], area[axis + 3]
+        area[axis], area[axis + 3] = (c * x - s * y) / size, (s * x + c * y) / size
 
 
 @kernel
@@ -72,7 +73,7 @@ def area_residual(row, area, pose):
 
 @kernel
 def place_area(area, centre, rotation):
-    """Move an area (11,) to ``centre`` (3,) with the heading of ``rotation`` (3, 3); a centre of NaN leaves it.
+    """Move an area to ``centre`` (3,), rotated by ``rotation`` (3, 3); a centre of NaN leaves it.
 
     The normal of a half-space and the direction of a line are the first column of their rotation.
     """
@@ -83,17 +84,23 @@ def place_area(area, centre, rotation):
         size = math.sqrt(area[SIZE_X] ** 2 + area[SIZE_Y] ** 2 + area[SIZE_Z] ** 2)
         for axis in range(3):
             area[SIZE_X + axis] = size * rotation[axis, 0]
-        area[AREA_COSINE], area[AREA_SINE] = 1.0, 0.0
+        for entry in range(9):
+            area[AREA_ROTATION + entry] = 1.0 if entry % 4 == 0 else 0.0
     else:
-        area[AREA_COSINE], area[AREA_SINE] = rotation[0, 0], rotation[1, 0]
+        for entry in range(9):
+            area[AREA_ROTATION + entry] = rotation[entry // 3, entry % 3]
 
 
 @kernel
 def nearest_allowed_point(area, point):
     """(distance in metres, (x, y, z)) of the nearest allowed position, 0 if ``point`` (3,) is allowed itself."""
-    x, y, z = point[0] - area[CENTRE_X], point[1] - area[CENTRE_Y], point[2] - area[CENTRE_Z]
-    c, s = area[AREA_COSINE], area[AREA_SINE]
-    x, y = c * x + s * y, c * y - s * x
+    dx, dy, dz = point[0] - area[CENTRE_X], point[1] - area[CENTRE_Y], point[2] - area[CENTRE_Z]
+    turn = area[AREA_ROTATION:]
+    x, y, z = (
+        turn[0] * dx + turn[3] * dy + turn[6] * dz,
+        turn[1] * dx + turn[4] * dy + turn[7] * dz,
+        turn[2] * dx + turn[5] * dy + turn[8] * dz,
+    )
     side = int(area[AREA_SIDE])
     if int(area[AREA_SHAPE]) == MESH_SHAPE:
         if area[AREA_MARGIN] > 0.0:
@@ -105,7 +112,11 @@ def nearest_allowed_point(area, point):
         if side == ON_AREA_SURFACE and nx == x and ny == y and nz == z:
             nx, ny, nz = nearest_on_shape(area, x, y, z, True)
     distance = math.sqrt((nx - x) ** 2 + (ny - y) ** 2 + (nz - z) ** 2)
-    return distance, (area[CENTRE_X] + c * nx - s * ny, area[CENTRE_Y] + s * nx + c * ny, area[CENTRE_Z] + nz)
+    return distance, (
+        area[CENTRE_X] + turn[0] * nx + turn[1] * ny + turn[2] * nz,
+        area[CENTRE_Y] + turn[3] * nx + turn[4] * ny + turn[5] * nz,
+        area[CENTRE_Z] + turn[6] * nx + turn[7] * ny + turn[8] * nz,
+    )
 
 
 @kernel
@@ -150,7 +161,7 @@ def fraction_to_margin(area, x, y, z, nx, ny, nz):
 
 @kernel
 def distance_to_shape(area, x, y, z):
-    """Distance in metres to a box, a table or an upright cylinder about 0; 0 inside."""
+    """Distance in metres to a box, a table or a cylinder along z about 0; 0 inside."""
     a, b, h = 0.5 * area[SIZE_X], 0.5 * area[SIZE_Y], 0.5 * area[SIZE_Z]
     if int(area[AREA_SHAPE]) == CYLINDER_SHAPE:
         level = max(math.sqrt(x * x + y * y) - a, 0.0)
@@ -192,7 +203,7 @@ def nearest_on_sphere(x, y, z, radius, inside):
 
 @kernel
 def nearest_on_cylinder(x, y, z, radius, half, inside):
-    """Nearest position inside, or outside, an upright cylinder about 0."""
+    """Nearest position inside, or outside, a cylinder along z about 0."""
     length = math.sqrt(x * x + y * y)
     if inside:
         scale = min(1.0, radius / max(length, 1e-9))

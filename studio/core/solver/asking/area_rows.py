@@ -8,10 +8,11 @@ from numpy.typing import ArrayLike, NDArray
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.kernels.tasks import area_shapes
 from studio.core.mesh.distance_field import distance_field
+from studio.core.rotations import rotations_about_z, to_matrix
 
 FloatArray = NDArray[np.float64]
 
-AREA_ORIGIN = np.zeros(3)
+AREA_ORIGIN, UPRIGHT = np.zeros(3), np.eye(3)
 
 _SHAPES = {
     AreaShape.HALF_SPACE: area_shapes.HALF_SPACE_SHAPE,
@@ -23,12 +24,14 @@ _SHAPES = {
 }
 
 
-def area_row(constraint: AreaConstraint, centre: FloatArray = AREA_ORIGIN, heading: float = 0.0) -> FloatArray:
-    """Row (11,) of an area for ``kernels.tasks.area_shapes``, followed by its distance field for a mesh.
+def area_row(
+    constraint: AreaConstraint, centre: FloatArray = AREA_ORIGIN, rotation: FloatArray = UPRIGHT
+) -> FloatArray:
+    """Row (18,) of an area for ``kernels.tasks.area_shapes``, followed by its distance field for a mesh.
 
     The kernel moves it frame by frame (``place_area``).
     """
-    shape, rotation = _SHAPES[constraint.shape], (np.cos(heading), np.sin(heading))
+    shape = _SHAPES[constraint.shape]
     side = (
         area_shapes.ON_AREA_SURFACE
         if constraint.on_surface
@@ -36,13 +39,22 @@ def area_row(constraint: AreaConstraint, centre: FloatArray = AREA_ORIGIN, headi
         if constraint.inside
         else area_shapes.OUTSIDE_AREA
     )
-    row = np.array([shape, side, *centre, *constraint.size, *rotation, constraint.margin], dtype=np.float64)
+    numbers = [shape, side, *centre, *constraint.size, constraint.margin, *rotation.ravel()]
+    row = np.array(numbers, dtype=np.float64)
     if constraint.shape is not AreaShape.MESH or constraint.mesh is None:
         return row
     return np.concatenate([row, distance_field(constraint.mesh)])
 
 
+def fixed_rotation(constraint: AreaConstraint) -> FloatArray:
+    """Rotation (3, 3) of the shape of a fixed area; the normal of a half-space is its tilt."""
+    heading = rotations_about_z(np.array(constraint.heading))
+    if constraint.shape is AreaShape.HALF_SPACE:
+        return heading
+    return np.asarray(heading @ to_matrix(np.array(constraint.tilt)))
+
+
 def nearest_allowed_position(constraint: AreaConstraint, point: ArrayLike) -> FloatArray:
     """Nearest allowed position (3,) in metres of ``point`` (3,) for a fixed area."""
-    row = area_row(constraint, np.array(constraint.centre), float(np.array(constraint.heading)))
+    row = area_row(constraint, np.array(constraint.centre), fixed_rotation(constraint))
     return np.array(area_shapes.nearest_allowed_point(row, np.array(point, dtype=np.float64))[1])

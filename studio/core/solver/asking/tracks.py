@@ -1,5 +1,6 @@
 """Targets as arrays over time: fixed, keyed, procedural and followed ones."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
@@ -19,7 +20,7 @@ from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.rail import RailConstraint
 from studio.core.constraints.target import Place, Turn
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quaternion
-from studio.core.rotations import from_euler, from_matrix, normalized, shortest_arc, to_matrix
+from studio.core.rotations import from_euler, from_matrix, normalized, rotations_about_z, shortest_arc, to_matrix
 
 if TYPE_CHECKING:
     from studio.core.solver.request import UnconstrainedPoses
@@ -101,18 +102,24 @@ class Targets:
         """Values (F or 1,)."""
         return value.at(self.times)[:, 0] if isinstance(value, KeyedNumber) else np.array([value])
 
-    def tilted_rotations(self, heading: float | KeyedNumber, centre: Place, normal: Vector) -> FloatArray:
-        """Rotations (F or 1, 3, 3) that take x to a half-space's ``normal``: like ``heading_rotations``,
-        and tilted by a followed prop, but not by a followed bone.
+    def area_rotations(self, area: AreaConstraint) -> FloatArray:
+        """Rotations (F or 1, 3, 3) of an area; those of a half-space take x to its normal."""
+        tilts = x_along(area.size) if area.shape is AreaShape.HALF_SPACE else self.rotations(area.tilt)
+        return self._headed(tilts, area.heading, area.centre)
+
+    def rail_rotations(self, rail: RailConstraint) -> FloatArray:
+        """Rotations (F or 1, 3, 3) that take x to the direction of a rail."""
+        return self._headed(x_along(rail.direction), 0.0, rail.centre)
+
+    def _headed(self, tilts: FloatArray, heading: float | KeyedNumber, centre: Place) -> FloatArray:
+        """``tilts`` (F or 1, 3, 3) rotated like ``heading_rotations``, and tilted by a followed prop, but not by a
+        followed bone.
         """
-        x_to_normal = shortest_arc(np.array([[1.0, 0.0, 0.0]]), normalized(np.array([normal])))[0]
         if isinstance(centre, FollowProp) and centre in self.tracks:
-            rotation_matrices = (
-                self.tracks[centre].rotations @ self.heading_rotations(heading, (0.0, 0.0, 0.0)) @ x_to_normal
-            )
+            headings = self.tracks[centre].rotations @ self.heading_rotations(heading, (0.0, 0.0, 0.0))
         else:
-            rotation_matrices = self.heading_rotations(heading, centre) @ x_to_normal
-        return np.asarray(rotation_matrices)
+            headings = self.heading_rotations(heading, centre)
+        return np.asarray(headings @ tilts)
 
     def heading_rotations(self, heading: float | KeyedNumber, centre: Place) -> FloatArray:
         """Rotations (F or 1, 3, 3) about Z: ``heading`` (radians) plus that of the object that ``centre`` follows.
@@ -123,12 +130,7 @@ class Targets:
         if isinstance(centre, FOLLOWS) and centre in self.tracks:
             axes = self.tracks[centre].rotations
             angles = angles + np.arctan2(axes[:, 1, 0] - axes[:, 0, 1], axes[:, 0, 0] + axes[:, 1, 1])
-        rotation_matrices = np.zeros((len(angles), 3, 3))
-        rotation_matrices[:, 0, 0] = rotation_matrices[:, 1, 1] = np.cos(angles)
-        rotation_matrices[:, 1, 0] = np.sin(angles)
-        rotation_matrices[:, 0, 1] = -rotation_matrices[:, 1, 0]
-        rotation_matrices[:, 2, 2] = 1.0
-        return rotation_matrices
+        return rotations_about_z(angles)
 
 
 def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
@@ -143,15 +145,23 @@ def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
         elif isinstance(value, KeyedNumber):
             changes[name] = float(targets.numbers(value)[0])
     if "centre" in changes and isinstance(constraint, AreaConstraint) and constraint.shape is AreaShape.HALF_SPACE:
-        tilt = targets.tilted_rotations(constraint.heading, constraint.centre, constraint.size)[0]
+        tilt = targets.area_rotations(constraint)[0]
         changes["size"], changes["heading"] = tuple(tilt[:, 0].tolist()), 0.0
     elif "centre" in changes and isinstance(constraint, RailConstraint):
-        tilt = targets.tilted_rotations(0.0, constraint.centre, constraint.direction)[0]
+        tilt = targets.rail_rotations(constraint)[0]
         changes["direction"] = tuple(tilt[:, 0].tolist())
-    elif "centre" in changes and hasattr(constraint, "heading"):
-        rotation = targets.heading_rotations(constraint.heading, getattr(constraint, "centre", (0.0, 0.0, 0.0)))[0]
-        changes["heading"] = float(np.arctan2(rotation[1, 0], rotation[0, 0]))
+    elif "centre" in changes and isinstance(constraint, AreaConstraint):
+        rotation = targets.area_rotations(constraint)[0]
+        headed = rotation @ targets.rotations(constraint.tilt)[0].T
+        heading = math.atan2(headed[1, 0] - headed[0, 1], headed[0, 0] + headed[1, 1])
+        tilt = rotations_about_z(-heading) @ rotation
+        changes["heading"], changes["tilt"] = heading, tuple(from_matrix(tilt).tolist())
     return replace(constraint, **changes) if changes else constraint
+
+
+def x_along(direction: Vector) -> FloatArray:
+    """Shortest rotation (3, 3) that takes x to a ``direction``."""
+    return np.asarray(shortest_arc(np.array([[1.0, 0.0, 0.0]]), normalized(np.array([direction])))[0])
 
 
 def moved_target(target: Place, position: Vector, seconds: float, track: Track | None) -> Place:

@@ -14,7 +14,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowProp
 from studio.core.curves.activation import EASE_PEAK, EaseShape, ease
 from studio.core.curves.keyed import KeyedNumber, KeyedTurn
-from studio.core.rotations import to_matrix
+from studio.core.rotations import rotations_about_z, to_matrix
 from studio.core.solver.asking.points import point_indices
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.performers.followed_tracks import performer_track, point_track
@@ -209,11 +209,3 @@ def carried_track(held: Carried, positions: FloatArray, rotations: FloatArray, b
     origin = positions[:, 0] if held.steady else positions[:, ends].mean(axis=1)
     places = origin + body.leg_length * rotations_about_z(heading) @ np.array(held.offset)
     return Track(places, rotations_about_z(heading + held.heading) @ to_matrix(np.array(held.tilt)))
-
-
-def rotations_about_z(angles: FloatArray) -> FloatArray:
-    """Rotations (F, 3, 3) about Z by ``angles`` (F,)."""
-    turns = np.zeros((len(angles), 3, 3))
-    turns[:, 0, 0] = turns[:, 1, 1] = np.cos(angles)
-    turns[:, 1, 0], turns[:, 0, 1], turns[:, 2, 2] = np.sin(angles), -np.sin(angles), 1.0
-    return turns

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from studio.core.constraints.area import AreaConstraint, AreaShape
+from studio.core.constraints.area import AreaConstraint
 from studio.core.kernels.tasks import goals
 from studio.core.solver.asking.area_rows import area_row
 from studio.core.solver.asking.kinds.kind import SolverKind
@@ -14,10 +14,7 @@ def write_task(rows: TaskRecords, c: int, constraint: AreaConstraint) -> None:
     """Write the shape of the area, followed by its distance field for a mesh."""
     if not rows.set_followed_point(c, constraint.centre):
         rows.positions[c] = rows.targets.positions(constraint.centre)
-    if constraint.shape is AreaShape.HALF_SPACE:
-        rows.rotations[c] = rows.targets.tilted_rotations(constraint.heading, constraint.centre, constraint.size)
-    else:
-        rows.rotations[c] = rows.targets.heading_rotations(constraint.heading, constraint.centre)
+    rows.rotations[c] = rows.targets.area_rotations(constraint)
     row = area_row(constraint)
     if len(row) > rows.areas.shape[1]:
         rows.areas = np.pad(rows.areas, ((0, 0), (0, len(row) - rows.areas.shape[1])))
