@@ -101,7 +101,7 @@ def many_wishes(adapted: AdaptedMotion) -> tuple[Constraint, ...]:
             PositionConstraint(ADAPTED_MOTION_ID, part.label, point, chain, number % 4, WHOLE_CASE, target=tuple(place))
         )
     for side, part in enumerate((BodyPart.RIGHT_HAND, BodyPart.LEFT_HAND)):
-        turn = from_matrix(adapted.rotations[:1, adapted.morphology.layout.segment(part)])[0]
+        turn = from_matrix(adapted.rotations[:1, adapted.morphology.layout.segment_of_part(part)])[0]
         wishes.insert(
             2 + side,
             OrientationConstraint(
@@ -116,7 +116,7 @@ def many_wishes(adapted: AdaptedMotion) -> tuple[Constraint, ...]:
         5, BalanceConstraint(ADAPTED_MOTION_ID, "Balance", BodyPoint(BodyPart.PELVIS), ROOT_CHAIN, 0, WHOLE_CASE)
     )
     abdomen = BodyPoint(BodyPart.ABDOMEN)
-    bend = from_matrix(adapted.rotations[:1, adapted.morphology.layout.segment(BodyPart.ABDOMEN)])[0]
+    bend = from_matrix(adapted.rotations[:1, adapted.morphology.layout.segment_of_part(BodyPart.ABDOMEN)])[0]
     wishes.append(
         OrientationConstraint(ADAPTED_MOTION_ID, "Abdomen", abdomen, WITH_TRUNK, 3, WHOLE_CASE, target=tuple(bend))
     )

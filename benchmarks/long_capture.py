@@ -53,7 +53,7 @@ from studio.core.solver.request import AdaptRequest  # noqa: E402
 from studio.document.document import Document  # noqa: E402
 from studio.engine.live_adaptation import normalized_with_actor  # noqa: E402
 from studio.engine.saving import save_in_background  # noqa: E402
-from studio.engine.standing_solver import StandingSolver  # noqa: E402
+from studio.engine.standing_solver import GroundingSolver  # noqa: E402
 from studio.io.bvh.reader import read_bvh  # noqa: E402
 from studio.io.importing import ImportOptions, known_of_motion, load_capture  # noqa: E402
 from studio.io.project.character_file import bundled_characters  # noqa: E402
@@ -96,7 +96,7 @@ def stages(path: Path) -> str:
     capture: Capture = timed("the capture, numbers included", lambda: load_capture(path))
     found: Annotations = timed("its contacts", lambda: known_of_motion(capture, Annotations(), ""))
     motion, actor = timed("normalised", lambda: normalized_with_actor(capture))
-    solver, held = StandingSolver(), []
+    solver, held = GroundingSolver(), []
     tracemalloc.start()
     for character in bundled_characters().values():
         request = AdaptRequest(motion, character.morphology, found.contacts or (), (one_moment(),), actor=actor)
@@ -126,7 +126,7 @@ def in_the_window(path: Path, folder: Path) -> str:
     run_window(2000)
     # The other bodies come while the first is there already: they are waited for at once.
     rows = [measured(*deed, LISTENED if place else 0) for place, deed in enumerate(deeds(window, path, folder))]
-    window.leave()
+    window.close_without_saving()
     return table(("in the window", "seconds", "of one processor", "longest silence, ms", "at second"), rows)
 
 
@@ -190,7 +190,7 @@ def cost_of(source: Path, minutes: int) -> dict[str, float]:
         capture = load_capture(path, ImportOptions(frame_rate=LENGTHS_RATE))
         contacts = known_of_motion(capture, Annotations(), "").contacts or ()
         motion, actor = normalized_with_actor(capture)
-        opened, solver = time.process_time(), StandingSolver()
+        opened, solver = time.process_time(), GroundingSolver()
         held = [
             solver(AdaptRequest(motion, each.morphology, contacts, (one_moment(),), actor=actor), 0, None)
             for each in bundled_characters().values()

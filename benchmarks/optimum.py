@@ -18,7 +18,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels.search.joints import ROOT_TRANSLATION
 from studio.core.solver.asking.chains import joints_of_chains, relevant_chain, segment_masses
-from studio.core.solver.standing.stand import Standing
+from studio.core.solver.standing.stand import GroundedMotion
 
 FloatArray = NDArray[np.float64]
 
@@ -30,7 +30,11 @@ KEPT = 5e-4
 
 
 def excess(
-    task: BenchCase, constraints: Sequence[Constraint], standing: Standing, residuals: FloatArray, frames: Sequence[int]
+    task: BenchCase,
+    constraints: Sequence[Constraint],
+    standing: GroundedMotion,
+    residuals: FloatArray,
+    frames: Sequence[int],
 ) -> FloatArray:
     """(N,) metres by which wrists miss their targets more than they need, at some frames: root mean squares.
 
@@ -46,7 +50,9 @@ def excess(
 class _Frame:
     """One frame of a standing body whose trunk, clavicles and root may move as far as the constraints' chains allow."""
 
-    def __init__(self, task: BenchCase, constraints: Sequence[Constraint], standing: Standing, frame: int) -> None:
+    def __init__(
+        self, task: BenchCase, constraints: Sequence[Constraint], standing: GroundedMotion, frame: int
+    ) -> None:
         self.body, self.layout = standing.morphology, standing.morphology.layout
         self.points = standing.positions[frame]
         wrists = [each for each in constraints if isinstance(each, PositionConstraint)]

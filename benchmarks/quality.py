@@ -16,7 +16,7 @@ from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration, centre_of_mass, contact_quality
 from studio.core.solver.adapt import adapt, solve_constraints
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.stand import Standing, stand
+from studio.core.solver.standing.stand import GroundedMotion, stand
 
 FloatArray = NDArray[np.float64]
 
@@ -72,7 +72,7 @@ def quality(task: BenchCase, source: AdaptedMotion) -> Quality:
 
 
 def reachable_miss(
-    constraints: Sequence[Constraint], task: BenchCase, adapted: AdaptedMotion, standing: Standing
+    constraints: Sequence[Constraint], task: BenchCase, adapted: AdaptedMotion, standing: GroundedMotion
 ) -> float:
     """Largest miss, in millimetres, of what can be reached.
 

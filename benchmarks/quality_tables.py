@@ -29,7 +29,7 @@ from studio.core.normalized.round_trip import round_trip  # noqa: E402
 from studio.core.quality.motion_quality import PART_SEGMENTS, MotionQuality, motion_quality  # noqa: E402
 from studio.core.solver.adapt import solve_constraints  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402
-from studio.core.solver.standing.stand import standing_of  # noqa: E402
+from studio.core.solver.standing.stand import grounded_motion_of  # noqa: E402
 from studio.io.importing import load_capture  # noqa: E402
 from studio.io.json_text import JsonObject  # noqa: E402
 from studio.jobs.adapt_report import quality_record  # noqa: E402
@@ -169,7 +169,7 @@ def quality_row(ready: ReadyCapture, characters: Mapping[str, Character], *, own
     requests = [on_actor] if own else []
     requests += [replace(on_actor, morphology=each.morphology, volume=each.volume) for each in characters.values()]
     for asked in requests:
-        standing = standing_of(asked)
+        standing = grounded_motion_of(asked)
         reports.append(
             quality_record(standing, asked, solve_constraints(standing, (), first), ready.source, by_frame=False)
         )

@@ -27,7 +27,7 @@ from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
 from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.stand import Standing, stand
+from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, ReadyCapture, ready_capture
@@ -69,7 +69,7 @@ class Result:
     exact_cost: float
 
 
-def scene(standing: Standing, before: AdaptedMotion, seed: int) -> tuple[Constraint, ...]:
+def scene(standing: GroundedMotion, before: AdaptedMotion, seed: int) -> tuple[Constraint, ...]:
     """Six constraints on one motion, highest first; the last is a balance or comes back to a point."""
     random = np.random.default_rng(seed)
     picked = [*random.permutation(len(POINTS)).tolist(), int(random.integers(len(POINTS)))]
@@ -96,7 +96,7 @@ def scene(standing: Standing, before: AdaptedMotion, seed: int) -> tuple[Constra
     return tuple(made)
 
 
-def measure(name: str, standing: Standing, seed: int, worst: float, exact: bool = False) -> list[Result]:
+def measure(name: str, standing: GroundedMotion, seed: int, worst: float, exact: bool = False) -> list[Result]:
     """A scene with its first one, two, four and six constraints; ``worst`` microseconds a frame."""
     before = solve_constraints(standing, ())
     source = max(float(angular_acceleration(before.rotations, before.frame_rate).max()), QUIET_PEAK)
@@ -135,7 +135,7 @@ def _misses(solved: AdaptedMotion, asked: Sequence[Constraint]) -> FloatArray:
     )
 
 
-def _timed(standing: Standing, asked: Sequence[Constraint], *, eased: bool) -> tuple[AdaptedMotion, float]:
+def _timed(standing: GroundedMotion, asked: Sequence[Constraint], *, eased: bool) -> tuple[AdaptedMotion, float]:
     """Solved motion, and processor microseconds a frame, the better of two."""
     costs = []
     for _ in range(2):

@@ -36,7 +36,7 @@ from studio.document.channels import Channel, Side
 from studio.document.key_edits import replace_fields
 from studio.document.keyed_fields import Keyed, KeyedField, KeyRef
 from studio.engine.live_adaptation import normalized_with_actor
-from studio.engine.standing_solver import StandingSolver
+from studio.engine.standing_solver import GroundingSolver
 from studio.library.scenes.fight import fight_training
 from studio.timeline.shown import RowContext
 from studio.timeline.tracks.value_curves import HandleRef, ValueCurves, plot_area
@@ -134,7 +134,7 @@ class Watch:
         self._paint_rows(*arguments)
         live = self._window.bench.live
         performers = self._window.bench.document.project.performers
-        if self.rows_current_at is None and not live.interactive and all(map(live.reported, performers)):
+        if self.rows_current_at is None and not live.interactive and all(map(live.reported_motion, performers)):
             self.rows_current_at = time.monotonic()
 
 
@@ -393,9 +393,9 @@ def tables(results: Sequence[Result]) -> str:
 
 def slow_down(factor: float) -> None:
     """Make every solve take ``factor`` times its processor time, without Python's lock, as on a slower machine."""
-    solve, block = StandingSolver.__call__, bytes(100_000)
+    solve, block = GroundingSolver.__call__, bytes(100_000)
 
-    def solve_slowly(self: StandingSolver, request: AdaptRequest, first: int, last: int | None) -> AdaptedMotion:
+    def solve_slowly(self: GroundingSolver, request: AdaptRequest, first: int, last: int | None) -> AdaptedMotion:
         begun = time.thread_time()
         solved = solve(self, request, first, last)
         end = begun + factor * (time.thread_time() - begun)
@@ -403,7 +403,7 @@ def slow_down(factor: float) -> None:
             hashlib.sha256(block)
         return solved
 
-    StandingSolver.__call__ = solve_slowly  # type: ignore[method-assign]
+    GroundingSolver.__call__ = solve_slowly  # type: ignore[method-assign]
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -445,6 +445,6 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def _close(window: MainWindow) -> None:
-    window.leave()
+    window.close_without_saving()
     window.deleteLater()
     run_window(100)

@@ -21,7 +21,7 @@ from studio.viewport.widget import Viewport
 
 MEASURED: tuple[tuple[str, type, str], ...] = (
     ("engine", LiveAdaptation, "_refresh"), ("engine", LiveAdaptation, "_take"),
-    ("solving for the picture", LiveAdaptation, "bring"), ("painting of all that has changed", Canvas, "_take"),
+    ("solving for the picture", LiveAdaptation, "solve_frame"), ("painting of all that has changed", Canvas, "_take"),
     ("drawing: bodies", BodyVisual, "pose"), ("drawing: shadows", SoftShadows, "cast"),
     ("drawing: lines", Viewport, "_paths"), ("drawing: lines", LiveLines, "show_paths"),
     ("drawing: VTK and its copy", StageScene, "render"), ("drawing: other", Canvas, "_draw"),

@@ -77,7 +77,7 @@ def open_window(project: Project, folder: Path) -> MainWindow:
     import_views()
     show_views(window)
     freeze_loaded_objects(window)
-    assert window.bench.live.wait(300.0)
+    assert window.bench.live.wait_until_solved(300.0)
     return window
 
 
@@ -89,7 +89,7 @@ def open_clip(clip: ReadyCapture, count: int, folder: Path) -> MainWindow:
     seconds = middle_of(clip) - clip.capture.first_frame / clip.capture.frame_rate
     document.playhead.set_time(seconds)
     window.bench.timeline.tracks.axis.zoom(5.0, window.bench.timeline.tracks.axis.x_of_time(seconds))
-    assert window.bench.live.wait(300.0)
+    assert window.bench.live.wait_until_solved(300.0)
     document.selection.set(("performers", next(iter(project.performers))), ("constraints", DRAGGED))
     run_window(1000)
     return window

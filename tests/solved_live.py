@@ -29,7 +29,7 @@ class SolvedLive(QObject):
     def interactive(self, value: bool) -> None:
         self._interactive = value
 
-    def reported(self, performer_id: str) -> AdaptedMotion | None:
+    def reported_motion(self, performer_id: str) -> AdaptedMotion | None:
         return self.result(performer_id)
 
     def asked_at(self, performer_id: str) -> float | None:
@@ -41,10 +41,10 @@ class SolvedLive(QObject):
     def failure(self, performer_id: str) -> str:
         return ""
 
-    def bring(self, seconds: float) -> None:
+    def solve_frame(self, seconds: float) -> None:
         pass
 
-    def shown(self, performer_id: str) -> AdaptedMotion | None:
+    def shown_frame(self, performer_id: str) -> AdaptedMotion | None:
         return self.result(performer_id)
 
     def is_eased(self, performer_id: str) -> bool:

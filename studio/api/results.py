@@ -40,7 +40,7 @@ class Adapted:
     def times(self) -> FloatArray:
         """Stage time of each frame, (F,) seconds."""
         timing = self.performance.composite.timing
-        return timing.start + np.arange(self.performance.played.frame_count) / self.frame_rate
+        return timing.start + np.arange(self.performance.adapted_on_stage.frame_count) / self.frame_rate
 
     def frame_at(self, time: float) -> int:
         """Frame nearest to ``time``, in seconds of the stage."""
@@ -49,7 +49,7 @@ class Adapted:
     def place_of(self, point: BodyPoint) -> FloatArray:
         """Positions of a point of the body, (F, 3) metres on the stage."""
         placement = Placement.of(self.project.performers[self.performer_id])
-        return placement.to_stage(body_point_positions(point, self.performance.played))
+        return placement.to_stage(body_point_positions(point, self.performance.adapted_on_stage))
 
     @property
     def residuals(self) -> dict[str, FloatArray]:
@@ -59,7 +59,9 @@ class Adapted:
         playing clip.
         """
         found: dict[str, FloatArray] = {}
-        for asked, row in zip(self.performance.clip_constraints, self.performance.played.residuals, strict=True):
+        for asked, row in zip(
+            self.performance.clip_constraints, self.performance.adapted_on_stage.residuals, strict=True
+        ):
             earlier = found.get(asked.constraint_id)
             found[asked.constraint_id] = row if earlier is None else np.where(np.isnan(row), earlier, row)
         return found
@@ -69,4 +71,6 @@ class Adapted:
         """Figures that ``adapt`` writes to ``report.json``: foot slide, penetration, constraints met, ..."""
         request, composite = self.performance.request, self.performance.composite
         source = motion_on_body(composite.motion, request.actor or request.morphology.first_frame_body)
-        return quality_record(grounded_motion(request), request, self.performance.played, source, by_frame=False)
+        return quality_record(
+            grounded_motion(request), request, self.performance.adapted_on_stage, source, by_frame=False
+        )

@@ -155,7 +155,7 @@ class ActionSet(QObject):
             try:
                 row.run(self._bench)
             except StudioError as error:
-                self._bench.say(str(error), until=Lifetime.SELECTED)
+                self._bench.post_message(str(error), until=Lifetime.SELECTED)
             self.refresh()
 
         return run

@@ -44,7 +44,7 @@ def main(argv: Sequence[str] | None = None, warm_up: WarmUp | None = None) -> No
     warm_up = warm_up or WarmUp(held=True)
     journals = journal_folder()
     window = make_window(settings, Document(journal_folder=journals), warm_up)
-    problems.message_posted.connect(window.bench.say)
+    problems.message_posted.connect(window.bench.post_message)
     window.show()
     QTimer.singleShot(0, window, lambda: fill_window(window, [Path(name) for name in names], journals, warm_up))
     code = application.exec()

@@ -148,7 +148,7 @@ class BatchDialog(QDialog):
 
     def _done(self, result: BatchResult) -> None:
         self._page = result.page
-        self._end(result.words)
+        self._end(result.summary)
 
     def _failed(self, task: int, sentence: str) -> None:
         if task == self._task:
@@ -163,7 +163,7 @@ class BatchDialog(QDialog):
         self.words.setText(words)
         self._refresh()
         if self.isHidden():
-            self._bench.say(words)
+            self._bench.post_message(words)
             self.deleteLater()
 
     def closeEvent(self, event: QCloseEvent) -> None:

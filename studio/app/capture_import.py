@@ -212,7 +212,7 @@ def reread_capture(
             if motion.path is not None:
                 bench.sources[capture_id] = motion.path
                 if old.digest not in ("", motion.capture.digest):
-                    bench.say(
+                    bench.post_message(
                         f"The content of {motion.path} has changed since it was imported.",
                         until=Lifetime.PROJECT_OPENED,
                     )
@@ -232,13 +232,15 @@ def report_repairs(bench: Workbench, capture_id: str) -> None:
     if capture.markers is not None and capture.body_map is None:
         ask = ("Markers…", lambda: bench.window.inspector.markers_requested.emit(capture_id))
         held = next(guess.reason for guess in capture.guesses if guess.subject == "marker map").partition(".")[0]
-        bench.say(f"No skeleton was found in {capture.source}. {held}: label its markers.", ask, until=Lifetime.EDITED)
+        bench.post_message(
+            f"No skeleton was found in {capture.source}. {held}: label its markers.", ask, until=Lifetime.EDITED
+        )
         return
     if not capture.repairs:
         bench.clear_message()
         return
     report = ("Import report", lambda: bench.document.selection.set(("captures", capture_id)))
-    bench.say(repair_words(capture), report, ("Close", bench.clear_message), until=Lifetime.PROJECT_OPENED)
+    bench.post_message(repair_words(capture), report, ("Close", bench.clear_message), until=Lifetime.PROJECT_OPENED)
 
 
 def repair_words(capture: Capture) -> str:

@@ -129,7 +129,7 @@ def add_read_character(document: Document, character: Character, text: str) -> s
 def _half_breadth(character: Character) -> float:
     """Greatest distance in metres from the middle of trunk and head, cape and hat included."""
     skin, layout = character.skin, character.build.layout
-    middle = skin.segments[:, 0] < layout.segment(BodyPart.LEFT_CLAVICLE)
+    middle = skin.segments[:, 0] < layout.segment_of_part(BodyPart.LEFT_CLAVICLE)
     scale = character.morphology.stature / character.build.stature
     return scale * float(np.abs(skin.vertices[middle, 1]).max(initial=0.0))
 
@@ -149,7 +149,7 @@ def _tell(bench: Workbench, path: Path, read: ReadCharacter) -> None:
         sentences.append("The file also contains animation." if sentences else f"{path.name} also contains animation.")
         actions.insert(0, ("Import its motion", lambda: import_motion(bench, path)))
     if sentences:
-        bench.say(" ".join(sentences), *actions)
+        bench.post_message(" ".join(sentences), *actions)
     else:
         bench.clear_message()
 

@@ -93,5 +93,5 @@ class FootagePlayback(QObject):
 
     def _refuse(self, path: str, sentence: str) -> None:
         self._found = {key: None if str(each) == path else each for key, each in self._found.items()}
-        self._bench.say(sentence)
+        self._bench.post_message(sentence)
         self._refresh()

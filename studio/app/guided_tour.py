@@ -112,10 +112,10 @@ class GuidedTour(QObject):
     def _show(self, number: int) -> None:
         if number == len(STEPS):
             self.end()
-            self._strip.say(END)
+            self._strip.show_sentence(END)
             return
         self._number, self._start = number, self._start_now()
-        self._strip.say(
+        self._strip.show_sentence(
             f"Tour, step {number + 1} of {len(STEPS)}. {STEPS[number].sentence}",
             ("Skip", lambda: self._show(number + 1)),
             ("End tour", self.end),

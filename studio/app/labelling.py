@@ -18,7 +18,7 @@ class LabelController:
         self._striking = striking
         self.form = ClipForm()
         self._number = -1
-        self.form.left.connect(lambda: striking.pages.setCurrentIndex(0))
+        self.form.closed.connect(lambda: striking.pages.setCurrentIndex(0))
         self.form.confirmed.connect(self.keep)
 
     def open(self, clip: "LibraryClip") -> None:

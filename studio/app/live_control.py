@@ -45,7 +45,7 @@ class LiveSource:
     feeder: UdpInput | Replay
     pose: "PoseSource | None" = None
     """The body that comes in, once somebody is driven by it."""
-    told: dict[str, int] = field(default_factory=dict)
+    shown_counts: dict[str, int] = field(default_factory=dict)
     """Packets that had come at the last telling, of all (by an empty name) and of each sender."""
 
     @property
@@ -55,7 +55,7 @@ class LiveSource:
 
     def rate(self, sender: str, packets: int, seconds: float) -> float:
         """Packets per second since the last call."""
-        before, self.told[sender] = self.told.get(sender, packets), packets
+        before, self.shown_counts[sender] = self.shown_counts.get(sender, packets), packets
         return (packets - before) / max(seconds, 1e-3)
 
 
@@ -87,7 +87,7 @@ class LiveControl:
         self._tick = QTimer(self.panel, interval=POLL_MILLISECONDS)
         self._tick.timeout.connect(self.poll_sources)
         self._telling = QTimer(self.panel, interval=REPORT_MILLISECONDS)
-        self._telling.timeout.connect(self.tell)
+        self._telling.timeout.connect(self.update_counts)
         panel = self.panel
         panel.listen_requested.connect(self.listen)
         panel.replay_requested.connect(lambda: ask_file(bench, "Replay OSC recording", RECORDINGS, self.replay))
@@ -109,9 +109,9 @@ class LiveControl:
         try:
             feeder = UdpInput(Inbox(), port, address)
         except StudioError as error:
-            self.bench.say(str(error))
+            self.bench.post_message(str(error))
             return
-        feeder.kept = self.recorder.keep if self.recorder else None
+        feeder.kept = self.recorder.record_packet if self.recorder else None
         self._add(LiveSource(f"Port {feeder.port}", feeder))
 
     def replay(self, path: Path) -> None:
@@ -119,11 +119,11 @@ class LiveControl:
         try:
             replay = Replay(path, Inbox())
         except StudioError as error:
-            self.bench.say(str(error))
+            self.bench.post_message(str(error))
             return
         self._add(LiveSource(path.name, replay))
         if replay.problem:
-            self.bench.say(replay.problem)
+            self.bench.post_message(replay.problem)
 
     def record(self, path: Path) -> None:
         """Write all received datagrams to a file, in place of any other, until stopped."""
@@ -131,10 +131,10 @@ class LiveControl:
         try:
             self.recorder = Recorder(path)
         except StudioError as error:
-            self.bench.say(str(error))
+            self.bench.post_message(str(error))
             return
         self._keep_by(self.recorder)
-        self.tell()
+        self.update_counts()
 
     def stop_recording(self) -> None:
         """Stop recording and close the file."""
@@ -144,8 +144,8 @@ class LiveControl:
         self._keep_by(None)
         recorder.close()
         packets = "packet" if recorder.count == 1 else "packets"
-        self.bench.say(recorder.problem or f"{recorder.path.name} holds {recorder.count} {packets}.")
-        self.tell()
+        self.bench.post_message(recorder.problem or f"{recorder.path.name} holds {recorder.count} {packets}.")
+        self.update_counts()
 
     def close_source(self, key: str) -> None:
         """Close a source; the performers that it drives play their own clips again."""
@@ -159,7 +159,7 @@ class LiveControl:
             self._rest()
             self.tracked = None
         self._run()
-        self.tell()
+        self.update_counts()
 
     def switch(self, key: str, sender: str, on: bool) -> None:
         """Accept or ignore a sender."""
@@ -178,7 +178,7 @@ class LiveControl:
             source.pose = source.pose or ReceivedPose(source.inbox)
         self.bench.live.driven.drive(performer_id, source.pose if source else None)
         self._repaint()
-        self.tell()
+        self.update_counts()
 
     def track(self, key: str, names: str, prop_id: str) -> None:
         """Move a prop with a tracked head; without a source or a prop it stays."""
@@ -186,7 +186,7 @@ class LiveControl:
         self._rest()
         self.tracked = TrackedHead(key, wanted, prop_id) if key in self.sources and wanted and prop_id else None
         self._gesture = self.bench.document.new_gesture()
-        self.tell()
+        self.update_counts()
 
     def stream(self, on: bool, address: str = LOOPBACK, port: int = OUT_PORT) -> None:
         """Send the visible bodies as VMC, the first to ``port``, the next to the one after it."""
@@ -194,7 +194,7 @@ class LiveControl:
             self.broadcast.close()
         self.broadcast, self._out_port = Broadcast(address or LOOPBACK) if on else None, port
         self._run()
-        self.tell()
+        self.update_counts()
 
     def close(self) -> None:
         """End all threads."""
@@ -210,7 +210,7 @@ class LiveControl:
 
     def poll_sources(self) -> None:
         """Take the values received since the last call, and send the visible bodies."""
-        taken = sum(source.inbox.counts.taken for source in self.sources.values())
+        taken = sum(source.inbox.counts.accepted for source in self.sources.values())
         if taken != self._seen:
             self._seen = taken
             self._move_target()
@@ -225,7 +225,7 @@ class LiveControl:
     def bodies_to_stream(self) -> list[tuple[str, StreamedPose]]:
         """Visible bodies with their names, at their positions on the stage."""
         document = self.bench.document
-        posed = posed_performers(document.project, self.bench.live.shown, document.playhead.time)
+        posed = posed_performers(document.project, self.bench.live.shown_frame, document.playhead.time)
         bodies = []
         for place, pose in enumerate(posed.values()):
             turned = pose.placement.rotation @ pose.motion.rotations[pose.row]
@@ -238,7 +238,7 @@ class LiveControl:
         prop = document.project.props.get(tracked.prop_id) if tracked else None
         if tracked is None or prop is None or tracked.source not in self.sources:
             return
-        place = self.sources[tracked.source].inbox.place(tracked.names)
+        place = self.sources[tracked.source].inbox.position_of(tracked.names)
         if place is None:
             return
         x, y, z = place.tolist()
@@ -260,7 +260,7 @@ class LiveControl:
         """Let the tracked head look at the stage through the screen, from the present camera."""
         place = self._head()
         if on and place is None:
-            self.bench.say(
+            self.bench.post_message(
                 "No head is being tracked. In the Live panel, listen to a port and choose the head to follow."
             )
             return
@@ -272,7 +272,7 @@ class LiveControl:
         """(3,) position of the tracked head; that of the source and names in the panel if no prop is moved."""
         source = self.sources.get(self.tracked.source if self.tracked else str(self.panel.head.value))
         names = self.tracked.names if self.tracked else names_in(self.panel.names.text())
-        return None if source is None else source.inbox.place(names)
+        return None if source is None else source.inbox.position_of(names)
 
     def _move_eye(self) -> None:
         place = None if self.head_from is None else self._head()
@@ -283,7 +283,7 @@ class LiveControl:
     def _look_from(self, head: EyePosition) -> None:
         if self.bench.has_viewport:
             viewport = self.bench.viewport
-            viewport.set_stereo_view(replace(viewport.sight, head=head))
+            viewport.set_stereo_view(replace(viewport.stereo_view, head=head))
 
     def _rest(self) -> None:
         if self._moved_at:
@@ -292,7 +292,7 @@ class LiveControl:
 
     # What is told
 
-    def tell(self) -> None:
+    def update_counts(self) -> None:
         """Show the received counts."""
         now = time.monotonic()
         seconds, self._told_at = now - self._told_at, now
@@ -301,11 +301,11 @@ class LiveControl:
             number = source.inbox.counts
             counts = [
                 old + new
-                for old, new in zip(counts, (number.taken, number.malformed, number.unknown_senders), strict=True)
+                for old, new in zip(counts, (number.accepted, number.malformed, number.unknown_senders), strict=True)
             ]
             drives = self._drives(key)
             name = f"{source.name}, drives {drives}" if drives else source.name
-            rate = source.rate("", number.taken, seconds)
+            rate = source.rate("", number.accepted, seconds)
             rows.append(InputRow(key, source.name, name, rate, _senders(source, now, seconds)))
         words = f"{counts[0]:,} packets received, {counts[1]:,} invalid, {counts[2]:,} from disabled senders."
         problems = list(self.bench.live.driven.problems.values())
@@ -335,7 +335,7 @@ class LiveControl:
         number = 1 + max((int(key) for key in self.sources), default=0)
         self.sources[str(number)] = source
         self._run()
-        self.tell()
+        self.update_counts()
 
     def _run(self) -> None:
         if self.sources or self.broadcast is not None:
@@ -348,7 +348,7 @@ class LiveControl:
     def _keep_by(self, recorder: Recorder | None) -> None:
         for source in self.sources.values():
             if isinstance(source.feeder, UdpInput):
-                source.feeder.kept = recorder.keep if recorder else None
+                source.feeder.kept = recorder.record_packet if recorder else None
 
     def _ask_recording(self) -> None:
         if self.recorder is not None:

@@ -140,7 +140,7 @@ class MainWindow(QMainWindow):
     def show_timeline(self, timeline: "Timeline") -> None:
         """Add the timeline to its dock."""
         self.docks["Timeline"].setWidget(timeline)
-        timeline.message_posted.connect(self.status.tell)
+        timeline.message_posted.connect(self.status.show_hint)
         timeline.action_requested.connect(lambda key: self.actions_by_id.by_id[key].trigger())
         timeline.tracks.strike_dropped.connect(self.striking.play)
         LibraryDrops(timeline.tracks, BODIES).dropped.connect(self.library.open_item)
@@ -282,7 +282,7 @@ class MainWindow(QMainWindow):
         self.behaviour.action_requested.connect(lambda key: self.actions_by_id.by_id[key].trigger())
         self.console = Console(self.bench.document)
         self.problem_search = ProblemSearch(self.bench.document, self.bench.live, self)
-        self.problem_search.failed.connect(self.bench.say)
+        self.problem_search.failed.connect(self.bench.post_message)
         self.problem_tour = ProblemTour(self.bench, self.problem_search, self)
         self.problems = ProblemTable(self.problem_search)
         self.problems.problem_chosen.connect(self.problem_tour.show)
@@ -407,7 +407,7 @@ class MainWindow(QMainWindow):
         try:
             capture_import.reimport(self.bench, capture_id, option)
         except StudioError as error:
-            self.bench.say(str(error))
+            self.bench.post_message(str(error))
 
     def event(self, event: QEvent) -> bool:
         """Leave Space to the button that has the focus, which only Tab gives to it."""
@@ -451,7 +451,7 @@ class MainWindow(QMainWindow):
             try:
                 files.open_path(self.bench, path)
             except StudioError as error:
-                self.bench.say(str(error))
+                self.bench.post_message(str(error))
 
     def showEvent(self, event: QShowEvent) -> None:
         """Set the sizes of docks, which need a visible window."""
@@ -475,7 +475,7 @@ class MainWindow(QMainWindow):
         """Ask about unsaved work without a modal dialog; then stop everything, views first."""
         if self.bench.document.dirty and not self._leaving:
             event.ignore()
-            self.run_when_saved(self.leave)
+            self.run_when_saved(self.close_without_saving)
             return
         self.bench.settings.remember_layout(self.saveGeometry(), self.saveState())
         if self.bench.has_viewport:
@@ -493,7 +493,7 @@ class MainWindow(QMainWindow):
         event.accept()
         self.closed.emit()
 
-    def leave(self) -> None:
+    def close_without_saving(self) -> None:
         """Close without saving; the journal keeps unsaved edits."""
         self._leaving = True
         self.close()

@@ -122,7 +122,7 @@ class MarkerDialog(QDialog):
         self._refresh()
 
     def _refresh(self) -> None:
-        self.words.setText(self.assistant.words)
+        self.words.setText(self.assistant.summary)
         now, shown = self.take, self._take
         same = (now.marker_map, now.subject, now.steps) == (shown.marker_map, shown.subject, shown.steps)
         self.apply.setEnabled(not same)
@@ -144,7 +144,7 @@ class MarkerDialog(QDialog):
     def _mark(self, labels: Collection[str]) -> None:
         """Highlight markers in the 3D view."""
         if self._bench.has_viewport:
-            self._bench.viewport.recording.mark(labels)
+            self._bench.viewport.recording.set_marked(labels)
 
     def _show_time(self, seconds: float) -> None:
         self.signals.show_time(seconds)

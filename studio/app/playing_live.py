@@ -105,7 +105,7 @@ def toggle(bench: Workbench) -> None:
         bench.live.play.end()
         return
     if not bench.live.play.begin():
-        bench.say(
+        bench.post_message(
             "The solver is still being prepared. Start live play when the progress bar below is gone.",
             until=Lifetime.EDITED,
         )

@@ -30,7 +30,7 @@ def show_plug_in(window: "MainWindow", offer: plug_ins.PlugInEntry) -> None:
         try:
             dock = _dock(window, offer)
         except StudioError as error:
-            window.bench.say(str(error))
+            window.bench.post_message(str(error))
             return
         dock.setObjectName(key)
         window.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, dock)

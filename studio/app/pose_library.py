@@ -98,7 +98,7 @@ class PoseLibrary:
         """Active performer's id and pose at the playhead."""
         document = self._bench.document
         key = document.active_performer_id or ""
-        performer, motion = document.project.performers.get(key), self._bench.live.shown(key)
+        performer, motion = document.project.performers.get(key), self._bench.live.shown_frame(key)
         if performer is None or motion is None or not performer.clips:
             raise StudioError(NO_POSE)
         return key, pose_of(document.project, performer, motion, document.playhead.time)
@@ -107,7 +107,7 @@ class PoseLibrary:
         try:
             work()
         except StudioError as error:
-            self._bench.say(str(error))
+            self._bench.post_message(str(error))
 
 
 def _hips_height(shown: PosedPerformer) -> float:

@@ -51,8 +51,10 @@ class ProblemTour(QObject):
         at = places.get(self._at) if self._at is not None else None
         self._go_to(problems, 0 if at is None else (at + step) % len(problems))
 
-    def _go_to(self, problems: tuple[FoundProblem, ...], place: int) -> None:
-        problem = problems[place]
+    def _go_to(self, problems: tuple[FoundProblem, ...], index: int) -> None:
+        problem = problems[index]
         self._at = problem.key
         self.show(problem.row, problem.aspect)
-        self._bench.say(f"Problem {place + 1} of {len(problems)}. {problem.sentence}.", until=Lifetime.SELECTED)
+        self._bench.post_message(
+            f"Problem {index + 1} of {len(problems)}. {problem.sentence}.", until=Lifetime.SELECTED
+        )

@@ -19,11 +19,11 @@ def offer_recovery(bench: Workbench, folder: Path) -> None:
     bench.journals = folder
     try:
         for sentence in put_damaged_aside(folder):
-            bench.say(sentence)
+            bench.post_message(sentence)
         sessions = recoverable_sessions(folder)
         remove_useless_sessions(folder)
     except OSError as error:
-        bench.say(f"The recovery folder '{folder}' cannot be read: {error.strerror}.")
+        bench.post_message(f"The recovery folder '{folder}' cannot be read: {error.strerror}.")
         return
     if sessions:
         bench.window.recovery.offer(session_message(sessions[0]), lambda: _recover(bench, sessions[0]))

@@ -52,7 +52,7 @@ def relink(bench: Workbench, capture_id: str) -> int:
     def found(source: SourceFile) -> None:
         link_source(bench, capture_id, source)
         other = ("Choose another…", lambda: ask_source(bench, capture_id))
-        bench.say(_words(bench, capture_id, source), ("Close", bench.clear_message), other)
+        bench.post_message(_words(bench, capture_id, source), ("Close", bench.clear_message), other)
 
     task: int = bench.runner.run(f"Looking for {capture.source}", source_finder(bench, capture_id), found, missed)
     return task
@@ -61,7 +61,7 @@ def relink(bench: Workbench, capture_id: str) -> int:
 def offer_relinking(bench: Workbench, capture_id: str, error: StudioError, then: Callable[[], object]) -> None:
     """Report that a source is missing, with a button that asks for it and then calls ``then``."""
     ask = ("Relink…", lambda: ask_source(bench, capture_id, then))
-    bench.say(str(error), ask, ("Close", bench.clear_message))
+    bench.post_message(str(error), ask, ("Close", bench.clear_message))
 
 
 def ask_source(bench: Workbench, capture_id: str, then: Callable[[], object] = lambda: None) -> None:
@@ -73,7 +73,7 @@ def ask_source(bench: Workbench, capture_id: str, then: Callable[[], object] = l
     def chosen(path: Path) -> None:
         def linked(source: SourceFile) -> None:
             link_source(bench, capture_id, source)
-            bench.say(_words(bench, capture_id, source))
+            bench.post_message(_words(bench, capture_id, source))
             then()
 
         bench.runner.run(f"Relinking {capture.name}", lambda _: SourceFile(path, digest_of(path)), linked)
@@ -96,7 +96,7 @@ def link_source(bench: Workbench, capture_id: str, source: SourceFile) -> None:
 def offer_media_relinking(bench: Workbench, collection: str, source: str, error: StudioError) -> None:
     """Report that the file ``source`` of sounds or footage is missing, with a button that asks for it."""
     ask = ("Relink…", lambda: ask_media(bench, collection, source))
-    bench.say(str(error), ask, ("Close", bench.clear_message))
+    bench.post_message(str(error), ask, ("Close", bench.clear_message))
 
 
 def ask_media(bench: Workbench, collection: str, source: str) -> None:

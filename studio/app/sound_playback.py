@@ -94,4 +94,4 @@ class SoundPlayback(QObject):
     def _tell_once(self, sentence: str) -> None:
         if sentence not in self._told:
             self._told.add(sentence)
-            self._bench.say(sentence)
+            self._bench.post_message(sentence)

@@ -81,7 +81,7 @@ def put_strike(bench: Workbench, wish: StrikeRequest, source: ReadMotion | str) 
         entries = document.project.motions.items()
         motion_id = next(each for each, motion in entries if motion.capture_id == capture_id)
         performer = document.project.performers[key]
-        ease = EASED_IN * found.seconds
+        ease = EASED_IN * found.seconds_to_hit
         label = found.clip.label
         grip = FIST_GRIP if label.kind is Kind.PUNCH else None
         clip = Clip(motion_id, found.start, label.last, wish.time, id=new_id(), ease=ease, grip=grip)

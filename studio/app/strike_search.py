@@ -110,7 +110,7 @@ class StrikeSearchController:
             self.search_in(library)
             words = f"{remarks} {_unused_files(report, folder)}".strip()
             if words:
-                self.bench.say(words)
+                self.bench.post_message(words)
 
         task: int = self.bench.runner.run(f"Indexing {folder.name}", work, done)
         return task
@@ -136,23 +136,23 @@ class StrikeSearchController:
             library, remarks = answer
             self.search_in(library)
             if remarks:
-                self.bench.say(remarks)
+                self.bench.post_message(remarks)
 
         self.bench.runner.run("Opening the motion library", work, done)
 
-    def play(self, place: int, performer_id: str | None = None, time: float | None = None) -> None:
+    def play(self, index: int, performer_id: str | None = None, time: float | None = None) -> None:
         """Let a performer, by default the active one, play the listed strike from ``time`` on, by default the
         playhead's; errors are reported as a message.
         """
         self.aim_at(-1)
         document = self.bench.document
         key = performer_id or document.active_performer_id
-        if not 0 <= place < len(self.listed) or key is None or key not in document.project.performers:
+        if not 0 <= index < len(self.listed) or key is None or key not in document.project.performers:
             return
         try:
-            self._play(self._wish(self.listed[place], key, document.playhead.time if time is None else time))
+            self._play(self._wish(self.listed[index], key, document.playhead.time if time is None else time))
         except StudioError as error:
-            self.bench.say(str(error))
+            self.bench.post_message(str(error))
 
     def _play(self, wish: StrikeRequest) -> None:
         path = wish.found.clip.take.path
@@ -188,19 +188,19 @@ class StrikeSearchController:
         frozen = None if self.panel.follows else target.place(project, self.bench.live.result, time)
         return StrikeRequest(found[0], performer_id, time, target, frozen)
 
-    def aim_at(self, place: int) -> None:
-        """Show the listed strike as a ghost; none if ``place`` is negative."""
-        if 0 <= place < len(self.found) and self._sought is not None:
+    def aim_at(self, index: int) -> None:
+        """Show the listed strike as a ghost; none if ``index`` is negative."""
+        if 0 <= index < len(self.found) and self._sought is not None:
             asked, where = self._sought
-            self._show_ghost(self.found[place].found, asked, where)
-        elif 0 <= place < len(self.listed):
-            self.show_ghost(self.listed[place], self.listed[place].searched.start)
+            self._show_ghost(self.found[index].found, asked, where)
+        elif 0 <= index < len(self.listed):
+            self.show_ghost(self.listed[index], self.listed[index].searched_frames.start)
         else:
             self.show_ghost(None, 0)
 
-    def label(self, place: int) -> None:
+    def label(self, index: int) -> None:
         """Open the result at an index of the list, to correct its label."""
-        self.labelling.open(self.listed[place])
+        self.labelling.open(self.listed[index])
 
     def show_ghost(self, clip: "LibraryClip | None", frame: int) -> None:
         """Show a clip from a frame of its take to its hit, aligned with the active body; None ends it."""

@@ -47,10 +47,10 @@ class Workbench(QObject):
         # What is connected to them would keep them, and all that they hold, for good: they go with their parent.
         for part in (document, live, runner):
             part.setParent(self)
-        document.problem_reported.connect(self.say)
-        runner.failed.connect(lambda _, sentence: self.say(sentence))
+        document.problem_reported.connect(self.post_message)
+        runner.failed.connect(lambda _, sentence: self.post_message(sentence))
 
-    def say(self, sentence: str, *answers: Answer, until: Lifetime = Lifetime.CLOSED) -> None:
+    def post_message(self, sentence: str, *answers: Answer, until: Lifetime = Lifetime.CLOSED) -> None:
         """Show a warning to the user, with buttons for the answers to it; it is removed at the event ``until``."""
         self.message_posted.emit(UserMessage(sentence, answers, until))
 

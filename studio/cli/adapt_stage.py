@@ -120,7 +120,7 @@ def performer_record(project: Project, key: str, performance: Performance, path:
         "begin": composite.timing.start,
         "frame_rate": composite.timing.frame_rate,
         "sweeps": performance.iterations,
-        **quality_record(grounded_motion(request), request, performance.played, source, by_frame),
+        **quality_record(grounded_motion(request), request, performance.adapted_on_stage, source, by_frame),
     }
 
 

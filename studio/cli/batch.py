@@ -57,4 +57,4 @@ def _print_result(result: BatchResult, as_json: bool) -> None:
             }
         )
         return
-    print(f"{result.words} Summary: {result.table}, {result.page}")
+    print(f"{result.summary} Summary: {result.table}, {result.page}")

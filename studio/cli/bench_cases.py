@@ -24,7 +24,7 @@ from studio.core.rotations import normalized
 from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.stand import Standing, stand
+from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, ReadyCapture
 
 FloatArray = NDArray[np.float64]
@@ -132,13 +132,13 @@ def wrist(side: int, target: str, chain: Chain, priority: int = 0) -> PositionCo
     return _position(BENCH_FOREARMS[side], target, chain, priority)
 
 
-def before_shoulder(standing: Standing, side: int, reach: float) -> FloatArray:
+def before_shoulder(standing: GroundedMotion, side: int, reach: float) -> FloatArray:
     """Positions (F, 3) ``reach`` arm lengths before, and a little outside and below, a shoulder."""
     length = float(standing.morphology.first_frame_body.arm[side].sum())
     return np.asarray(_shoulder(standing, side) + reach * length * _directions(standing, side))
 
 
-def beyond_arm(standing: Standing, side: int) -> FloatArray:
+def beyond_arm(standing: GroundedMotion, side: int) -> FloatArray:
     """Positions (F, 3) that the arm alone misses by ``TARGET_BEYOND_REACH``, as it is solved."""
     far = before_shoulder(standing, side, FAR_TARGET)
     missed = solve_constraints(standing, (wrist(side, "far", LIMB),), tracks={_follow("far"): _track(far)}).residuals[0]
@@ -157,11 +157,11 @@ def elbow_aside(solved: AdaptedMotion, side: int) -> tuple[PositionConstraint, T
     return _position(BENCH_UPPER_ARMS[side], "aside", WITH_TRUNK, 1), _track(elbow + ELBOW_OFFSET * out)
 
 
-def _shoulder(standing: Standing, side: int) -> FloatArray:
+def _shoulder(standing: GroundedMotion, side: int) -> FloatArray:
     return standing.positions[:, standing.morphology.layout.collar_point(side) + 1]
 
 
-def _directions(standing: Standing, side: int) -> FloatArray:
+def _directions(standing: GroundedMotion, side: int) -> FloatArray:
     """Unit directions (F, 3) forwards, a little outwards and down."""
     yaw = standing.motion.channels[:, at.YAW]
     forward, out = 0.9, 0.3 - 0.6 * side
@@ -188,4 +188,4 @@ def places_of(task: BenchCase, constraint: PositionConstraint) -> FloatArray:
         raise TypeError(f"'{constraint.name}' is not a target of a task.")
     track = task.request.tracks[constraint.target]
     assert isinstance(track, Track)
-    return track.places
+    return track.positions

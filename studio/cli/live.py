@@ -63,7 +63,7 @@ def run(arguments: Namespace) -> int:
     if arguments.head:
         counts = inbox.counts
         print(
-            f"{counts.taken} packets received, {counts.malformed} invalid,"
+            f"{counts.accepted} packets received, {counts.malformed} invalid,"
             f" {counts.unknown_senders} from unknown senders"
         )
     return STOPPED if report.stopped else 0
@@ -103,7 +103,7 @@ def target_of(arguments: Namespace, inbox: Inbox, stature: float, stack: ExitSta
         while packets is not None and waiting[0] is not None and waiting[0][0] <= now:
             inbox.receive(waiting[0][1])
             waiting[0] = next(packets, None)
-        place = inbox.place(arguments.head)
+        place = inbox.position_of(arguments.head)
         last[0] = last[0] if place is None else place
         return last[0]
 

@@ -50,7 +50,12 @@ def asked_by(arguments: Namespace) -> StrikeQuery:
 
 def result_record(found: Result) -> dict[str, object]:
     """Record of a result for JSON."""
-    numbers = {"posture_m": found.posture, "reach_m": found.reach, "cost": found.cost, "seconds_to_hit": found.seconds}
+    numbers = {
+        "posture_m": found.posture,
+        "reach_m": found.reach,
+        "cost": found.cost,
+        "seconds_to_hit": found.seconds_to_hit,
+    }
     return {
         **clip_record(found.clip),
         "from_frame": found.start,

@@ -22,9 +22,9 @@ def state_key(behaviour_id: str, name: str) -> str:
     return f"{behaviour_id}/{name}"
 
 
-def transition_key(behaviour_id: str, place: int) -> str:
+def transition_key(behaviour_id: str, index: int) -> str:
     """Key by which a transition is selected."""
-    return f"{behaviour_id}/{place}"
+    return f"{behaviour_id}/{index}"
 
 
 def behaviour_with(project: Project, collection: str, key: str) -> str | None:

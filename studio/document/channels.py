@@ -110,22 +110,22 @@ def key_values(channel: Channel, keyed: Keyed) -> FloatArray:
     return np.asarray(points[:, channel.component] * channel.factor)
 
 
-def handle_of(channel: Channel, keyed: Keyed, place: int, side: Side) -> tuple[float, float] | None:
+def handle_of(channel: Channel, keyed: Keyed, index: int, side: Side) -> tuple[float, float] | None:
     """Seconds and value from a key to the end of its tangent's handle; None if there is none on that side."""
-    other = place + (1 if side is Side.LEAVING else -1)
+    other = index + (1 if side is Side.LEAVING else -1)
     if not 0 <= other < len(keyed.times):
         return None
-    gap = keyed.times[other] - keyed.times[place]
+    gap = keyed.times[other] - keyed.times[index]
     if isinstance(keyed, ActivationCurve):
-        if (place, side) not in _EASES or gap == 0.0:
+        if (index, side) not in _EASES or gap == 0.0:
             return None
-        return keyed.weights[place] * gap / HANDLE, 0.0
-    own = keyed.tangents[place] if keyed.tangents else None
+        return keyed.weights[index] * gap / HANDLE, 0.0
+    own = keyed.tangents[index] if keyed.tangents else None
     if side is Side.LEAVING and own is not None and own.is_stepped:
         return None
     weight = own.weights[side] if own is not None else 1.0
     seconds = weight * gap / HANDLE
-    return seconds, seconds * _rate(channel, keyed, place, side)
+    return seconds, seconds * _rate(channel, keyed, index, side)
 
 
 _EASES = ((0, Side.LEAVING), (1, Side.ARRIVING), (2, Side.LEAVING), (3, Side.ARRIVING))
@@ -144,73 +144,73 @@ def with_values(channel: Channel, keyed: Keyed, values: Mapping[int, float]) -> 
 
 
 def with_handle(
-    channel: Channel, keyed: Keyed, place: int, side: Side, seconds: float, value: float, broken: bool = False
+    channel: Channel, keyed: Keyed, index: int, side: Side, seconds: float, value: float, broken: bool = False
 ) -> Keyed:
     """Copy with the end of a tangent's handle at ``seconds`` and ``value`` from its key, as in ``handle_of``; the other
     side rotates with it unless it is ``broken``. Of an activation only the weight changes.
     """
-    other = place + (1 if side is Side.LEAVING else -1)
-    gap = keyed.times[other] - keyed.times[place]
+    other = index + (1 if side is Side.LEAVING else -1)
+    gap = keyed.times[other] - keyed.times[index]
     weight = min(max(HANDLE * seconds / gap, LIGHTEST), HEAVIEST)
     if isinstance(keyed, ActivationCurve):
-        return keyed.with_weight(place, weight)
+        return keyed.with_weight(index, weight)
     least = LIGHTEST * gap / HANDLE
     seconds = seconds if seconds / gap > least / gap else least
-    rate = _stored_rate(channel, keyed, place, side, value / seconds / channel.factor)
-    own = (keyed.tangents[place] if keyed.tangents else None) or Tangents()
+    rate = _stored_rate(channel, keyed, index, side, value / seconds / channel.factor)
+    own = (keyed.tangents[index] if keyed.tangents else None) or Tangents()
     sides = [own.arriving, own.leaving]
     broken = broken or own.broken
     sides[side] = Tangent(TangentMode.FREE, rate, weight)
     if not broken:
         sides[1 - side] = Tangent(TangentMode.FREE, rate, sides[1 - side].weight)
-    return keyed.with_tangents(place, Tangents(sides[0], sides[1], broken))
+    return keyed.with_tangents(index, Tangents(sides[0], sides[1], broken))
 
 
-def with_mode(keyed: Keyed, place: int, mode: TangentMode) -> Keyed:
+def with_mode(keyed: Keyed, index: int, mode: TangentMode) -> Keyed:
     """Copy with another mode of both tangents of a key; a free tangent keeps its present rate.
 
     An activation is unchanged.
     """
     if not isinstance(keyed, Keys):
         return keyed
-    own = (keyed.tangents[place] if keyed.tangents else None) or Tangents()
+    own = (keyed.tangents[index] if keyed.tangents else None) or Tangents()
     if mode is not TangentMode.FREE:
-        return keyed.with_tangents(place, tangents_of(mode, own.weights))
+        return keyed.with_tangents(index, tangents_of(mode, own.weights))
     arriving, leaving = keyed.rates()
-    rate = tuple(((arriving[place] + leaving[place]) / 2.0).tolist())
+    rate = tuple(((arriving[index] + leaving[index]) / 2.0).tolist())
     return keyed.with_tangents(
-        place, Tangents(Tangent(mode, rate, own.weights[0]), Tangent(mode, rate, own.weights[1]))
+        index, Tangents(Tangent(mode, rate, own.weights[0]), Tangent(mode, rate, own.weights[1]))
     )
 
 
-def with_broken(keyed: Keyed, place: int, broken: bool) -> Keyed:
+def with_broken(keyed: Keyed, index: int, broken: bool) -> Keyed:
     """Copy with the tangents of a key broken, each unchanged, or joined again at the mean of both."""
     if not isinstance(keyed, Keys):
         return keyed
     if not broken:
-        return with_mode(keyed, place, TangentMode.FREE)
-    own = (keyed.tangents[place] if keyed.tangents else None) or Tangents()
+        return with_mode(keyed, index, TangentMode.FREE)
+    own = (keyed.tangents[index] if keyed.tangents else None) or Tangents()
     sides = [
-        Tangent(TangentMode.FREE, tuple(rates[place].tolist()), weight)
+        Tangent(TangentMode.FREE, tuple(rates[index].tolist()), weight)
         for rates, weight in zip(keyed.rates(), own.weights, strict=True)
     ]
-    return keyed.with_tangents(place, Tangents(sides[0], sides[1], True))
+    return keyed.with_tangents(index, Tangents(sides[0], sides[1], True))
 
 
-def with_even_weights(keyed: Keyed, place: int) -> Keyed:
+def with_even_weights(keyed: Keyed, index: int) -> Keyed:
     """Copy with the tangent weights of a key set to 1."""
     if isinstance(keyed, ActivationCurve):
-        return keyed.with_weight(place, 1.0)
-    own = keyed.tangents[place] if keyed.tangents else None
+        return keyed.with_weight(index, 1.0)
+    own = keyed.tangents[index] if keyed.tangents else None
     if own is None:
         return keyed
     return keyed.with_tangents(
-        place, replace(own, arriving=replace(own.arriving, weight=1.0), leaving=replace(own.leaving, weight=1.0))
+        index, replace(own, arriving=replace(own.arriving, weight=1.0), leaving=replace(own.leaving, weight=1.0))
     )
 
 
-def _with_component(keyed: Keys, place: int, component: int, value: float) -> object:
-    old = keyed.values[place]
+def _with_component(keyed: Keys, index: int, component: int, value: float) -> object:
+    old = keyed.values[index]
     if isinstance(keyed, KeyedTurn):
         angles = to_euler(SHOWN_EULER_ORDER, np.array(old))
         angles[component] = value
@@ -220,31 +220,31 @@ def _with_component(keyed: Keys, place: int, component: int, value: float) -> ob
     return (*old[:component], value, *old[component + 1 :]) if keyed.size > 1 else value
 
 
-def _rate(channel: Channel, keyed: Keys, place: int, side: Side) -> float:
+def _rate(channel: Channel, keyed: Keys, index: int, side: Side) -> float:
     """Rate a second of a channel on one side of a key, in its unit."""
-    rate = keyed.rates()[side][place]
+    rate = keyed.rates()[side][index]
     if isinstance(keyed, KeyedTurn):
-        rate = _angle_rates(keyed, place, rate)
+        rate = _angle_rates(keyed, index, rate)
     return float(rate[channel.component] * channel.factor)
 
 
-def _stored_rate(channel: Channel, keyed: Keys, place: int, side: Side, rate: float) -> tuple[float, ...]:
+def _stored_rate(channel: Channel, keyed: Keys, index: int, side: Side, rate: float) -> tuple[float, ...]:
     """Rates of all components, in stored units a second, for a given rate of the channel."""
-    rates = keyed.rates()[side][place].copy()
+    rates = keyed.rates()[side][index].copy()
     if not isinstance(keyed, KeyedTurn):
         rates[channel.component] = rate
         return tuple(rates.tolist())
-    angles = to_euler(SHOWN_EULER_ORDER, np.array(keyed.values[place]))
-    turning = _angle_rates(keyed, place, rates)
+    angles = to_euler(SHOWN_EULER_ORDER, np.array(keyed.values[index]))
+    turning = _angle_rates(keyed, index, rates)
     turning[channel.component] = rate
     step = RATE_STEP / max(1.0, float(np.abs(turning).max()))
     later = _rotation(from_euler(SHOWN_EULER_ORDER, angles + step * turning))
-    return tuple((_rotation(np.array(keyed.values[place])).inv() * later).as_rotvec() / step)
+    return tuple((_rotation(np.array(keyed.values[index])).inv() * later).as_rotvec() / step)
 
 
-def _angle_rates(keyed: KeyedTurn, place: int, rate: FloatArray) -> FloatArray:
+def _angle_rates(keyed: KeyedTurn, index: int, rate: FloatArray) -> FloatArray:
     """(3,) rates of heading, pitch and roll, radians a second, of a key with the body rates ``rate`` (3,)."""
-    here = np.array(keyed.values[place])
+    here = np.array(keyed.values[index])
     step = RATE_STEP / max(1.0, float(np.linalg.norm(rate)))
     later = (_rotation(here) * type(_rotation(here)).from_rotvec(step * rate)).as_quat()
     change = to_euler(SHOWN_EULER_ORDER, later) - to_euler(SHOWN_EULER_ORDER, here)

@@ -300,13 +300,13 @@ def _paste_keys(document: EditedProject, records: object, mirrored: bool) -> Non
     )
 
 
-def _keys_of(record: JsonObject, place: int) -> _CopiedKeys:
+def _keys_of(record: JsonObject, index: int) -> _CopiedKeys:
     try:
         kind = CLIPBOARD_KEY_KINDS[record["kind"]]
         keyed: Keys = from_json(record["keys"], kind, _NO_ARRAYS)
         return _CopiedKeys(str(record["entity"]), str(record["field"]), keyed)
     except (KeyError, TypeError, ValueError) as error:
-        raise StudioError(f"{CLIPBOARD_NAME}, keys[{place}]: {error}") from error
+        raise StudioError(f"{CLIPBOARD_NAME}, keys[{index}]: {error}") from error
 
 
 def _destinations(document: EditedProject, copies: Iterable[_CopiedKeys]) -> Iterable[tuple[_CopiedKeys, KeyedField]]:
@@ -374,13 +374,13 @@ def _mirrored(project: Project, field: KeyedField, keyed: Keys) -> Keys:
             values = tuple(map(tuple, MIRROR.directions(keyed.values).tolist()))
             return replace(keyed.with_rates(MIRROR.directions), values=values)
         case KeyedPlace():
-            values = tuple(map(tuple, MIRROR.places(keyed.values).tolist()))
+            values = tuple(map(tuple, MIRROR.positions(keyed.values).tolist()))
             return replace(keyed.with_rates(MIRROR.directions), values=values)
         case KeyedTurn():
             entity = project.get(*field.item)
             assert isinstance(entity, Constraint)
             part = entity.point.part
-            values = tuple(map(tuple, MIRROR.turns(keyed.values, part).tolist()))
+            values = tuple(map(tuple, MIRROR.rotations(keyed.values, part).tolist()))
             return replace(keyed.with_rates(lambda rate: MIRROR.own_rates(rate, part)), values=values)
         case KeyedNumber() if field.name == "heading":
             return replace(keyed.with_rates(lambda rate: -rate), values=tuple(-value for value in keyed.values))

@@ -57,7 +57,7 @@ class SaveSnapshot:
 
     def _refuse_open_elsewhere(self, locks: Path) -> None:
         document_id = document_id_of(self.path)
-        lock = FileLock.taken(lock_of_document(locks, document_id)) if document_id else None
+        lock = FileLock.acquired(lock_of_document(locks, document_id)) if document_id else None
         if lock is not None:
             lock.release()
         elif document_id:
@@ -141,7 +141,7 @@ class Document(EditedProject):
     def make_save(
         self, path: Path | None = None, thumbnail: bytes | None = None, overwrite: bool = False
     ) -> SaveSnapshot:
-        """Make a snapshot to be written by a worker; call ``saved`` afterwards.
+        """Make a snapshot to be written by a worker; call ``note_saved`` afterwards.
 
         ``overwrite`` replaces a file that another program has changed. Raises StudioError if there is no file to save
         to yet, or only another one.
@@ -157,7 +157,7 @@ class Document(EditedProject):
         locks = None if own or overwrite or self._folder is None else self._folder / LOCKS
         return SaveSnapshot(self.project, target, document_id, self.revision, expected, thumbnail, locks)
 
-    def saved(self, saving: SaveSnapshot, stamp: Stamp) -> None:
+    def note_saved(self, saving: SaveSnapshot, stamp: Stamp) -> None:
         """Note that the file of ``saving`` is written, and is this project's file from now on."""
         self._path, self._stamp, self._read_only = saving.path, stamp, ""
         self._unsaved_base = False
@@ -176,7 +176,7 @@ class Document(EditedProject):
     def save(self, path: Path | None = None, thumbnail: bytes | None = None, overwrite: bool = False) -> None:
         """Save and wait for it; ``engine.saving`` does it in the background. Raises as ``make_save`` and its write."""
         saving = self.make_save(path, thumbnail, overwrite)
-        self.saved(saving, saving.write())
+        self.note_saved(saving, saving.write())
 
     def recover(self, session: Session) -> None:
         """Show the last state of a session that died, with its undo history if that can be rebuilt."""
@@ -245,7 +245,7 @@ class Document(EditedProject):
         if self._lock is not None:
             self._lock.release()
         try:
-            self._lock = FileLock.taken(lock_of_document(self._folder / LOCKS, self._document_id))
+            self._lock = FileLock.acquired(lock_of_document(self._folder / LOCKS, self._document_id))
         except OSError as error:
             self._lock = None
             self.problem_reported.emit(

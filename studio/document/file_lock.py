@@ -25,7 +25,7 @@ class FileLock:
         self._stream = stream
 
     @classmethod
-    def taken(cls, path: Path) -> "FileLock | None":
+    def acquired(cls, path: Path) -> "FileLock | None":
         """Lock at ``path``, None if another process holds it. Raises OSError if the file cannot be written."""
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         stream = open(path, "ab", opener=partial(os.open, mode=0o600))  # noqa: SIM115 - open as long as the lock is held

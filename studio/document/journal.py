@@ -204,7 +204,7 @@ class Journal(QObject):
     def _write_session(self) -> None:
         """Write a session from the newest state on, in a file of its own."""
         file = self._folder / f"{self._document_id}-{os.getpid()}-{time.time_ns():x}.sqlite"
-        lock = FileLock.taken(lock_of(file))
+        lock = FileLock.acquired(lock_of(file))
         if self._lock is not None:
             self._lock.release()
         self._lock = lock

@@ -104,7 +104,7 @@ def _abandoned(folder: Path) -> list[tuple[Path, Session | None]]:
     found = []
     for file in folder.glob("*.sqlite") if folder.is_dir() else ():
         try:
-            lock = FileLock.taken(lock_of(file))
+            lock = FileLock.acquired(lock_of(file))
         except OSError:  # a folder in its place: nobody's journal
             continue
         if lock is None:

@@ -39,15 +39,15 @@ class DrivenPerformers:
             self._sources[performer_id] = source
 
     @property
-    def shown(self) -> Mapping[str, AdaptedMotion]:
+    def poses(self) -> Mapping[str, AdaptedMotion]:
         """Present poses of all driven performers with input."""
         return self._shown
 
-    def get(self, performer_id: str) -> AdaptedMotion | None:
+    def pose_of(self, performer_id: str) -> AdaptedMotion | None:
         """Present pose of a driven performer; None without a driver or input."""
         return self._shown.get(performer_id)
 
-    def bring(self, project: Project, seconds: float, results: Mapping[str, AdaptedMotion]) -> None:
+    def solve_newest_poses(self, project: Project, seconds: float, results: Mapping[str, AdaptedMotion]) -> None:
         """Solve the newest pose of all driven performers with the constraints at ``seconds`` of the stage."""
         for key, source in self._sources.items():
             pose = source() if key in project.performers else None

@@ -82,7 +82,7 @@ class FrameJob:
     prepare: Prepare
     solve: Solve
 
-    def solved(self, cycle: Cycle) -> FrameResult:
+    def solved_cycle(self, cycle: Cycle) -> FrameResult:
         """Frames of a cycle for the present requests."""
         begun, project = time.thread_time(), self.project
         rows = {key: unsolved_row_at(project, project.performers[key], self.seconds) for key in cycle}
@@ -178,7 +178,7 @@ class FrameStore:
         for held in (self._frames, self._current, self._whole_at, self._costs, self._looked_at):
             held.clear()
 
-    def bring(
+    def solve_frames(
         self,
         project: Project,
         seconds: float,
@@ -223,11 +223,11 @@ class FrameStore:
             if not follows and (waits or not has_room):
                 left.append(cycle)
                 continue
-            outcome = instant.solved(cycle)
+            outcome = instant.solved_cycle(cycle)
             solved |= bool(outcome.spent)
             self._put(outcome)
         turn = self._next_cycles(left, first, project)
-        return (lambda: [instant.solved(cycle) for cycle in turn]) if turn else None
+        return (lambda: [instant.solved_cycle(cycle) for cycle in turn]) if turn else None
 
     def _next_cycles(self, left: list[Cycle], first: Sequence[Cycle], project: Project) -> list[Cycle]:
         """Cycles to solve in the background next: the first edited one and half of the rest, least recent first.
@@ -261,7 +261,7 @@ class FrameStore:
         self._current |= dict.fromkeys(outcome.current, outcome)
 
     def _is_prepared(self, project: Project, performer_id: str) -> bool:
-        return all(map(self._prepare.holds, _captures_of(project, project.performers[performer_id])))
+        return all(map(self._prepare.is_cached, _captures_of(project, project.performers[performer_id])))
 
     def _is_seen(self, cycle: Cycle, project: Project, seconds: float) -> bool:
         """True if the frames, or the whole motions, of a cycle are up to date with ``project``."""

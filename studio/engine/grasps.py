@@ -80,7 +80,9 @@ def captured_grasps(project: Project, performer_id: str) -> list[tuple[float, fl
 def chest_heading(holder: PosedPerformer) -> float:
     """Heading of a chest on the stage, radians about Z."""
     layout = holder.motion.morphology.layout
-    ahead = holder.placement.rotation @ holder.motion.rotations[holder.row, layout.segment(BodyPart.THORAX), :, 0]
+    ahead = (
+        holder.placement.rotation @ holder.motion.rotations[holder.row, layout.segment_of_part(BodyPart.THORAX), :, 0]
+    )
     return math.atan2(ahead[1], ahead[0])
 
 
@@ -89,4 +91,4 @@ def captured_grasp(holder: PosedPerformer) -> FloatArray:
     from studio.core.solver.performers.prop_tracks import Holder  # loads kernels
 
     track = Holder(holder.over_time, [holder.frame - holder.over_time.first_frame], holder.placement)
-    return np.asarray(track.track(Carried("")).places[0])
+    return np.asarray(track.track(Carried("")).positions[0])

@@ -26,7 +26,7 @@ from studio.engine.mouse_timestamps import MouseTimestamps, RestTimer
 from studio.engine.scheduler import SolveScheduler
 from studio.engine.solve_cache import SolveCache
 from studio.engine.solver_kernels import SolverKernels
-from studio.engine.standing_solver import StandingSolver
+from studio.engine.standing_solver import GroundingSolver
 from studio.startup.kernel_warm_up import WarmUp
 
 WINDOW_SECONDS = 0.75
@@ -86,7 +86,7 @@ class LiveAdaptation(QObject):
         super().__init__(parent)
         self._document = document
         self._prepare = SolveCache(prepare)
-        self._standing = StandingSolver()
+        self._standing = GroundingSolver()
         self._solve, self._realise = solve or self._standing, realise
         self._kernels = SolverKernels(warm_up, self)
         self._wanted: dict[str, BodyRequest] = {}
@@ -139,7 +139,7 @@ class LiveAdaptation(QObject):
     def interactive(self, value: bool) -> None:
         if value != self._interactive:
             self._interactive = value
-            self._hand.listen(value)
+            self._hand.set_listening(value)
             if not value and not self.play.running:
                 if self._telling.isActive():
                     self._telling.start()  # what is told is told once: with all that is asked now
@@ -170,18 +170,20 @@ class LiveAdaptation(QObject):
         """Newest whole-clip result; while dragging, with the newest window merged into it."""
         return self._results.get(performer_id)
 
-    def bring(self, seconds: float) -> None:
+    def solve_frame(self, seconds: float) -> None:
         """As ``Live.bring``."""
         if not self._kernels.grounded:
             return
         project = self._document.project
         if self.ready:
-            self.driven.bring(project, seconds, self._results)
+            self.driven.solve_newest_poses(project, seconds, self._results)
         if self.play.running:
-            self.play.drawn()
+            self.play.allow_next_step()
             return
         first, others = self._edited_first(project)
-        left = self._frames.bring(project, seconds, self._changed_at, first, others, self._results, self.driven.shown)
+        left = self._frames.solve_frames(
+            project, seconds, self._changed_at, first, others, self._results, self.driven.poses
+        )
         if left is not None:
             self._beside.request(_FRAMES, self._document.revision, left)
 
@@ -198,9 +200,9 @@ class LiveAdaptation(QObject):
         selected = {*self._document.selection.of("performers")} or {self._document.active_performer_id or ""}
         return [key for key in performer_ids if key in selected]
 
-    def shown(self, performer_id: str) -> AdaptedMotion | None:
+    def shown_frame(self, performer_id: str) -> AdaptedMotion | None:
         """As ``Live.shown``."""
-        driven, frame = self.driven.get(performer_id), self._frames.get(performer_id)
+        driven, frame = self.driven.pose_of(performer_id), self._frames.get(performer_id)
         if driven is not None:
             return driven
         if self.play.moment is not None:
@@ -214,8 +216,8 @@ class LiveAdaptation(QObject):
         frame = self._frames.get(performer_id)
         return frame is None or not (frame.body_request.eased and frame.body_request.constraints)
 
-    def reported(self, performer_id: str) -> AdaptedMotion | None:
-        """As ``Live.reported``: updated a tenth of a second after results have arrived, or have become out of date."""
+    def reported_motion(self, performer_id: str) -> AdaptedMotion | None:
+        """As ``Live.reported_motion``: updated a tenth of a second after results arrived, or became out of date."""
         told = self._told.get(performer_id)
         if self.interactive:
             return told
@@ -270,7 +272,7 @@ class LiveAdaptation(QObject):
         if capture.body_map is not None:
             self._scheduler.request(f"{_EXPECTED}{id(capture)}", 0, lambda: self._prepared(capture))
 
-    def wait(self, timeout: float = 10.0) -> bool:
+    def wait_until_solved(self, timeout: float = 10.0) -> bool:
         """Run the event loop until everything is solved and reported; False after ``timeout`` seconds."""
         end = time.monotonic() + timeout
         while self._kernels.is_pending or self._turn.isActive() or self._rest.isActive() or self._works:
@@ -291,7 +293,7 @@ class LiveAdaptation(QObject):
         """Stop the timers, drop requests, join the workers."""
         for timer in (self._turn, self._rest, self._telling):
             timer.stop()
-        self._hand.listen(False)
+        self._hand.set_listening(False)
         self.play.close()
         self._document.entity_changed.disconnect(self._schedule)
         self._document.project_opened.disconnect(self._begin_anew)
@@ -488,7 +490,7 @@ def with_window_merged(whole: AdaptedMotion, window: AdaptedMotion) -> AdaptedMo
     arrays["positions"][frames] = window.positions[:]
     arrays["rotations"][frames] = window.rotations[:]
     arrays["residuals"][:, frames] = window.residuals
-    body = {name: getattr(window, name) for name in ("morphology", "animated", "volume", "unasked")}
+    body = {name: getattr(window, name) for name in ("morphology", "animated", "volume", "unconstrained")}
     return replace(whole, **body, **arrays)
 
 

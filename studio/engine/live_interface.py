@@ -34,9 +34,9 @@ class Live(Protocol):
 
     @property
     def reported_changed(self) -> SignalInstance:
-        """Signal(): ``reported`` has a new value."""
+        """Signal(): ``reported_motion`` has a new value."""
 
-    def reported(self, performer_id: str) -> AdaptedMotion | None:
+    def reported_motion(self, performer_id: str) -> AdaptedMotion | None:
         """Motion from which every view reports the residuals, so that all show the same number at one moment.
 
         None while the present request is not solved for the whole clip; during a drag, the newest result.
@@ -54,13 +54,13 @@ class Live(Protocol):
     def failure(self, performer_id: str) -> str:
         """Reason why a performer cannot be adapted, in a sentence; empty if it can, or is being solved."""
 
-    def bring(self, seconds: float) -> None:
+    def solve_frame(self, seconds: float) -> None:
         """Solve the frame at ``seconds`` of the stage of every performer whose newest motion is out of date.
 
         Frames that take too long for one picture are solved in the background; ``adapted`` is emitted for them.
         """
 
-    def shown(self, performer_id: str) -> AdaptedMotion | None:
+    def shown_frame(self, performer_id: str) -> AdaptedMotion | None:
         """Pose for a picture: the frame solved by ``bring``, else the newest adapted motion."""
 
     def is_eased(self, performer_id: str) -> bool:

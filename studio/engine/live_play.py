@@ -32,10 +32,10 @@ LONGEST_STAGE_STEP = 0.1
 
 @dataclass(frozen=True, eq=False)
 class StageSnapshot:
-    """One step of the stage: a frame and a state of every performer, in the project ``staged``."""
+    """One step of the stage: a frame and a state of every performer, in ``project``."""
 
     seconds: float
-    staged: Project
+    project: Project
     results: Mapping[str, AdaptedMotion]
     states: Mapping[str, str]
     failures: Mapping[str, str]
@@ -130,7 +130,7 @@ class LivePlay(QObject):
             self._told, self._failed = {}, {}
             self.running_changed.emit(False)
 
-    def drawn(self) -> None:
+    def allow_next_step(self) -> None:
         """Allow the next step, because the newest one has been drawn."""
         if self._worker is not None:
             self._worker.drawn.set()

@@ -34,7 +34,7 @@ class TargetContext:
     posed: Mapping[str, PosedPerformer]
     pose: PosedPerformer
 
-    def fixed(self, constraint: Constraint) -> Constraint | None:
+    def with_targets_fixed(self, constraint: Constraint) -> Constraint | None:
         """Constraint with its targets fixed at their present positions; None while a followed target is missing."""
         moving = {*follows_of(constraint), *own_places_of(constraint)}
         tracks: dict[Follow | OwnPlace | Support, Track]
@@ -49,37 +49,37 @@ class TargetContext:
         clip = self.pose.clip
         return constraint if clip is None else constraint_as_played(self.project, self.performer_id, clip, constraint)
 
-    def moved(self, constraint: Constraint, place: Vector) -> Constraint:
-        """Constraint with its target moved to ``place`` now, by a key, centre or offset; unchanged if it has none."""
+    def with_target_moved(self, constraint: Constraint, position: Vector) -> Constraint:
+        """Constraint with its target moved to ``position`` now, by a key, centre or offset; the same if it has none."""
         name = constraint.shown.held_by
         target: Place | None = getattr(constraint, name, None)
         held: dict[str, object]
         if target is not None and (own := own_place_of(target)) is not None:
-            now = self.fixed(constraint)
-            held = {} if now is None else {name: self._moved_own(target, own, getattr(now, name), place)}
+            now = self.with_targets_fixed(constraint)
+            held = {} if now is None else {name: self._moved_own(target, own, getattr(now, name), position)}
             return with_fields(constraint, **held)
         if not isinstance(target, tuple | KeyedPlace | ProceduralPlace | Follow):
             return constraint
         track = self.track(target) if isinstance(target, Follow) else None
         flat = isinstance(target, tuple) and len(target) == 2
-        held = {name: place[:2] if flat else moved_target(target, place, self.pose.seconds, track)}
+        held = {name: position[:2] if flat else moved_target(target, position, self.pose.seconds, track)}
         return with_fields(constraint, **held)
 
     def with_target_rotation(self, constraint: Constraint, turn: Quaternion) -> Constraint:
-        """Orientation constraint with its target rotated to ``turn`` now, as by ``moved``."""
+        """Orientation constraint with its target rotated to ``turn`` now, as by ``with_target_moved``."""
         target = getattr(constraint, "target")  # noqa: B009 - only an orientation comes here
         track = self.track(target) if isinstance(target, Follow) else None
         return with_fields(constraint, target=turned_target(target, turn, self.pose.seconds, track))
 
-    def own_place(self, point: BodyPoint, place: Vector, seconds: float) -> OwnPlace | None:
-        """``place`` relative to each body's own ``point`` at ``seconds``; None while the grounded body is not known."""
+    def own_place(self, point: BodyPoint, position: Vector, seconds: float) -> OwnPlace | None:
+        """``position`` relative to each body's own ``point`` at ``seconds``; None if no body is grounded."""
         own = OwnPlace(point, seconds)
         track = self.track(own)
-        return None if track is None else own.moved(self.performer_id, self._in_legs(track.places[0], place))
+        return None if track is None else own.moved(self.performer_id, self._in_legs(track.positions[0], position))
 
-    def _moved_own(self, target: Place, own: OwnPlace, begin: Vector, place: Vector) -> Place:
-        """Per-character target moved from its present position ``begin`` to ``place``."""
-        further = self._in_legs(begin, place)
+    def _moved_own(self, target: Place, own: OwnPlace, begin: Vector, position: Vector) -> Place:
+        """Per-character target moved from its present position ``begin`` to ``position``."""
+        further = self._in_legs(begin, position)
         if isinstance(target, KeyedOwnPlace):
             return target.moved_at(self.pose.seconds, self.performer_id, further)
         return with_own_place(target, own.moved(self.performer_id, further))
@@ -110,9 +110,9 @@ class TargetContext:
         match follow:
             case OwnPlace():
                 adapted, mine = pose.motion, follow.of(self.performer_id)
-                if adapted.unasked is None:
+                if adapted.unconstrained is None:
                     return None
-                return self._own_track(mine, adapted.unasked)
+                return self._own_track(mine, adapted.unconstrained)
             case FollowBody():
                 return performer_track(follow.point, follow.turn, pose.motion, [pose.row], pose.placement, own)
             case FollowPerformer():
@@ -133,7 +133,7 @@ class TargetContext:
                     return None
                 frame = min(round(pose.seconds * capture.frame_rate), capture.frame_count - 1)
                 track = captured_joint_track(follow, capture, np.array([max(frame, 0)]))
-                return Track(track.places * [1.0, -1.0 if pose.mirrored else 1.0, 1.0], track.rotations)
+                return Track(track.positions * [1.0, -1.0 if pose.mirrored else 1.0, 1.0], track.rotations)
         return None
 
     def _own_track(self, place: OwnPlace, unasked: UnconstrainedPoses) -> Track:
@@ -145,9 +145,9 @@ class TargetContext:
         if composite is None or played is None or composite.is_plain:
             return own_track(place, unasked, body, pose.motion.frame_rate)
         carry = clip_transform(played, composite.timing, body.leg_length)
-        there = replace(place, time=float(carry.times(place.time)), offset=(0.0, 0.0, 0.0))
+        there = replace(place, time=float(carry.stage_times(place.time)), offset=(0.0, 0.0, 0.0))
         track = own_track(there, unasked, body, pose.motion.frame_rate)
-        places = pose.clip_placement.to_motion(pose.placement.to_stage(track.places))
+        places = pose.clip_placement.to_motion(pose.placement.to_stage(track.positions))
         return Track(places + body.leg_length * np.array(place.offset), track.rotations)
 
     def support_outline(self) -> FloatArray | None:

@@ -17,7 +17,7 @@ class MouseTimestamps(QObject):
         super().__init__(parent)
         self._moved_at: float | None = None
 
-    def listen(self, on: bool) -> None:
+    def set_listening(self, on: bool) -> None:
         """Install the event filter if ``on``, else remove it."""
         self._moved_at = None
         program = QCoreApplication.instance()

@@ -93,7 +93,7 @@ class PosedPerformer:
     def played(self) -> PlayedPiece | None:
         """Clip of the performer's track that plays at this frame; None for a motion that is not composed of clips."""
         composite = self.motion.composite
-        return composite.playing(self.frame) if composite else None
+        return composite.piece_at(self.frame) if composite else None
 
     @property
     def mirrored(self) -> bool:
@@ -106,7 +106,7 @@ class PosedPerformer:
         frame, composite = self.frame, self.motion.composite
         if composite is None or composite.is_plain:
             return frame / self.motion.frame_rate
-        played = composite.playing(frame)
+        played = composite.piece_at(frame)
         return float(played.motion_frames(np.array([frame]), composite.timing)[0]) / played.piece.motion.frame_rate
 
     @cached_property
@@ -169,7 +169,7 @@ class PosedPerformer:
 
     def rotation_in_clip(self, part: BodyPart) -> FloatArray:
         """Rotation (3, 3) of a segment in the space of the playing clip."""
-        rotation: FloatArray = self.motion.rotations[self.row, self.motion.morphology.layout.segment(part)]
+        rotation: FloatArray = self.motion.rotations[self.row, self.motion.morphology.layout.segment_of_part(part)]
         if self.clip_placement == self.placement:
             return rotation
         return np.asarray(self.clip_placement.rotation.T @ self.placement.rotation @ rotation)
@@ -226,9 +226,9 @@ def displayed_stage(document: Document, live: Live) -> tuple[Project, float, dic
     """Project, stage time and pose of every visible performer: at the playhead, or as the stage plays live."""
     moment = live.play.moment
     if moment is not None:
-        return moment.staged, moment.seconds, posed_performers(moment.staged, live.shown, moment.seconds)
+        return moment.project, moment.seconds, posed_performers(moment.project, live.shown_frame, moment.seconds)
     project, time = document.project, document.playhead.time
-    return project, time, posed_performers(project, live.shown, time, live.result)
+    return project, time, posed_performers(project, live.shown_frame, time, live.result)
 
 
 def root_paths(project: Project, result_of: Results) -> dict[str, FloatArray]:

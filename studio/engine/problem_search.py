@@ -77,7 +77,7 @@ class ProblemSearch(QObject):
             self._rest.start()
             return
         project = self._document.project
-        motions = {key: motion for key in project.performers if (motion := self._live.reported(key)) is not None}
+        motions = {key: motion for key in project.performers if (motion := self._live.reported_motion(key)) is not None}
         played = {clip.motion_id for key in motions for clip in project.performers[key].clips}
         sources = {key: source for key in played if (source := self._live.source(key)) is not None}
         self._lacks_source = len(sources) < len(played)

@@ -64,7 +64,7 @@ def prop_at(project: Project, posed: Mapping[str, PosedPerformer], prop_id: str,
     track, hold = stage_track(prop, [time], hands), prop.held_at(time)
     holder = posed.get(hold.performer_id) if hold else None
     leg = holder.motion.body.leg_length if holder else 1.0
-    return PropPose(prop, track.places[0], track.rotations[0], time, leg)
+    return PropPose(prop, track.positions[0], track.rotations[0], time, leg)
 
 
 def props_at(project: Project, posed: Mapping[str, PosedPerformer], time: float) -> dict[str, PropPose]:
@@ -72,11 +72,11 @@ def props_at(project: Project, posed: Mapping[str, PosedPerformer], time: float)
     return {key: prop_at(project, posed, key, time) for key in project.props}
 
 
-def moved_prop(pose: PropPose, place: FloatArray) -> Prop:
-    """Prop with its centre moved to ``place`` (3,) at the time of ``pose``: by a key, by another centre, or by another
-    offset in the hands. At the moment of its pick-up, the pick-up position moves.
+def moved_prop(pose: PropPose, position: FloatArray) -> Prop:
+    """Prop with its centre moved to ``position`` (3,) at the time of ``pose``: by a key, by another centre, or by
+    another offset in the hands. At the moment of its pick-up, the pick-up position moves.
     """
-    prop, way = pose.prop, place - pose.place
+    prop, way = pose.prop, position - pose.place
     match None if prop.lies_at(pose.time) else prop.held_at(pose.time):
         case InHand() as held:
             x, y, z = (np.array(held.point.offset) + to_matrix(np.array(held.turn)) @ pose.axes.T @ way).tolist()
@@ -84,7 +84,7 @@ def moved_prop(pose: PropPose, place: FloatArray) -> Prop:
         case Carried() as carried:
             x, y, z = (np.array(carried.offset) + pose.axes.T @ way / pose.leg_length).tolist()
             return prop.with_hold(carried, replace(carried, offset=(x, y, z)))
-    x, y, z = place.tolist()
+    x, y, z = position.tolist()
     if isinstance(prop.position, KeyedPlace):
         return replace(prop, position=prop.position.with_key(pose.time, (x, y, z)))
     if isinstance(prop.position, ProceduralPlace):
@@ -220,13 +220,13 @@ def hold_between_hands(
     from studio.core.solver.performers.prop_tracks import carried_track  # loads kernels
 
     motion, held = holder.over_time, Carried(performer_id)
-    known, body = motion.unasked or motion, motion.body
+    known, body = motion.unconstrained or motion, motion.body
     turned = 0 if heading is None else quarter_turns(heading - chest_heading(holder))
     if lift is not None:
         held = replace(held, offset=(0.0, 0.0, lift / body.leg_length))
     else:
         track = carried_track(held, known.positions[:], known.rotations[:], body)
-        ways = np.einsum("fji,fj->fi", track.rotations, track.places - known.positions[:, 0]) / body.leg_length
+        ways = np.einsum("fji,fj->fi", track.rotations, track.positions - known.positions[:, 0]) / body.leg_length
         ahead, _, up = ways.mean(axis=0).tolist()
         needed = CARRIED_AHEAD + prop.size[turned % 2] / 2 / body.leg_length
         if ahead < needed:

@@ -41,9 +41,9 @@ class Finding:
     measure: Measure = LENGTH_MEASURE
 
     @property
-    def words(self) -> str:
+    def text(self) -> str:
         """Amount with its unit."""
-        return self.measure.words(self.amount)
+        return self.measure.text_of(self.amount)
 
     @property
     def weight(self) -> float:
@@ -78,7 +78,7 @@ class FoundProblem:
     @property
     def sentence(self) -> str:
         """``Tall man: residual 42 mm, Right wrist``."""
-        return f"{self.row.body}: {self.aspect} {self.finding.words}, {self.row.name}"
+        return f"{self.row.body}: {self.aspect} {self.finding.text}, {self.row.name}"
 
 
 def summary_of(
@@ -174,7 +174,7 @@ def _peaks(motion: AdaptedMotion, source: AdaptedMotion) -> FloatArray:
     if motion.frame_count < 3:
         return peaks
     parts = tuple(BodyPart)
-    segments = [motion.morphology.layout.segment(parts[place]) for place in LIMB_BONES]
+    segments = [motion.morphology.layout.segment_of_part(parts[place]) for place in LIMB_BONES]
     turning = angular_acceleration(np.asarray(motion.rotations[:, segments]), motion.frame_rate)
     first = motion.first_frame
     theirs = turning_peaks(source.frames(first, first + motion.frame_count - 1))[LIMB_BONES, 1]

@@ -25,7 +25,7 @@ class Measure:
     worst_shown: float
     """Amount at which an error strip reaches its full height."""
 
-    def words(self, amount: float) -> str:
+    def text_of(self, amount: float) -> str:
         """Amount as text: ``0.4 mm``, ``42 mm``, ``1.20 m``; ``0.4°``, ``42°``."""
         value = amount * self.factor
         decimals = 1 if value < WITH_DECIMAL else 0

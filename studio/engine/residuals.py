@@ -55,9 +55,9 @@ class Residual:
     measure: Measure = LENGTH_MEASURE
 
     @property
-    def words(self) -> str:
+    def text(self) -> str:
         """Amount with its unit."""
-        return self.measure.words(self.amount)
+        return self.measure.text_of(self.amount)
 
     @property
     def weight(self) -> float:
@@ -70,7 +70,7 @@ class Residual:
         return self.amount < self.measure.partly_below
 
     @property
-    def held(self) -> bool:
+    def is_invisible(self) -> bool:
         """True if the residual is invisible."""
         return self.amount < self.measure.held_below
 

@@ -22,7 +22,7 @@ def save_in_background(
     saving = document.make_save(path, thumbnail, overwrite)
 
     def saved(stamp: Stamp) -> None:
-        document.saved(saving, stamp)
+        document.note_saved(saving, stamp)
         on_saved()
 
     return tasks.run(f"Saving {saving.path.name}", saving.write, saved, on_error)

@@ -27,7 +27,7 @@ class SolveCache(Generic[Key, Result]):
         self._slots: OrderedDict[int, _Slot[Key, Result]] = OrderedDict()
         self._lock = threading.Lock()
 
-    def holds(self, key: Key) -> bool:
+    def is_cached(self, key: Key) -> bool:
         """True if the result for ``key`` is cached."""
         slot = self._slots.get(id(key))
         return slot is not None and bool(slot.results)

@@ -12,7 +12,7 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.engine.paged_array import paged_rows
 
 if TYPE_CHECKING:
-    from studio.core.solver.standing.stand import Standing
+    from studio.core.solver.standing.stand import GroundedMotion
 
 KEPT_STANDING = 16
 
@@ -22,7 +22,7 @@ Windows = tuple[tuple[int, int], ...]
 """First frames and those past the last."""
 
 
-class StandingSolver:
+class GroundingSolver:
     """Solver that caches the grounded motion of each body, so that a dragged target needs only the rest of the solve.
 
     For a request of some frames, self-contacts are solved only around them, because the other frames of a dragged body
@@ -48,22 +48,22 @@ class StandingSolver:
             self._whole.clear()
             self._partly.clear()
 
-    def _standing(self, request: AdaptRequest, windows: Windows | None) -> "Standing":
+    def _standing(self, request: AdaptRequest, windows: Windows | None) -> "GroundedMotion":
         """Grounded motion of ``request``, in some ``windows`` at least."""
         from studio.core.solver.standing.lifted import lifted
-        from studio.core.solver.standing.stand import standing_of
+        from studio.core.solver.standing.stand import grounded_motion_of
 
         body, on = (request.motion, request.morphology), GroundingKey.of(request)
         whole, partly = self._whole.get(body), self._partly.get(body)
         if whole is not None and whole.on == on:
             return whole.standing
-        if windows is not None and partly is not None and (partly.on, partly.windows) == (on, windows):
+        if windows is not None and partly is not None and (partly.on, partly.solved_windows) == (on, windows):
             return partly.standing
         if whole is not None and whole.on.at_height(on.ground.height) == on:
             standing = lifted(whole.standing, on.ground.height)
         else:
             wanted = None if windows is None else [slice(*each) for each in windows]
-            standing = standing_of(request, wanted).kept(paged_rows)
+            standing = grounded_motion_of(request, wanted).kept(paged_rows)
         with self._lock:
             if windows is None:
                 self._partly.clear()  # the hand rests
@@ -96,8 +96,8 @@ class CachedGrounding:
     """Grounded motion of a body, in some ``windows`` or, None, in all frames."""
 
     on: GroundingKey
-    windows: Windows | None
-    standing: "Standing"
+    solved_windows: Windows | None
+    standing: "GroundedMotion"
 
 
 def own_frames(request: AdaptRequest) -> Windows:

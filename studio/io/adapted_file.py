@@ -49,7 +49,7 @@ def _motion(
     """Motion without constraints, which is also its own grounded motion."""
     nothing = np.empty((0, len(positions)))
     return AdaptedMotion(
-        body, frame_rate, 0, positions, rotations, nothing, unasked=UnconstrainedPoses(positions, rotations)
+        body, frame_rate, 0, positions, rotations, nothing, unconstrained=UnconstrainedPoses(positions, rotations)
     )
 
 

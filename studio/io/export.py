@@ -159,10 +159,10 @@ def take_of_actor(
     actor: SourceRig,
     capture: Capture,
     request: AdaptRequest | None = None,
-    place: Placement = NOWHERE,
+    placement: Placement = NOWHERE,
 ) -> Take:
     """Take of a motion adapted to the actor of its own capture, on the capture's joints: fingers, eyes, props and all
-    others that belong to no body part move as captured. It stays where it was captured, or stands at ``place`` on
+    others that belong to no body part move as captured. It stays where it was captured, or stands at ``placement`` on
     the stage if that is given.
     """
     try:
@@ -170,10 +170,10 @@ def take_of_actor(
     except StudioError as error:
         raise StudioError(f"The motion of {capture.name} cannot be exported: {error}") from error
     take = Take(replace(capture, poses=poses, first_frame=0), _met(request, adapted), None, adapted, request)
-    if place == NOWHERE:
+    if placement == NOWHERE:
         return take
     x, y, _ = (-actor.origin).tolist()
-    return replace(take, place=place.compose(Placement((x, y))))
+    return replace(take, place=placement.compose(Placement((x, y))))
 
 
 def _met(request: AdaptRequest | None, adapted: AdaptedMotion) -> Annotations:

@@ -22,10 +22,10 @@ class JointNaming:
     spine: tuple[str, ...]
     """From below; the last, with a number in it, names all that follow."""
 
-    def vertebra(self, place: int) -> str:
-        """The name of the spine joint at ``place``, 1 right above the pelvis."""
-        pattern = self.spine[min(place, len(self.spine)) - 1]
-        return pattern.format(n=place - 1, nn=f"{place:02}", nnn=f"{place:03}")
+    def vertebra(self, index: int) -> str:
+        """The name of the spine joint at ``index``, 1 right above the pelvis."""
+        pattern = self.spine[min(index, len(self.spine)) - 1]
+        return pattern.format(n=index - 1, nn=f"{index:02}", nnn=f"{index:03}")
 
 
 @lru_cache(maxsize=1)

@@ -96,11 +96,11 @@ class Record:
             raise self.value_error(key, "a list")
         return value
 
-    def _record_in(self, key: str, place: int, item: Any) -> "Record":
+    def _record_in(self, key: str, index: int, item: Any) -> "Record":
         if not isinstance(item, dict):
-            raise self.value_error(f"{key}[{place}]", "a record")
+            raise self.value_error(f"{key}[{index}]", "a record")
         name = self.where.split(", ")[0]
-        return Record(item, f"{name}, {key}[{place}]")
+        return Record(item, f"{name}, {key}[{index}]")
 
 
 def _is_number(value: Any) -> bool:

@@ -37,7 +37,7 @@ def take_of_performer(project: Project, performer_id: str, performance: Performa
     composite, timing = performance.composite, performance.composite.timing
     frames = np.arange(timing.first, timing.last + 1)
     carried = (capture, normalize_capture(capture)[1]) if along and alone and other_joints(capture) else None
-    take = take_of_adapted(performer.name, performance.played, character, performance.request, carried)
+    take = take_of_adapted(performer.name, performance.adapted_on_stage, character, performance.request, carried)
     return replace(
         take,
         annotations=replace(take.annotations, labels=labels_played(project, performer_id)),

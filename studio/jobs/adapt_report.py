@@ -33,7 +33,7 @@ from studio.core.quality.report import (
 )
 from studio.core.solver.adapt import grounded_motion, solve_request
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.stand import Standing
+from studio.core.solver.standing.stand import GroundedMotion
 from studio.core.solver.warm_up import warm_up
 from studio.core.stage.placement import Placement
 from studio.io.json_text import JsonObject
@@ -71,13 +71,13 @@ def character_report(
     return adapted, {**record, "microseconds_per_frame": 1e6 * seconds / adapted.frame_count}
 
 
-def place_record(place: Placement) -> JsonObject:
+def place_record(placement: Placement) -> JsonObject:
     """Record of a character's place on the stage: metres along X and Y, degrees about Z."""
-    return {"position": list(place.position), "heading_deg": math.degrees(place.heading)}
+    return {"position": list(placement.position), "heading_deg": math.degrees(placement.heading)}
 
 
 def quality_record(
-    standing: Standing, request: AdaptRequest, adapted: AdaptedMotion, source: AdaptedMotion, by_frame: bool
+    standing: GroundedMotion, request: AdaptRequest, adapted: AdaptedMotion, source: AdaptedMotion, by_frame: bool
 ) -> JsonObject:
     """Record of an adapted motion's quality metrics, some relative to its ``source``, and of its constraints."""
     report = report_of(standing, request, adapted)

@@ -64,7 +64,7 @@ class BatchResult:
         return len(self.records) - self.unchanged - self.failed
 
     @property
-    def words(self) -> str:
+    def summary(self) -> str:
         """Summary as a sentence."""
         return (
             f"{counted_noun(len(self.records), 'file')}: {self.adapted} adapted, {self.unchanged} unchanged,"

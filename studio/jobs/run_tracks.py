@@ -85,7 +85,7 @@ def _check_followed(constraints: tuple[Constraint, ...], requests: Mapping[str, 
 
 
 def _with_own_tracks(
-    request: AdaptRequest, capture: Capture, props: Mapping[str, Prop], place: Placement
+    request: AdaptRequest, capture: Capture, props: Mapping[str, Prop], placement: Placement
 ) -> AdaptRequest:
     """Request with the tracks of props and captured joints."""
     tracks: dict[Follow | OwnPlace | Support, Track] = {}
@@ -94,7 +94,9 @@ def _with_own_tracks(
             match follow:
                 case FollowProp():
                     prop = props[follow.prop_id]
-                    tracks[follow] = track_in_motion_space(follow, prop, stage_track(prop, request.motion.times), place)
+                    tracks[follow] = track_in_motion_space(
+                        follow, prop, stage_track(prop, request.motion.times), placement
+                    )
                 case FollowTracked():
                     try:
                         tracks[follow] = captured_joint_track(follow, capture)

@@ -145,7 +145,7 @@ class Catalogue:
         if self._database is not None:
             self._database.close()
 
-    def remark(self, sentence: str) -> None:
+    def add_remark(self, sentence: str) -> None:
         """Note a repair of which the user is told."""
         self.repaired = f"{self.repaired} {sentence}".strip()
 
@@ -215,7 +215,7 @@ class Catalogue:
             self._connection.execute(f"DELETE FROM {table} WHERE path = ?", (path,))
         self._connection.execute(f"DELETE FROM clips WHERE {_WITHOUT_TAKE}")
 
-    def note(self, path: str, state: FileState) -> None:
+    def store_file_state(self, path: str, state: FileState) -> None:
         """Store the state of a file, and remove what came from it before."""
         self.forget(path)
         self._connection.execute("INSERT INTO files VALUES (?, ?, ?, ?)", (path, *asdict(state).values()))
@@ -269,7 +269,7 @@ class Catalogue:
         """Remove one clip."""
         self._connection.execute("DELETE FROM clips WHERE id = ?", (number,))
 
-    def confirmed(self, path: str) -> list[ClipLabel]:
+    def confirmed_labels(self, path: str) -> list[ClipLabel]:
         """Labels of a file's take that a person confirmed."""
         return list(self._labels().get(path, ()))
 
@@ -356,7 +356,7 @@ class Catalogue:
             if _code(error) not in _BAD_DATABASE or self.read_only:
                 raise
             aside = self._put_aside(self.folder / DATABASE)
-            self.remark(
+            self.add_remark(
                 f"The catalogue could not be read ({error}); a new one is made, the old one is {aside.name}. Add your"
                 " folders again where files are missing."
             )
@@ -428,13 +428,15 @@ class Catalogue:
             write_labels(self.folder, labels)
         entered = set(self.paths())
         if labels and not entered and not self.repaired:
-            self.remark("The catalogue was lost; a new one is made. Add your folders again where files are missing.")
+            self.add_remark(
+                "The catalogue was lost; a new one is made. Add your folders again where files are missing."
+            )
         missing = (rescued.keys() | labels.keys()) - entered
         present = [path for path in sorted(missing) if os.path.isfile(path)]
         if present:
             with self.write_transaction():
                 for path in present:
-                    self.note(path, TO_BE_READ)
+                    self.store_file_state(path, TO_BE_READ)
 
     def _settled_labels(self, name: str) -> Labels | None:
         """Labels in a file of labels, which is put aside if it is damaged."""
@@ -445,7 +447,7 @@ class Catalogue:
         except ValueError as error:
             if not self.read_only:
                 aside = self._put_aside(self.folder / name)
-                self.remark(
+                self.add_remark(
                     f"The confirmed labels in {name} could not be read ({error}); those in its copy or in the catalogue"
                     f" are used, the old file is {aside.name}."
                 )

@@ -121,11 +121,11 @@ def _read(catalogue: Catalogue, path: Path, state: FileState) -> FileState:
     except StudioError as error:
         state = replace(state, problem=str(error))
         with catalogue.write_transaction():
-            catalogue.note(str(path), state)
+            catalogue.store_file_state(str(path), state)
         return state
     with catalogue.write_transaction():
-        said = catalogue.confirmed(str(path))
-        catalogue.note(str(path), state)
+        said = catalogue.confirmed_labels(str(path))
+        catalogue.store_file_state(str(path), state)
         actor = catalogue.actor(_bones(capture), f"Actor of {capture.name}", performer.morphology)
         take = catalogue.add_take(str(path), actor, motion, contacts)
         proposed = _proposed(motion, performer.morphology, capture.first_frame)

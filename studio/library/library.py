@@ -46,7 +46,7 @@ class LibraryClip:
         return f"{self.take.motion.name}: {self.label.limb.words} {self.label.kind}"
 
     @property
-    def searched(self) -> range:
+    def searched_frames(self) -> range:
         """Frames of the take from which the clip may be played: those that leave time to swing."""
         swung = self.path.first - round(LEAST_SWING_SECONDS * self.take.motion.frame_rate)
         return range(self.label.first, max(swung, self.label.first + 1))
@@ -84,7 +84,7 @@ class Library:
         paths = [clip.path.places for clip in clips]
         table = SearchTable(
             rows=_poses_of(clips) if poses is None else poses,
-            frame_counts=np.array([len(clip.searched) for clip in clips], dtype=np.int64),
+            frame_counts=np.array([len(clip.searched_frames) for clip in clips], dtype=np.int64),
             paths=np.concatenate([np.empty((0, 3)), *paths]),
             path_counts=np.array([len(path) for path in paths], dtype=np.int64),
             actors=np.array([places[clip.actor.number] for clip in clips], dtype=np.int64),
@@ -96,7 +96,7 @@ class Library:
         """Clip, and frame of its take, whose pose is in ``row`` of the table."""
         number = int(np.searchsorted(self.table.first_rows, row, "right")) - 1
         clip = self.clips[number]
-        return clip, clip.searched.start + row - int(self.table.first_rows[number])
+        return clip, clip.searched_frames.start + row - int(self.table.first_rows[number])
 
     @cached_property
     def frame_count(self) -> int:
@@ -116,7 +116,7 @@ def _poses_of(clips: list[LibraryClip]) -> NDArray[np.float32]:
         body = clip.actor.body
         if posed is None or posed[0] != clip.take.number:
             posed = clip.take.number, realize_motion(clip.take.motion, body)[0]
-        rows.append(pose_rows(posed[1][clip.searched.start : clip.searched.stop], body.layout))
+        rows.append(pose_rows(posed[1][clip.searched_frames.start : clip.searched_frames.stop], body.layout))
     return np.concatenate(rows)
 
 
@@ -125,9 +125,12 @@ def _stored_poses(catalogue: Catalogue, clips: list[LibraryClip]) -> NDArray[np.
     folder = catalogue.folder
     poses, said = folder / POSES, folder / STAMP
     stamp = json.dumps(
-        [[each.number, each.take.number, each.take.checksum, each.searched.start, each.searched.stop] for each in clips]
+        [
+            [each.number, each.take.number, each.take.checksum, each.searched_frames.start, each.searched_frames.stop]
+            for each in clips
+        ]
     )
-    count = sum(len(clip.searched) for clip in clips)
+    count = sum(len(clip.searched_frames) for clip in clips)
     with suppress(OSError, ValueError, StudioError):
         stored = stored_array(poses) if read_bytes(said) == stamp.encode() else None
         if (
@@ -145,5 +148,5 @@ def _stored_poses(catalogue: Catalogue, clips: list[LibraryClip]) -> NDArray[np.
             write_atomically(said, stamp.encode())
             return np.asarray(stored_array(poses).values)
         except (OSError, ValueError, StudioError) as error:
-            catalogue.remark(f"The poses of the library are computed at each start. {error}")
+            catalogue.add_remark(f"The poses of the library are computed at each start. {error}")
     return computed

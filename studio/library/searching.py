@@ -66,7 +66,7 @@ class Result:
     cost: float
 
     @property
-    def seconds(self) -> float:
+    def seconds_to_hit(self) -> float:
         """Seconds from ``start`` to ``hit``."""
         return (self.hit - self.start) / self.clip.take.motion.frame_rate
 
@@ -76,7 +76,7 @@ class Result:
         return (
             f"posture {metres(self.posture)} off",
             f"passes {metres(self.reach)} from the target",
-            f"hits in {self.seconds:.2f} s",
+            f"hits in {self.seconds_to_hit:.2f} s",
         )
 
 
@@ -139,7 +139,7 @@ def _boxes_hold(library: Library, query: PoseQuery) -> NDArray[np.bool_]:
 
 def _result(library: Library, found: SearchMatch) -> Result:
     clip = library.clips[found.clip]
-    start, hit = clip.searched.start + found.frame, clip.path.first + found.contact
+    start, hit = clip.searched_frames.start + found.frame, clip.path.first + found.contact
     return Result(clip, start, hit, found.turn, found.posture, found.reach, found.cost)
 
 
@@ -168,13 +168,13 @@ def strike_path(found: Result, asked: StrikeQuery) -> FloatArray:
     return points
 
 
-def place_before(pose: NormalizedMotion, body: Morphology, place: ArrayLike) -> FloatArray:
-    """Position (3,) in the space of ``pose`` of a ``place`` given in metres forward and left of the root, and above the
-    ground.
+def place_before(pose: NormalizedMotion, body: Morphology, position: ArrayLike) -> FloatArray:
+    """Position (3,) in the space of ``pose`` of a ``position`` given in metres forward and left of the root, and above
+    the ground.
 
     Forward is the heading of the pelvis.
     """
     root = realize_motion(pose, body)[0][0, 0]
     c, s = np.cos(pose.channels[0, at_channel.YAW]), np.sin(pose.channels[0, at_channel.YAW])
-    x, y, z = np.asarray(place, dtype=np.float64)
+    x, y, z = np.asarray(position, dtype=np.float64)
     return np.array([root[0] + c * x - s * y, root[1] + s * x + c * y, z])

@@ -64,7 +64,7 @@ class StageView:
         }
         track = stage_track(prop, [self.seconds], hands)
         offset = np.array(follow.offset) + np.array(follow.share) * np.array(prop.size) / 2
-        return np.asarray(track.places[0] + track.rotations[0] @ offset)
+        return np.asarray(track.positions[0] + track.rotations[0] @ offset)
 
     def unit_of(self, gap: DistanceMeasure, role: Role) -> float:
         """Metres of one unit of a distance in a role: 1, or the mean leg length of both performers."""

@@ -34,7 +34,7 @@ class ReceivedPose:
 
     def __call__(self) -> NormalizedMotion | None:
         """Still motion of the newest pose, recomputed only if packets have arrived since the last call."""
-        taken = self._inbox.counts.taken
+        taken = self._inbox.counts.accepted
         if taken != self._taken:
             self._taken, found = taken, vmc.posed_body(self._inbox.bones())
             self._pose = None if found is None else _pose_of(*found)

@@ -26,7 +26,7 @@ from studio.core.normalized.joining import PlanarTransform
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.adapt import solve_constraints
-from studio.core.solver.standing.stand import Standing, stand
+from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.library.clip_labels import Kind, Limb
 from studio.library.hitting import hit_places, limb_root
 from studio.library.library import Library
@@ -68,7 +68,7 @@ class Plan:
     """
 
     state: FighterState
-    standing: Standing
+    standing: GroundedMotion
     first: int
     blow: StrikeClip | None = None
     constraint: PositionConstraint | None = None
@@ -88,7 +88,7 @@ class PendingPlan:
     found: Result | None = None
     strike: Strike | None = None
 
-    def plan(self, before: Standing, rows: NDArray[np.int64]) -> Plan:
+    def plan(self, before: GroundedMotion, rows: NDArray[np.int64]) -> Plan:
         """Plan inertialised from the frames ``rows`` of ``before``."""
         standing, first = self.takes.inertialised(before, rows), self.takes.first
         if self.found is None or self.strike is None:
@@ -106,18 +106,18 @@ class PendingPlan:
 
 @dataclass(frozen=True, eq=False)
 class PlanStart:
-    """Start of a plan: the frames ``rows`` of ``before``, and the target's position ``place`` (3,) and velocity
+    """Start of a plan: the frames ``rows`` of ``previous_pose``, and the target's ``position`` (3,) and velocity
     ``speed`` (3,) (m/s).
     """
 
-    before: Standing
+    previous_pose: GroundedMotion
     rows: NDArray[np.int64]
-    place: FloatArray
+    position: FloatArray
     speed: FloatArray
 
     def position_in(self, seconds: float) -> FloatArray:
         """Predicted position (3,) of the target after ``seconds``."""
-        return self.place + seconds * self.speed
+        return self.position + seconds * self.speed
 
 
 @dataclass(frozen=True)
@@ -225,10 +225,10 @@ class Fighter:
 
     # Plans
 
-    def _ask(self, place: FloatArray) -> None:
+    def _ask(self, position: FloatArray) -> None:
         """Start making the plan for the order, in the background if there is an executor."""
         assert self._order is not None
-        begins = PlanStart(self.plan.standing, self._rows, place, self._speed())
+        begins = PlanStart(self.plan.standing, self._rows, position, self._speed())
         order, step = self._order, self._step_up(begins.position_in(KEEPING_STEP_SECONDS)) if self._steps_left else None
 
         def work() -> PendingPlan:
@@ -261,13 +261,13 @@ class Fighter:
         self.plan = coming.plan(self.plan.standing, self._rows)
         self._passed = 0
 
-    def _next(self, place: FloatArray) -> PendingPlan:
-        turn, offset = self._correction(place)
+    def _next(self, position: FloatArray) -> PendingPlan:
+        turn, offset = self._correction(position)
         wrong = abs(turn) > FIGHTER_FACING_TOLERANCE or float(np.hypot(*offset)) > FIGHTER_DISTANCE_TOLERANCE
         state, piece = (
             (FighterState.STEP, self._stepping(turn, offset)) if wrong else (FighterState.GUARD, self._guarding)
         )
-        return self._coming(state, PlanStart(self.plan.standing, self._rows, place, np.zeros(3)), piece)
+        return self._coming(state, PlanStart(self.plan.standing, self._rows, position, np.zeros(3)), piece)
 
     @property
     def _guarding(self) -> MotionPiece:
@@ -277,10 +277,12 @@ class Fighter:
         own = PlanarTransform(turn, (float(offset[0]), float(offset[1])))
         return replace(self.guard, start=0.0, own=own, ease=KEEPING_STEP_SECONDS)
 
-    def _step_up(self, place: FloatArray) -> MotionPiece | None:
-        """Step towards ``place``; None if it is not too far off."""
-        turn, offset = self._correction(place)
-        return self._stepping(turn, offset) if self._apart(place) - self.distance > FIGHTER_DISTANCE_TOLERANCE else None
+    def _step_up(self, position: FloatArray) -> MotionPiece | None:
+        """Step towards ``position``; None if it is not too far off."""
+        turn, offset = self._correction(position)
+        return (
+            self._stepping(turn, offset) if self._apart(position) - self.distance > FIGHTER_DISTANCE_TOLERANCE else None
+        )
 
     def _strike(
         self, begins: PlanStart, limbs: Sequence[Limb], kinds: Sequence[Kind], step: MotionPiece | None
@@ -288,7 +290,7 @@ class Fighter:
         """First of the best blows whose residual is below ``MET``, otherwise the one with the least residual. If
         ``step`` is given and the best blow misses, the result is that step; if no blow is found, the guard.
         """
-        before, last = begins.before, begins.rows[-1:]
+        before, last = begins.previous_pose, begins.rows[-1:]
         pose = encode_motion(before.positions[last], before.rotations[last], self.body, self.rate, "shown")
         found = search_strikes(
             self.library,
@@ -314,10 +316,10 @@ class Fighter:
         return replace(coming, found=found, strike=strike)
 
     def _coming(self, state: FighterState, begins: PlanStart, piece: MotionPiece) -> PendingPlan:
-        def stood(whole: Composite) -> Standing:
+        def stood(whole: Composite) -> GroundedMotion:
             return stand(whole.motion, self.body, whole.contacts, Ground())
 
-        return PendingPlan(state, take_over(begins.before, begins.rows, [piece], stood))
+        return PendingPlan(state, take_over(begins.previous_pose, begins.rows, [piece], stood))
 
     @property
     def _rows(self) -> NDArray[np.int64]:
@@ -336,17 +338,17 @@ class Fighter:
 
     # Where it stands
 
-    def _apart(self, place: FloatArray) -> float:
-        """Horizontal distance from the root to ``place``, in leg lengths."""
+    def _apart(self, position: FloatArray) -> float:
+        """Horizontal distance from the root to ``position``, in leg lengths."""
         root = self.plan.standing.positions[self.frame, 0]
-        return float(np.linalg.norm((place - root)[:2])) / self.body.leg_length
+        return float(np.linalg.norm((position - root)[:2])) / self.body.leg_length
 
-    def _correction(self, place: FloatArray) -> tuple[float, FloatArray]:
+    def _correction(self, position: FloatArray) -> tuple[float, FloatArray]:
         """Rotation (rad) and horizontal displacement (2,), in leg lengths, of the next step, clamped to the maximum of
         one.
         """
         root = self.plan.standing.positions[self.frame, 0]
-        away, apart = (place - root)[:2] / self.body.leg_length, self._apart(place)
+        away, apart = (position - root)[:2] / self.body.leg_length, self._apart(position)
         forward = away / max(apart, 1e-9)
         facing = math.atan2(forward[1], forward[0]) + self._stance()
         yaw = float(self.plan.standing.motion.channels[self.frame, at.YAW])
@@ -358,18 +360,18 @@ class Fighter:
         """Median yaw (rad) of the pelvis on guard relative to the facing direction: fighters stand half sideways."""
         return float(np.median(self.guard.motion.channels[self.guard.first : self.guard.last + 1, at.YAW]))
 
-    def _stands_wrong(self, place: FloatArray) -> bool:
+    def _stands_wrong(self, position: FloatArray) -> bool:
         if self._order is not None or not self._played_for(CALMING):
             return False
-        turn, offset = self._correction(place)
+        turn, offset = self._correction(position)
         return abs(turn) > FIGHTER_FACING_TOLERANCE or float(np.hypot(*offset)) > FIGHTER_DISTANCE_TOLERANCE
 
     # Blows
 
-    def _aimed(self, constraint: PositionConstraint, place: FloatArray) -> PositionConstraint:
+    def _aimed(self, constraint: PositionConstraint, position: FloatArray) -> PositionConstraint:
         if not self.follows or self.frame > self.plan.hit:
             return constraint
-        x, y, z = place.tolist()
+        x, y, z = position.tolist()
         aimed = replace(constraint, target=(x, y, z))
         self.plan = replace(self.plan, constraint=aimed)
         return aimed

@@ -79,7 +79,7 @@ class _Footprint:
 
 @dataclass
 class Foothold:
-    """One foot on one body and ground, from frame to frame: call ``step``, then ``show`` with the pose that was
+    """One foot on one body and ground, from frame to frame: call ``step``, then ``update`` with the pose that was
     reached.
     """
 
@@ -121,7 +121,7 @@ class Foothold:
         aimed = self._led(self._aimed(own))
         return self._out_of_ground(aimed) if state else self._above_ground(aimed)
 
-    def show(self, shown: FootPose) -> None:
+    def update(self, shown: FootPose) -> None:
         """Store the pose that was reached: a leg may be too short for the target pose."""
         self._shown = [*self._shown[-1:], shown]
 

@@ -63,7 +63,7 @@ def _kept(state: State) -> KeepDistance | None:
 
 def _stance(act: StartedAct, composite: Composite, frame: int) -> float:
     """Median yaw (rad) of the pelvis in a clip relative to the facing direction: fighters stand half sideways."""
-    yaws = composite.playing(frame).piece.motion.channels[act.clip.first : act.clip.last + 1, at.YAW]
+    yaws = composite.piece_at(frame).piece.motion.channels[act.clip.first : act.clip.last + 1, at.YAW]
     return float(np.median(yaws)) * (-1.0 if act.clip.mirrored else 1.0)
 
 

@@ -14,7 +14,7 @@ from studio.core.solver.asking.self_contact import self_contact_of
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.footing import Footing, leg_soft_thresholds, reach_relaxation
 from studio.core.solver.standing.raised_arms import raise_arms
-from studio.core.solver.standing.stand import Standing
+from studio.core.solver.standing.stand import GroundedMotion
 from studio.live.foothold import DampedHeight, Foothold, FootPose
 
 FloatArray = NDArray[np.float64]
@@ -31,7 +31,7 @@ class LiveGrounding:
 
     def __init__(self) -> None:
         self._request: AdaptRequest | None = None
-        self._standing: Standing | None = None
+        self._standing: GroundedMotion | None = None
         self._feet: tuple[Foothold, ...] = ()
         self._seconds = -math.inf
         self._low = self._lowest = math.inf
@@ -42,7 +42,7 @@ class LiveGrounding:
         """Parts of each foot that stand, as bits of ``kernels.support.sole``."""
         return tuple(foot.state for foot in self._feet)
 
-    def stand(self, request: AdaptRequest, seconds: float) -> Standing:
+    def stand(self, request: AdaptRequest, seconds: float) -> GroundedMotion:
         """Grounded still motion of ``request`` on its body and ground, at ``seconds`` by the clock."""
         before, self._request = self._request, request
         same = before is not None and before.morphology is request.morphology and before.ground == request.ground
@@ -52,7 +52,7 @@ class LiveGrounding:
             self._seconds = seconds
         return self._standing
 
-    def _stand(self, request: AdaptRequest, dt: float, begins: bool) -> Standing:
+    def _stand(self, request: AdaptRequest, dt: float, begins: bool) -> GroundedMotion:
         body = request.morphology.first_frame_body
         positions, rotations = realize_motion(request.motion, body)
         if begins:
@@ -69,7 +69,7 @@ class LiveGrounding:
         legs = footing.legs(request.motion)
         place_frames(body.rows, footing.drops, legs, positions, rotations)
         for foot in self._feet:
-            foot.show(_posed(foot, positions, rotations))
+            foot.update(_posed(foot, positions, rotations))
         return self._standing_of(request, footing, positions, rotations)
 
     def _low_of(self, feet: list[FootPose], dt: float) -> float:
@@ -108,7 +108,7 @@ class LiveGrounding:
 
     def _standing_of(
         self, request: AdaptRequest, footing: Footing, positions: FloatArray, rotations: FloatArray
-    ) -> Standing:
+    ) -> GroundedMotion:
         motion, body, ground = request.motion, request.morphology.first_frame_body, request.ground
         raise_arms(body, ground, None, motion.frame_rate, positions, rotations)
         contact = self_contact_of(motion, body, (), request.volume, request.actor, request.clears)
@@ -116,7 +116,7 @@ class LiveGrounding:
         contacts = tuple(
             ContactInterval("live", point, 0, last) for point, bit in BITS.items() if self.states[point.side] & bit
         )
-        standing = Standing(
+        standing = GroundedMotion(
             motion=motion,
             morphology=body,
             contacts=contacts,

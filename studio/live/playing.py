@@ -21,7 +21,7 @@ from studio.core.solver.performers.performing import Prepare, motion_of, unconst
 from studio.core.solver.performers.rows import composite_of, constraints_in, pieces_of
 from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.solver.solved_window import targets_of
-from studio.core.solver.standing.stand import Standing, standing_of
+from studio.core.solver.standing.stand import GroundedMotion, grounded_motion_of
 from studio.core.stage.project import Project
 from studio.live.takeover import LAST_POSE_SECONDS, SPEED_FRAMES, take_over
 
@@ -38,7 +38,7 @@ class PlayingMotion:
     """
 
     composite: Composite
-    standing: Standing
+    standing: GroundedMotion
     asked: tuple[tuple[str, Constraint], ...]
     going: tuple[Constraint, ...] = ()
     kept: frozenset[str] = frozenset()
@@ -64,7 +64,7 @@ class PlayingMotion:
         )
 
     @cached_property
-    def solvable(self) -> Standing:
+    def solvable(self) -> GroundedMotion:
         """Grounded motion without arm collision, which needs many frames: constraints may bring arms into the own body.
 
         Hands that touch each other, or the body, keep their contacts.
@@ -102,7 +102,10 @@ def motion_after_takeover(
     pieces = pieces_of(project, key, clip, lambda motion_id: motion_of(project, motion_id, prepare))
     seen = _last_seen(before, frame, pieces[0].start)
     made = take_over(
-        before.standing, seen, pieces, lambda stands: standing_of(unconstrained_request(project, key, stands, prepare))
+        before.standing,
+        seen,
+        pieces,
+        lambda stands: grounded_motion_of(unconstrained_request(project, key, stands, prepare)),
     )
     standing, first = made.inertialised(before.standing, seen), made.first
     composite = replace(made.composite, contacts=standing.contacts)
@@ -121,7 +124,7 @@ def _playing(
 
 
 def _asked(
-    project: Project, key: str, composite: Composite, standing: Standing, kept: frozenset[str]
+    project: Project, key: str, composite: Composite, standing: GroundedMotion, kept: frozenset[str]
 ) -> tuple[tuple[str, Constraint], ...]:
     there = {each.piece.origin for each in composite.played}
     asked = tuple(each for each in constraints_of_performer(project, key) if (each.clip, each.repeat) in there)

@@ -96,7 +96,7 @@ class LiveStage:
         """Project in which each performer's row is what it plays now; ``results`` refer to it."""
         return self._staged
 
-    def playing(self, key: str) -> Clip | None:
+    def playing_clip(self, key: str) -> Clip | None:
         """Clip that a performer plays now; None before its first step."""
         part = self._parts.get(key)
         return None if part is None else _clip_of(part)
@@ -409,7 +409,7 @@ class LiveStage:
         known, last = self._paths.get(circle, ({}, {}))
         expected = dict(unasked) if known else {}
         for name in expected.keys() & known.keys() & last.keys():
-            places = unasked[name].places + known[name].places - last[name].places
+            places = unasked[name].positions + known[name].positions - last[name].positions
             expected[name] = Track(places, known[name].rotations)
         return expected
 
@@ -419,14 +419,14 @@ def _plays(project: Project, performer: Performer) -> bool:
 
 
 def _clip_of(part: _Part) -> Clip:
-    place = part.playing.composite.playing(part.frame).piece.origin[0]
+    place = part.playing.composite.piece_at(part.frame).piece.origin[0]
     return part.act.clip if part.act else part.row[place]
 
 
 def _motion_frame(part: _Part) -> float:
     """The frame of its motion that a performer plays."""
     composite = part.playing.composite
-    return float(composite.playing(part.frame).motion_frames(np.array([part.frame]), composite.timing)[0])
+    return float(composite.piece_at(part.frame).motion_frames(np.array([part.frame]), composite.timing)[0])
 
 
 def _staged(

@@ -74,7 +74,7 @@ class Recorder:
         except OSError as error:
             raise StudioError(f"{path} cannot be written: {error.strerror}. Choose another place.") from error
 
-    def keep(self, seconds: float, packet: bytes) -> None:
+    def record_packet(self, seconds: float, packet: bytes) -> None:
         """Write one datagram; times are counted from the first one."""
         with self._lock:
             if self._file.closed:

@@ -18,7 +18,7 @@ from studio.core.normalized.encode import encode_motion
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.standing.inertialisation import Stance, inertialised_from
-from studio.core.solver.standing.stand import Standing, stand
+from studio.core.solver.standing.stand import GroundedMotion, stand
 
 LAST_POSE_SECONDS = 2.0
 """Seconds for which the last pose is held before the takeover, so that standing feet keep their contacts."""
@@ -39,17 +39,20 @@ class Takeover:
     """
 
     composite: Composite
-    standing: Standing
+    standing: GroundedMotion
     first: int
     seconds: float
 
-    def inertialised(self, before: Standing, rows: NDArray[np.int64]) -> Standing:
+    def inertialised(self, before: GroundedMotion, rows: NDArray[np.int64]) -> GroundedMotion:
         """Grounded motion inertialised from the frames ``rows`` of ``before``, the last ones shown."""
         return inertialised_from(self.standing, self.first, Stance.of(before, rows), self.seconds)
 
 
 def take_over(
-    before: Standing, rows: NDArray[np.int64], pieces: Sequence[MotionPiece], stood: Callable[[Composite], Standing]
+    before: GroundedMotion,
+    rows: NDArray[np.int64],
+    pieces: Sequence[MotionPiece],
+    stood: Callable[[Composite], GroundedMotion],
 ) -> Takeover:
     """Takeover by ``pieces`` after the frames ``rows`` (SPEED_FRAMES,) of ``before``; ``stood`` grounds a composite."""
     begins, ease = pieces[0].start, pieces[0].ease
@@ -61,7 +64,7 @@ def take_over(
     return Takeover(composite, stood(composite), round(composite.timing.frame_at(begins)), ease)
 
 
-def _shown(before: Standing, rows: NDArray[np.int64], start: float) -> MotionPiece:
+def _shown(before: GroundedMotion, rows: NDArray[np.int64], start: float) -> MotionPiece:
     """Last frames shown, on level ground, as a piece that ends where ``start`` begins.
 
     The last pose is held before them, so that a standing foot is found where it stands, whatever the next piece does
@@ -90,7 +93,7 @@ def _shown(before: Standing, rows: NDArray[np.int64], start: float) -> MotionPie
     return MotionPiece(motion, stands, 0, last, start - len(held) / rate, origin=SHOWN)
 
 
-def _played(before: Standing, frame: int) -> NormalizedMotion:
+def _played(before: GroundedMotion, frame: int) -> NormalizedMotion:
     motion = before.motion
     first = max(frame - round(ACCELERATION_SECONDS * motion.frame_rate), 0)
     return replace(motion, channels=motion.channels[first : frame + 1], changes=())

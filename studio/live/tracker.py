@@ -39,7 +39,7 @@ decoding never makes the window wait.
 class Counts:
     """Packets taken, ``malformed`` ones, and those of ``unknown_senders`` that are off; and values refused."""
 
-    taken: int = 0
+    accepted: int = 0
     malformed: int = 0
     unknown_senders: int = 0
     refused_values: int = 0
@@ -61,7 +61,7 @@ class Inbox:
         except BadPacket:
             self.counts.malformed += 1
             return
-        self.counts.taken += 1
+        self.counts.accepted += 1
         with self._lock:
             for message in messages:
                 self._take(message)
@@ -71,7 +71,7 @@ class Inbox:
         with self._lock:
             return dict(self._bones)
 
-    def place(self, names: Sequence[str]) -> FloatArray | None:
+    def position_of(self, names: Sequence[str]) -> FloatArray | None:
         """Mean position (3,) of the trackers of these ``names`` in the world, or the position of the one bone named;
         None while one is missing.
         """
@@ -79,7 +79,7 @@ class Inbox:
             found = [self._trackers.get(name) for name in names]
             bones = dict(self._bones)
         if names and all(each is not None for each in found):
-            return np.asarray(np.mean([each.place for each in found if each is not None], axis=0))
+            return np.asarray(np.mean([each.position for each in found if each is not None], axis=0))
         return bone_position(bones, names[0]) if len(names) == 1 else None
 
     def _take(self, message: Message) -> None:

@@ -45,19 +45,19 @@ NEEDED = (
 class Bone:
     """Bone as sent: its position in its parent (m) and its rotation (x, y, z, w), in our axes."""
 
-    place: FloatArray
-    turn: FloatArray
+    position: FloatArray
+    rotation: FloatArray
 
 
-def from_unity(place: ArrayLike, turn: ArrayLike) -> Bone:
+def from_unity(position: ArrayLike, turn: ArrayLike) -> Bone:
     """Bone in our axes, from its position and rotation in Unity's."""
-    (x, y, z), (a, b, c, w) = np.asarray(place, dtype=np.float64), np.asarray(turn, dtype=np.float64)
+    (x, y, z), (a, b, c, w) = np.asarray(position, dtype=np.float64), np.asarray(turn, dtype=np.float64)
     return Bone(np.array([z, -x, y]), np.array([-c, a, -b, w]))
 
 
 def to_unity(bone: Bone) -> tuple[FloatArray, FloatArray]:
     """Position (3,) and rotation (4,) of a bone in Unity's axes."""
-    (x, y, z), (a, b, c, w) = bone.place, bone.turn
+    (x, y, z), (a, b, c, w) = bone.position, bone.rotation
     return np.array([-y, z, x]), np.array([b, -c, -a, w])
 
 
@@ -99,7 +99,7 @@ def t_pose_axes(body: Morphology) -> FloatArray:
     axes[layout.spine_count] = frame_along(body.neck_rest, MODEL_FORWARD)
     for side, name in enumerate(("left", "right")):
         outward = np.array([0.0, 1.0 - 2.0 * side, 0.0])
-        clavicle, thigh = (layout.segment(BodyPart(f"{name}_{part}")) for part in ("clavicle", "thigh"))
+        clavicle, thigh = (layout.segment_of_part(BodyPart(f"{name}_{part}")) for part in ("clavicle", "thigh"))
         axes[clavicle] = frame_along(body.clavicle_rest[side], MODEL_FORWARD)
         axes[clavicle + 1 : clavicle + 4] = frame_along(outward, np.cross(outward, MODEL_FORWARD))
         axes[thigh : thigh + 2] = frame_along(np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0]))
@@ -128,19 +128,22 @@ def posed_body(bones: dict[str, Bone]) -> tuple[FloatArray, FloatArray, Morpholo
     """
     if any(name not in bones for name in NEEDED):
         return None
-    if sum(float(np.linalg.norm(bones[name].place)) for name in VMC_SPINE_BONES if name in bones) < SHORTEST_VMC_BONE:
+    if (
+        sum(float(np.linalg.norm(bones[name].position)) for name in VMC_SPINE_BONES if name in bones)
+        < SHORTEST_VMC_BONE
+    ):
         return None
     # Of all offsets from parents only the hips' changes while somebody moves; else the body comes from the cache.
-    body = _body(tuple((name, *bone.place.tolist()) for name, bone in bones.items() if name != "Hips"))
+    body = _body(tuple((name, *bone.position.tolist()) for name, bone in bones.items() if name != "Hips"))
     layout, axes = body.layout, t_pose_axes(body)
     world: dict[str, FloatArray] = {}
     rotations = np.empty((layout.segment_count, 3, 3))
     for each in bone_segments(layout):
-        turn = to_matrix(bones[each.name].turn) if each.name in bones else np.eye(3)
+        turn = to_matrix(bones[each.name].rotation) if each.name in bones else np.eye(3)
         world[each.name] = world[each.parent] @ turn if each.parent else turn
         rotations[each.segment] = world[each.name] @ axes[each.segment]
     positions = standing_points(body, rotations)
-    return positions + bones["Hips"].place - positions[0], rotations, body
+    return positions + bones["Hips"].position - positions[0], rotations, body
 
 
 @lru_cache(maxsize=16)

@@ -117,7 +117,7 @@ class BodySection(Section):
     def refresh_now(self) -> None:
         """Update the proportions of a growing body to those at the playhead."""
         character = self._character
-        held = character.proportions_at(self._growth.now)
+        held = character.proportions_at(self._growth.current_proportions)
         body = held.applied_to(character.build)
         for name, slider in self._sliders.items():
             metres = measure_of(name, body)
@@ -131,7 +131,7 @@ class BodySection(Section):
             self.refresh_now()
 
     def _set(self, name: str, words: str, factor: float) -> None:
-        proportions = with_fields(self._character.proportions_at(self._growth.now), **{name: factor})
+        proportions = with_fields(self._character.proportions_at(self._growth.current_proportions), **{name: factor})
         self._put(proportions, f"Set {words.lower()} of {self._character.name}")
 
     def _choose(self, values: Proportions) -> None:
@@ -155,7 +155,7 @@ class BodySection(Section):
     def _put(self, held: Proportions, text: str) -> None:
         """Set these proportions: constant, or as a key at the playhead if they are keyed."""
         keyed = self._character.proportions
-        new = keyed.with_key(self._growth.now, held) if isinstance(keyed, KeyedProportions) else held
+        new = keyed.with_key(self._growth.current_proportions, held) if isinstance(keyed, KeyedProportions) else held
         make = lambda: replace(self._character, proportions=new)  # noqa: E731
         self._editor.put_other("characters", self._character_id(), make, text)
 

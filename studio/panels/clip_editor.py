@@ -161,7 +161,7 @@ class ClipEditor(Editor[Clip]):
 
         def edit_all() -> None:
             with self.document.group(text, self._gesture):
-                for key in self.together:
+                for key in self.edited_ids:
                     edit(key, text)
 
         self._say(edit_all)
@@ -203,7 +203,7 @@ class ClipEditor(Editor[Clip]):
 
         def edit_all() -> None:
             with document.group(text, self._gesture):
-                for key in self.together:
+                for key in self.edited_ids:
                     clip_edits.set_speed(document, key, change(document.project.clips[key]), text)
             changed, time = document.project.clips[self.entity_id], document.playhead.time
             rate = document.project.frame_rate_of(changed)

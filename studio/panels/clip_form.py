@@ -26,7 +26,7 @@ class ClipForm(QScrollArea):
     """Form of a clip's label. ``confirmed`` carries the user's label; ``left`` requests the list of results again."""
 
     confirmed = Signal(object)
-    left = Signal()
+    closed = Signal()
 
     def __init__(self) -> None:
         super().__init__()
@@ -151,7 +151,7 @@ class ClipForm(QScrollArea):
         column.setSpacing(8)
         head = QHBoxLayout()
         head.setContentsMargins(FIELD_ICON_PX - 4, 0, FIELD_ICON_PX, 0)
-        back = press_button("‹ Strikes", self.left.emit, "link")
+        back = press_button("‹ Strikes", self.closed.emit, "link")
         back.setAccessibleName("Back to the strikes that were found")
         head.addWidget(back)
         head.addStretch(1)

@@ -145,8 +145,8 @@ class CommandPalette(QFrame):
         if here is not None:
             self._go_to((self.list.indexOfTopLevelItem(here) + step) % count)
 
-    def _go_to(self, place: int) -> None:
-        item = self.list.topLevelItem(place)
+    def _go_to(self, index: int) -> None:
+        item = self.list.topLevelItem(index)
         if item is not None:
             self.list.setCurrentItem(item)
 

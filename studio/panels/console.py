@@ -57,10 +57,10 @@ class ConsoleEntry(QPlainTextEdit):
             self._place = len(self._before)
             self.clear()
 
-    def _recall(self, place: int) -> None:
-        if 0 <= place <= len(self._before) and place != self._place:
-            self._place = place
-            self.setPlainText(self._before[place] if place < len(self._before) else "")
+    def _recall(self, index: int) -> None:
+        if 0 <= index <= len(self._before) and index != self._place:
+            self._place = index
+            self.setPlainText(self._before[index] if index < len(self._before) else "")
             self.moveCursor(QTextCursor.MoveOperation.End)
 
     def _complete(self) -> None:

@@ -137,23 +137,23 @@ class CorrectionEditor(Editor[Correction]):
     def _change(self, verb: str, **values: object) -> None:
         self.change(f"{verb} {self.entity.name}", **values)
 
-    def _set_time(self, place: int, time: float) -> None:
+    def _set_time(self, index: int, time: float) -> None:
         """Set one time of the range; the others are pushed along if necessary."""
         times = [*self.entity.activation.times]
-        times[place] = time
-        times[:place] = [min(each, time) for each in times[:place]]
-        times[place + 1 :] = [max(each, time) for each in times[place + 1 :]]
+        times[index] = time
+        times[:index] = [min(each, time) for each in times[:index]]
+        times[index + 1 :] = [max(each, time) for each in times[index + 1 :]]
         self._change("Set range of", activation=self.entity.activation.with_times(*times))
 
-    def _set_turn(self, part: BodyPart, place: int, degrees: float) -> None:
+    def _set_turn(self, part: BodyPart, index: int, degrees: float) -> None:
         turn = [*self.entity.pose_at(self.document.playhead.time).turn(part)]
-        turn[place] = math.radians(degrees)
+        turn[index] = math.radians(degrees)
         x, y, z = turn
         self._pose_by({part: (x, y, z)}, None)
 
-    def _set_hips(self, place: int, value: float) -> None:
+    def _set_hips(self, index: int, value: float) -> None:
         hips = [*self.entity.pose_at(self.document.playhead.time).hips]
-        hips[place] = value
+        hips[index] = value
         x, y, z = hips
         self._pose_by({}, (x, y, z))
 

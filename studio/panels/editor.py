@@ -49,14 +49,14 @@ class Editor(QWidget, Generic[EditedT_co]):
         self._gesture: int | None = None
 
     @property
-    def together(self) -> tuple[str, ...]:
+    def edited_ids(self) -> tuple[str, ...]:
         """Ids of the selected entities of the collection that are edited together with this one, itself included."""
         selected = self.document.selection.of(self.collection)
         return selected if self.entity_id in selected else (self.entity_id,)
 
     def update_title(self) -> None:
         """Show the number of entities that an edit changes, and the fields in which they differ."""
-        ids = self.together
+        ids = self.edited_ids
         self._together.setVisible(len(ids) > 1 and self.collection in EDITED_TOGETHER)
         if len(ids) > 1 and self.collection in EDITED_TOGETHER:
             entities = [self.document.shown_project.get(self.collection, key) for key in ids]
@@ -89,7 +89,7 @@ class Editor(QWidget, Generic[EditedT_co]):
 
     def replace_entity(self, make: Callable[[], Entity], text: str) -> None:
         """Replace the entity by the result of ``make``; a refused edit is reported as a message."""
-        others = [key for key in self.together if key != self.entity_id] if self.collection in EDITED_TOGETHER else []
+        others = [key for key in self.edited_ids if key != self.entity_id] if self.collection in EDITED_TOGETHER else []
         before = self.entity
         with self._objections_told(), self.document.group(text, self._gesture):
             after = make()

@@ -27,7 +27,7 @@ class GrowthRow(KeyRow):
         super().__init__(editor, section, "proportions")
 
     @property
-    def now(self) -> float:
+    def current_proportions(self) -> float:
         """Stage time in seconds of the frame at the playhead."""
         return self._seconds()
 

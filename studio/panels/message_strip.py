@@ -64,7 +64,7 @@ class MessageStrip(QWidget):
         """Shown sentence; empty while the strip is hidden."""
         return "" if self.isHidden() else self._label.text()
 
-    def say(self, sentence: str, *answers: Answer) -> None:
+    def show_sentence(self, sentence: str, *answers: Answer) -> None:
         """Show a sentence and buttons; any of them closes the strip."""
         for button in self._answers:
             self._row.removeWidget(button)
@@ -81,7 +81,7 @@ class MessageStrip(QWidget):
     def show_message(self, message: UserMessage) -> None:
         """Show a message; an empty one removes the last one."""
         if message.sentence:
-            self.say(message.sentence, *message.answers)
+            self.show_sentence(message.sentence, *message.answers)
             self._lifetime = message.lifetime
             self.setProperty("role", "warning" if message.warns else "")
             self.style().polish(self)
@@ -95,7 +95,7 @@ class MessageStrip(QWidget):
 
     def ask_user(self, sentence: str, *answers: Answer) -> None:
         """``say`` with the focus on the first answer: Tab goes on, Enter presses, Esc presses the last one."""
-        self.say(sentence, *answers)
+        self.show_sentence(sentence, *answers)
         self._answers[0].setFocus(Qt.FocusReason.PopupFocusReason)
 
     def event(self, event: QEvent) -> bool:
@@ -145,4 +145,4 @@ class RecoveryBar(MessageStrip):
 
     def offer(self, words: str, recover: Callable[[], object]) -> None:
         """Show the offer, without a modal dialog."""
-        self.say(words, ("Recover", recover), ("Not now", self.refused.emit))
+        self.show_sentence(words, ("Recover", recover), ("Not now", self.refused.emit))

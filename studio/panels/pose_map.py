@@ -121,8 +121,8 @@ class PoseMapView(QWidget):
         more = [f"and {len(names) - LISTED_CLIPS} more"] if len(names) > LISTED_CLIPS else []
         return "\n".join([self._groups[group].words, *names[:LISTED_CLIPS], *more, SIDES_HINT])
 
-    def _at(self, place: QPointF) -> int:
-        return next((number for number, cell in enumerate(self._cells) if cell.contains(place)), -1)
+    def _at(self, position: QPointF) -> int:
+        return next((number for number, cell in enumerate(self._cells) if cell.contains(position)), -1)
 
     def _arrange(self) -> None:
         """Arrange cells in columns by the first axis of largest difference between poses, in rows by the second."""
@@ -188,7 +188,7 @@ class PoseMapView(QWidget):
             paint_sticks(painter, group.points, sticks, FigureView(turned, tallest), figure, hue, 2.0)
             if side >= 0:
                 self._paint_letters(
-                    painter, FigureView(turned, tallest).flat(group.points, figure), sticks, "LR"[side], hue
+                    painter, FigureView(turned, tallest).projected(group.points, figure), sticks, "LR"[side], hue
                 )
         painter.setPen(QColor(colours.TEXT if looked else colours.TEXT_THIRD))
         words = QRectF(cell.left(), cell.bottom() - FIGURE_CAPTION_PX, cell.width(), FIGURE_CAPTION_PX)

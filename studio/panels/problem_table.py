@@ -74,7 +74,7 @@ class ProblemTable(QWidget):
         self.table.setSortingEnabled(True)
 
     def _put(self, line: int, column: int, row: SummaryRow, aspect: str, text: str, finding: Finding | None) -> None:
-        cell = _Cell(text if column < 2 else finding.words if finding else "–")
+        cell = _Cell(text if column < 2 else finding.text if finding else "–")
         cell.setData(ROW, row)
         cell.setData(ASPECT, aspect)
         if column >= 2:

@@ -116,7 +116,7 @@ class PropEditor(Editor[Prop]):
         """Resize the selected props in what was edited, and the constraints that make them obstacles."""
         text, before, ground = f"Resize {self.entity.name}", self.entity.size, self.document.project.ground
         with self._objections_told(), self.document.group(text, self.gesture):
-            for prop_id in self.together:
+            for prop_id in self.edited_ids:
                 pose = self._pose_of(prop_id)
                 x, y, z = (
                     own if new == old else new for own, old, new in zip(pose.prop.size, before, size, strict=True)
@@ -169,8 +169,8 @@ class PropEditor(Editor[Prop]):
     def _put_made(self, verb: str, make: Callable[[], Prop]) -> None:
         self.replace_entity(make, f"{verb} {self.entity.name}")
 
-    def _move(self, place: tuple[float, ...]) -> None:
-        self._put_made("Move", lambda: moved_prop(self.pose, np.array(place)))
+    def _move(self, position: tuple[float, ...]) -> None:
+        self._put_made("Move", lambda: moved_prop(self.pose, np.array(position)))
 
     def _turn(self, rotation: tuple[float, float, float, float]) -> None:
         pose = self.pose

@@ -105,7 +105,7 @@ class StatusLine(QStatusBar):
         self._show_facts()
         self._show_journal()
 
-    def tell(self, words: str) -> None:
+    def show_hint(self, words: str) -> None:
         """Show a text about the item under the mouse, in one line."""
         self._told.setText(" · ".join(words.splitlines()))
 

@@ -21,7 +21,7 @@ class FigureView:
     heading: tuple[float, float]
     height: float
 
-    def flat(self, points: FloatArray, box: QRectF) -> FloatArray:
+    def projected(self, points: FloatArray, box: QRectF) -> FloatArray:
         """Pixels (P, 2) of ``points`` (P, 3), centred in ``box`` on its lower edge."""
         along = np.array(self.heading) / max(float(np.hypot(*self.heading)), 1e-9)
         across = np.array([-along[1], along[0]])
@@ -43,7 +43,7 @@ def paint_sticks(
     width: float,
 ) -> None:
     """Paint ``points`` (P, 3), joined by ``pairs`` (B, 2), into ``box``."""
-    places = look.flat(points, box)
+    places = look.projected(points, box)
     sticks = [QLineF(QPointF(*places[begin]), QPointF(*places[end])) for begin, end in pairs]
     painter.setPen(QPen(QColor(colour), width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
     painter.drawLines(sticks)

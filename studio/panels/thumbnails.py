@@ -146,7 +146,7 @@ def pose_picture(pose: LocalPose, size: int = THUMBNAIL_PIXELS) -> QImage:
     front, back = np.array([(each.redF(), each.greenF(), each.blueF()) for each in ends])
     picture = QImage(size, size, QImage.Format.Format_ARGB32_Premultiplied)
     picture.fill(Qt.GlobalColor.transparent)
-    head = body.layout.segment(BodyPart.HEAD)
+    head = body.layout.segment_of_part(BodyPart.HEAD)
     with QPainter(picture) as painter:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         for bone in np.argsort(near).tolist():

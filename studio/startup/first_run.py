@@ -10,8 +10,8 @@ from studio.core.solver.warm_up import (
     warm_up,
     warm_up_constraints,
     warm_up_easing,
+    warm_up_grounded_motion,
     warm_up_seldom,
-    warm_up_standing,
     warm_up_support,
 )
 from studio.io.importing import load_capture
@@ -39,7 +39,7 @@ def run_seldom() -> None:
 
 def run_standing() -> None:
     """Call everything before constraints: reading and normalising a capture, and grounding any body."""
-    warm_up_standing(_character().morphology)
+    warm_up_grounded_motion(_character().morphology)
     _read()
     warm_up_support(_character().morphology)
 

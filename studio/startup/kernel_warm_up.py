@@ -107,11 +107,11 @@ class WarmUp:
     def follow(self, report: Callable[[float, str], None]) -> None:
         """Report progress and time left until the work is done: a job for ``TaskRunner``."""
         while self.running:
-            report(self.share, self.words)
+            report(self.fraction, self.words)
             time.sleep(LOOKED_AT_EVERY)
 
     @property
-    def share(self) -> float:
+    def fraction(self) -> float:
         """Progress from 0 to 1: that of the process which is farthest from its end."""
         return COMPILED * min(self._shares.values()) if self.cold else 0.5 * self.grounded
 

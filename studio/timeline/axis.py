@@ -48,7 +48,7 @@ class TimeAxis(QObject):
         """Pixels from one frame to the next."""
         return self.scale / self.frame_rate
 
-    def place(self, left: float, width: float) -> None:
+    def set_position(self, left: float, width: float) -> None:
         """Use ``width`` pixels from ``left`` on; a fitted view stays fitted, another one keeps its start."""
         if (left, width) != (self.left, self.width):
             self.left, self.width = left, max(width, 1.0)

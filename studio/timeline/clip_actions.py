@@ -15,7 +15,7 @@ from studio.timeline.shown import Hit, ItemPart, RowContext
 def performers_of_row(shown: RowContext, performer_id: str) -> tuple[str, ...]:
     """Performers of a row: one, or all visible ones with the same clips."""
     performers = shown.project.performers
-    if shown.apart:
+    if shown.rows_per_performer:
         return (performer_id,)
     row = performers[performer_id].all_clips
     return tuple(

@@ -65,9 +65,9 @@ def _set_beyond(canvas: "TrackCanvas", side: str, beyond: Beyond) -> None:
         set_beyond(canvas.document, fields, side, beyond)
 
 
-def _with_mode(mode: TangentMode, keyed: Keyed, place: int) -> Keyed:
-    return with_mode(keyed, place, mode)
+def _with_mode(mode: TangentMode, keyed: Keyed, index: int) -> Keyed:
+    return with_mode(keyed, index, mode)
 
 
-def _with_broken_tangents(broken: bool, keyed: Keyed, place: int) -> Keyed:
-    return with_broken(keyed, place, broken)
+def _with_broken_tangents(broken: bool, keyed: Keyed, index: int) -> Keyed:
+    return with_broken(keyed, index, broken)

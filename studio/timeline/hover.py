@@ -25,23 +25,23 @@ def hover_text(sheet: TimelineLayout, plot: PlotPicture, position: QPointF) -> s
         return _keys_text(sheet, hit)
     match hit.kind:
         case "ruler":
-            return remarks.remark_text(sheet.shown, position.x())
+            return remarks.remark_text(sheet.context, position.x())
         case "plot":
             return _plot_text(sheet, plot, position)
         case "constraints":
             return _constraint_text(sheet, hit, position)
         case "contacts":
-            contact = sheet.shown.project.contacts[hit.id]
-            rate = sheet.shown.subject.frame_rate
+            contact = sheet.context.project.contacts[hit.id]
+            rate = sheet.context.subject.frame_rate
             seconds = (contact.last - contact.first) / rate
-            alone = f", of {sheet.shown.subject_name} only" if contact.scope.is_narrow else ""
-            ends = (sheet.shown.frame_words(frame) for frame in (contact.first, contact.last))
+            alone = f", of {sheet.context.subject_name} only" if contact.scope.is_narrow else ""
+            ends = (sheet.context.frame_words(frame) for frame in (contact.first, contact.last))
             return f"{name_of(contact)}: {' to '.join(ends)}, {seconds:.3f} s{alone}"
         case "sounds":
-            sound = sheet.shown.project.sounds[hit.id]
+            sound = sheet.context.project.sounds[hit.id]
             return f"{sound.name}: {len(sound.beats)} beats (keys and contacts snap to them); drag to move it"
         case "footage":
-            footage = sheet.shown.project.footage[hit.id]
+            footage = sheet.context.project.footage[hit.id]
             return f"{footage.name}: {footage.frames} frames at {footage.frame_rate:g} fps; drag to move it"
         case "corrections":
             return _correction_text(sheet, hit)
@@ -72,17 +72,19 @@ def shows_value(sheet: TimelineLayout, position: QPointF) -> bool:
 
 def strip_text(sheet: TimelineLayout, constraint_id: str, performer_id: str, frame: int) -> str:
     """``Child: 42 mm at frame 23``; empty if the constraint is inactive."""
-    strip = sheet.shown.strip(constraint_id, performer_id)
-    name = sheet.shown.project.performers[performer_id].name
+    strip = sheet.context.strip(constraint_id, performer_id)
+    name = sheet.context.project.performers[performer_id].name
     if strip is None:
         return (
-            f"{name}: {unsolved_words(sheet.shown.live)}" if sheet.shown.applies_to(constraint_id, performer_id) else ""
+            f"{name}: {unsolved_words(sheet.context.live)}"
+            if sheet.context.applies_to(constraint_id, performer_id)
+            else ""
         )
     if strip.state_at(frame) == StripState.INACTIVE:
         return ""
     if strip.state_at(frame) == StripState.YIELDING:
-        return f"{name}: overridden by a contact at {sheet.shown.frame_words(frame)}"
-    return f"{name}: {strip.measure.words(strip.error_at(frame))} at {sheet.shown.frame_words(frame)}"
+        return f"{name}: overridden by a contact at {sheet.context.frame_words(frame)}"
+    return f"{name}: {strip.measure.text_of(strip.error_at(frame))} at {sheet.context.frame_words(frame)}"
 
 
 def _label_text(sheet: TimelineLayout, hit: Hit) -> str:
@@ -93,14 +95,14 @@ def _label_text(sheet: TimelineLayout, hit: Hit) -> str:
     if hit.kind == "plot":
         return "Click to choose the graph"
     if hit.kind == "constraints":
-        entity, (text, _) = sheet.shown.project.constraints[hit.id], constraint.residual_text(sheet.shown, hit.id)
-        name = f"{entity.name}, of {sheet.shown.subject_name} only" if entity.scope.is_narrow else entity.name
+        entity, (text, _) = sheet.context.project.constraints[hit.id], constraint.residual_text(sheet.context, hit.id)
+        name = f"{entity.name}, of {sheet.context.subject_name} only" if entity.scope.is_narrow else entity.name
         return f"{name}: {text}" if text else name
     return ""
 
 
 def _clip_text(sheet: TimelineLayout, hit: Hit) -> str:
-    shown, entity = sheet.shown, sheet.shown.project.clips[hit.id]
+    shown, entity = sheet.context, sheet.context.project.clips[hit.id]
     failure = shown.live.failure(hit.performer_id)
     if failure:
         return f"{shown.project.performers[hit.performer_id].name} is not adapted: {failure}"
@@ -115,10 +117,10 @@ def _clip_text(sheet: TimelineLayout, hit: Hit) -> str:
 
 
 def _label_words(sheet: TimelineLayout, hit: Hit) -> str:
-    label = sheet.shown.project.labels.get(hit.id)
+    label = sheet.context.project.labels.get(hit.id)
     if label is None:
         return "Labels: double-click to add one"
-    rate = sheet.shown.subject.frame_rate
+    rate = sheet.context.subject.frame_rate
     if label.last == label.first:
         return f"{label.name}: {time_text(label.first, label.first / rate)}"
     return f"{label.name}: frames {label.first} to {label.last}, {(label.last - label.first) / rate:.3f} s"
@@ -126,18 +128,18 @@ def _label_words(sheet: TimelineLayout, hit: Hit) -> str:
 
 def _correction_text(sheet: TimelineLayout, hit: Hit) -> str:
     """``Left elbow: 0.750 s to 1.250 s, below the constraints``."""
-    entity = sheet.shown.project.corrections[hit.id]
+    entity = sheet.context.project.corrections[hit.id]
     where = "above" if entity.above else "below"
     curve = entity.activation
     if hit.part in HANDLES:
         time = time_of(curve, hit.part)
-        return f"{entity.name}, {hit.part}: {time_text(time * sheet.shown.axis.frame_rate, time)}"
+        return f"{entity.name}, {hit.part}: {time_text(time * sheet.context.axis.frame_rate, time)}"
     return f"{entity.name}: {curve.start:.3f} s to {curve.end:.3f} s, {where} the constraints"
 
 
 def _keys_text(sheet: TimelineLayout, hit: Hit) -> str:
     """``Key of Kick target, target: 1.250 s · frame 75``."""
-    shown, count = sheet.shown, len(hit.keys)
+    shown, count = sheet.context, len(hit.keys)
     key = hit.keys[0]
     time = float(keys.stage_times(shown, key.field)[key.place])
     place = time_text(time * shown.axis.frame_rate, time)
@@ -146,8 +148,8 @@ def _keys_text(sheet: TimelineLayout, hit: Hit) -> str:
 
 
 def _hold_text(sheet: TimelineLayout, hit: Hit, position: QPointF) -> str:
-    prop = sheet.shown.project.props[hit.id]
-    hold, performers = hold_under(sheet.shown, prop, position.x()), sheet.shown.project.performers
+    prop = sheet.context.project.props[hit.id]
+    hold, performers = hold_under(sheet.context, prop, position.x()), sheet.context.project.performers
     if hold is None:
         return f"{prop.name}: not carried"
     begin = "from the start" if hold.begin is None else f"from {hold.begin:.3f} s"
@@ -156,25 +158,25 @@ def _hold_text(sheet: TimelineLayout, hit: Hit, position: QPointF) -> str:
 
 
 def _constraint_text(sheet: TimelineLayout, hit: Hit, position: QPointF) -> str:
-    entity = sheet.shown.project.constraints[hit.id]
-    rate = sheet.shown.subject.frame_rate
+    entity = sheet.context.project.constraints[hit.id]
+    rate = sheet.context.subject.frame_rate
     if hit.part in HANDLES:
         time = time_of(entity.activation, hit.part)
-        return f"{entity.name}, {hit.part}: {sheet.shown.moment(time * rate)}"
-    frame = round(sheet.shown.frame_at(position.x()))
+        return f"{entity.name}, {hit.part}: {sheet.context.moment(time * rate)}"
+    frame = round(sheet.context.frame_at(position.x()))
     if hit.part == ItemPart.BODY:
         activation = float(entity.activation.at(frame / rate))
-        return f"{entity.name}: activation {activation:.0%} at {sheet.shown.frame_words(frame)}"
+        return f"{entity.name}: activation {activation:.0%} at {sheet.context.frame_words(frame)}"
     row = sheet.find("constraints", hit.id)
-    body = constraint.strip_body(sheet.shown, sheet.rect(row), hit.id, position.y()) if row else None
+    body = constraint.strip_body(sheet.context, sheet.rect(row), hit.id, position.y()) if row else None
     return strip_text(sheet, hit.id, body, frame) if body else ""
 
 
 def _plot_text(sheet: TimelineLayout, plot: PlotPicture, position: QPointF) -> str:
-    time = sheet.shown.axis.time_at(position.x())
+    time = sheet.context.axis.time_at(position.x())
     near = plot.nearest(sheet.plot, time, position.y())
-    if near is None or ("plot", "") in sheet.shown.folded:
+    if near is None or ("plot", "") in sheet.context.folded:
         return ""
     curve, value = near
-    figure = plot.words(sheet.shown, value)
-    return f"{curve.name}: {figure} at {sheet.shown.frame_words(round(sheet.shown.subject.motion_frame(time)))}"
+    figure = plot.words(sheet.context, value)
+    return f"{curve.name}: {figure} at {sheet.context.frame_words(round(sheet.context.subject.motion_frame(time)))}"

@@ -34,18 +34,18 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
     elif hit.kind == "curves":
         offer_curves(menu, canvas)
     elif hit.kind == "plot":
-        _offer_quantities(menu, canvas, canvas.sheet.shown)
+        _offer_quantities(menu, canvas, canvas.sheet.context)
     elif hit.kind == "clips":
         if ("clips", hit.id) not in canvas.document.selection:
             canvas.document.selection.set(*items_of(hit))
-        offer_clip(menu, canvas.sheet.shown, hit)
+        offer_clip(menu, canvas.sheet.context, hit)
         menu.addSeparator()
-        offer_motions(menu, canvas.sheet.shown, hit.performer_id, None)
+        offer_motions(menu, canvas.sheet.context, hit.performer_id, None)
     elif hit.kind in ("clip", "performers"):
-        start = None if hit.part == ItemPart.LABEL else canvas.sheet.shown.axis.time_at(position.x())
-        offer_motions(menu, canvas.sheet.shown, hit.id, start)
+        start = None if hit.part == ItemPart.LABEL else canvas.sheet.context.axis.time_at(position.x())
+        offer_motions(menu, canvas.sheet.context, hit.id, start)
     elif hit.kind in ("ruler", "labels") and not hit.id and hit.part in (ItemPart.TIME, ItemPart.EMPTY):
-        _offer_label(menu, canvas, round(canvas.sheet.shown.frame_at(position.x())))
+        _offer_label(menu, canvas, round(canvas.sheet.context.frame_at(position.x())))
     elif hit.kind in edits.DELETABLE and hit.id and hit.part != ItemPart.EMPTY:
         canvas.document.selection.set((hit.kind, hit.id))
         if hit.kind == "labels":

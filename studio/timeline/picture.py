@@ -72,11 +72,11 @@ class TimelineImage:
     def _paint_stale(self, painter: QPainter, sheet: TimelineLayout) -> None:
         if self._all_stale:
             painter.fillRect(QRect(QPoint(), sheet.size), QColor(colours.PANEL))
-            _paint_ground(painter, sheet.viewport, sheet.shown)
+            _paint_ground(painter, sheet.viewport, sheet.context)
         if self._is_stale(RULER):
-            shown = sheet.shown
+            shown = sheet.context
             ruler.paint_ruler(painter, sheet.ruler, shown.axis, shown.document.playhead, shown.live.play.running)
-            remarks.paint_remarks(painter, sheet.ruler, sheet.shown)
+            remarks.paint_remarks(painter, sheet.ruler, sheet.context)
         for row in sheet.rows:
             labelled = self._is_stale((row.kind, row.id))
             if labelled or (row.kind, row.id) in self._stale_lanes:
@@ -90,15 +90,15 @@ class TimelineImage:
     def _paint_plot(self, painter: QPainter, sheet: TimelineLayout) -> None:
         painter.save()
         painter.setClipRect(sheet.plot)
-        _paint_ground(painter, sheet.plot, sheet.shown)
-        self.plot.fetch(sheet.shown)
+        _paint_ground(painter, sheet.plot, sheet.context)
+        self.plot.fetch(sheet.context)
         if sheet.plot.height() > FOLDED_PLOT_HEIGHT:
-            painter.setOpacity(REFERENCE_CURVE_OPACITY if sheet.shown.curves else 1.0)
-            self.plot.paint(painter, sheet.plot, sheet.shown)
+            painter.setOpacity(REFERENCE_CURVE_OPACITY if sheet.context.curves else 1.0)
+            self.plot.paint(painter, sheet.plot, sheet.context)
             painter.setOpacity(1.0)
-            if sheet.shown.curves:
-                self.curves.paint(painter, sheet.plot, sheet.shown)
-        self.plot.paint_label(painter, sheet.plot, sheet.shown)
+            if sheet.context.curves:
+                self.curves.paint(painter, sheet.plot, sheet.context)
+        self.plot.paint_label(painter, sheet.plot, sheet.context)
         painter.fillRect(0, sheet.plot.top(), sheet.size.width(), 1, QColor(colours.EDGE))
         painter.restore()
 
@@ -112,12 +112,12 @@ def _paint_row(painter: QPainter, sheet: TimelineLayout, row: TimelineRow, label
         return
     painter.save()
     painter.setClipRect(drawn)
-    _paint_ground(painter, area, sheet.shown)
+    _paint_ground(painter, area, sheet.context)
     if labelled:
-        _paint_label(painter, area, sheet.shown, row)
+        _paint_label(painter, area, sheet.context, row)
     painter.save()
     painter.setClipRect(lane.intersected(sheet.viewport))
-    _paint_content(painter, area, sheet.shown, row)
+    _paint_content(painter, area, sheet.context, row)
     painter.restore()
     painter.fillRect(area.left(), area.bottom(), area.width(), 1, translucent(colours.EDGE, 0.5))
     painter.restore()

@@ -31,7 +31,7 @@ def rows_of(shown: RowContext) -> tuple[TimelineRow, ...]:
     """Rows for sounds, labels, clips, layers, corrections, growth, props, contacts, and constraints by priority; or
     those of the dope sheet.
     """
-    return _stacked(keys.rows_of(shown) if shown.dope else _heights(shown))
+    return _stacked(keys.rows_of(shown) if shown.shows_dope_sheet else _heights(shown))
 
 
 def _stacked(heights: list[tuple[str, str, int]]) -> tuple[TimelineRow, ...]:
@@ -45,7 +45,7 @@ def _stacked(heights: list[tuple[str, str, int]]) -> tuple[TimelineRow, ...]:
 def _heights(shown: RowContext) -> list[tuple[str, str, int]]:
     """Kind, id and height of each row except those of the dope sheet."""
     visible = [key for key, each in shown.project.performers.items() if each.visible]
-    players = visible if shown.apart else (shown.subject.performer_id,)
+    players = visible if shown.rows_per_performer else (shown.subject.performer_id,)
     constraints = shown.project.constraints_for(shown.subject.performer_id, shown.subject.clip)
     touching = {each.point for each in shown.project.contacts_of(shown.subject.motion_id).values()}
     lanes = contacts.rows_with(touching)
@@ -84,7 +84,7 @@ def _heights(shown: RowContext) -> list[tuple[str, str, int]]:
 class TimelineLayout:
     """Rows in a widget of ``size``, scrolled down by ``scroll`` pixels."""
 
-    shown: RowContext
+    context: RowContext
     rows: tuple[TimelineRow, ...]
     size: QSize
     scroll: int = 0
@@ -102,9 +102,9 @@ class TimelineLayout:
     @property
     def plot(self) -> QRect:
         """Rectangle of the plot, at the bottom; it fills the space below the rows."""
-        if ("plot", "") in self.shown.folded:
+        if ("plot", "") in self.context.folded:
             return QRect(0, self.size.height() - plot.FOLDED_PLOT_HEIGHT, self.size.width(), plot.FOLDED_PLOT_HEIGHT)
-        if self.shown.curves:
+        if self.context.curves:
             most = self.size.height() - ruler.RULER_HEIGHT
             height = max(round(CURVE_EDITOR_PART * most), min(CURVE_EDITOR_LEAST_PX, most), most - self.content_height)
             return QRect(0, self.size.height() - height, self.size.width(), height)
@@ -134,7 +134,7 @@ class TimelineLayout:
     def hit(self, position: QPointF) -> Hit:
         """Part under the mouse: entities first, then the playhead's line, then empty places."""
         hit = self.part_under_playhead(position)
-        line = self.shown.axis.x_of_time(self.shown.document.playhead.time)
+        line = self.context.axis.x_of_time(self.context.document.playhead.time)
         over_line = position.x() >= ROW_LABEL_WIDTH and abs(position.x() - line) <= PLAYHEAD_REACH
         return Hit("playhead", "", ItemPart.TIME) if hit.part == ItemPart.EMPTY and over_line else hit
 
@@ -148,7 +148,7 @@ class TimelineLayout:
         if self.plot.contains(point):
             if point.x() < ROW_LABEL_WIDTH:
                 return Hit("plot", "", ItemPart.LABEL)
-            return Hit("curves", "", ItemPart.EMPTY) if self.shown.curves else Hit("plot", "", ItemPart.TIME)
+            return Hit("curves", "", ItemPart.EMPTY) if self.context.curves else Hit("plot", "", ItemPart.TIME)
         row = self.row_at(point)
         return self._hit_row(row, position) if row else Hit("", "", ItemPart.EMPTY)
 
@@ -159,7 +159,7 @@ class TimelineLayout:
             return self._label_hit(row)
         area = self.rect(row)
         under = self._hit_part(row, area, position)
-        if under.part in (ItemPart.EMPTY, ItemPart.BODY) and (found := keys.keys_at(self.shown, row, area, position)):
+        if under.part in (ItemPart.EMPTY, ItemPart.BODY) and (found := keys.keys_at(self.context, row, area, position)):
             return Hit(row.kind, row.id, ItemPart.KEY, keys=found)
         return under
 
@@ -168,20 +168,20 @@ class TimelineLayout:
             case "growth" | "summary" | "sheet":
                 return Hit(row.kind, row.id, ItemPart.EMPTY)
             case "clip":
-                return clip.clip_hit(clip.bars_of(self.shown, area, row.id), row.id, position)
+                return clip.clip_hit(clip.bars_of(self.context, area, row.id), row.id, position)
             case "layer":
-                return clip.clip_hit(layer.clip_bars(self.shown, area, row.id), layer.performer_of(row.id), position)
+                return clip.clip_hit(layer.clip_bars(self.context, area, row.id), layer.performer_of(row.id), position)
             case "sounds" | "footage":
-                return media.media_hit(self.shown, area, row.kind, row.id, position)
+                return media.media_hit(self.context, area, row.kind, row.id, position)
             case "corrections":
-                return correction.correction_hit(self.shown, area, row.id, position)
+                return correction.correction_hit(self.context, area, row.id, position)
             case "labels":
-                return labels.labels_hit(self.shown, area, position)
+                return labels.labels_hit(self.context, area, position)
             case "props":
-                return hold.hold_hit(self.shown, area, row.id, position)
+                return hold.hold_hit(self.context, area, row.id, position)
             case "lane":
-                return contacts.contacts_hit(self.shown, area, row.id, position)
-        return constraint.constraint_hit(self.shown, area, row.id, position)
+                return contacts.contacts_hit(self.context, area, row.id, position)
+        return constraint.constraint_hit(self.context, area, row.id, position)
 
     def _label_hit(self, row: TimelineRow) -> Hit:
         match row.kind:
@@ -192,4 +192,4 @@ class TimelineLayout:
         return Hit(row.kind, row.id, ItemPart.LABEL)
 
     def _folds(self, row: TimelineRow) -> bool:
-        return row.kind == "clip" and clip.is_foldable(self.shown, row.id)
+        return row.kind == "clip" and clip.is_foldable(self.context, row.id)

@@ -91,11 +91,11 @@ class RowContext:
     handle: ItemPart | None = None
     folded: frozenset[tuple[str, str]] = frozenset()
     """Kind and id of the rows that are only a line high."""
-    apart: bool = False
+    rows_per_performer: bool = False
     """True if every performer has its row of clips; else the active one's stands for all."""
     remarks: tuple[Remark, ...] = ()
     """Remarks on the capture of the motion."""
-    dope: bool = False
+    shows_dope_sheet: bool = False
     """True if the rows are those of the dope sheet."""
     curves: bool = False
     """True if the plot is the curve editor."""
@@ -147,7 +147,7 @@ class RowContext:
 
     def strip(self, constraint_id: str, performer_id: str) -> ErrorStrip | None:
         """Strip of a constraint on a body; None while it is unknown or the constraint is inactive."""
-        return strip_of(self.project, performer_id, self.live.reported(performer_id), constraint_id)
+        return strip_of(self.project, performer_id, self.live.reported_motion(performer_id), constraint_id)
 
     def applies_to(self, constraint_id: str, performer_id: str) -> bool:
         """True if a constraint applies to a body."""
@@ -155,11 +155,11 @@ class RowContext:
 
     def residual(self, constraint_id: str, performer_id: str) -> Residual | None:
         """Worst residual of a constraint on a body."""
-        return worst_residual(self.project, performer_id, self.live.reported(performer_id), constraint_id)
+        return worst_residual(self.project, performer_id, self.live.reported_motion(performer_id), constraint_id)
 
     def inactivity(self, constraint_id: str, performer_id: str) -> Inactive:
         """Reason why a constraint without a residual is inactive on a body."""
-        return inactivity(self.project, performer_id, self.live.reported(performer_id), constraint_id)
+        return inactivity(self.project, performer_id, self.live.reported_motion(performer_id), constraint_id)
 
 
 def clipped_span(point: QPointF, x: float, y: float, reach: float) -> bool:

@@ -68,27 +68,27 @@ class Timeline(QWidget):
     def handle_point(self, constraint_id: str, handle: str) -> QPoint:
         """Pixel of a constraint's handle: ``start``, ``ease-in end``, ``ease-out start``, ``end``."""
         sheet = self._sheet()
-        entity = sheet.shown.project.constraints[constraint_id]
-        points = constraint.handle_points(sheet.shown, self.row_rect("constraints", constraint_id), entity)
+        entity = sheet.context.project.constraints[constraint_id]
+        points = constraint.handle_points(sheet.context, self.row_rect("constraints", constraint_id), entity)
         return points[ItemPart(handle)].toPoint()
 
     def contact_rect(self, contact_id: str) -> QRect:
         """Rectangle of a contact's bar."""
         sheet = self._sheet()
-        contact = sheet.shown.project.contacts[contact_id]
+        contact = sheet.context.project.contacts[contact_id]
         row = self.row_rect("lane", contacts.row_of(contact.point))
-        return contacts.contact_bar(sheet.shown, row, contact).toRect()
+        return contacts.contact_bar(sheet.context, row, contact).toRect()
 
     def strip_point(self, constraint_id: str, performer_id: str, frame: int) -> QPoint:
         """Pixel of a body's strip at a frame of the motion."""
-        shown = self._sheet().shown
+        shown = self._sheet().context
         place = [body.performer_id for body in shown.subject.bodies].index(performer_id)
         top = constraint.strip_top(self.row_rect("constraints", constraint_id), place)
         return QPoint(round(shown.x_of_frame(frame)), top + PITCH - 1)
 
     def strip_state(self, constraint_id: str, performer_id: str, frame: int) -> StripState:
         """State of a body's strip at a frame of the motion."""
-        shown = self._sheet().shown
+        shown = self._sheet().context
         strip = shown.strip(constraint_id, performer_id)
         unknown = StripState.UNKNOWN if shown.applies_to(constraint_id, performer_id) else StripState.INACTIVE
         return strip.state_at(frame) if strip else unknown

@@ -100,7 +100,7 @@ class TrackCanvas(TrackView):
                 self.document.keys.clear()
                 self._select(hit, add)
             if hit.part == ItemPart.TIME:
-                self.gesture = gesture_at(hit, self.sheet.shown, event.position())
+                self.gesture = gesture_at(hit, self.sheet.context, event.position())
                 self._drag(event)
             elif hit.kind == "plot":
                 self._show_menu(event.position(), event.globalPosition().toPoint())
@@ -142,13 +142,13 @@ class TrackCanvas(TrackView):
         """Add a contact or a label at an empty place of a line; rename a label."""
         hit = self.hit(event.position()) if self.sheet else None
         if self.sheet and hit and hit.kind == "lane" and hit.part == ItemPart.EMPTY:
-            frame = round(self.sheet.shown.frame_at(event.position().x()))
-            edits.add_contact(self.sheet.shown, contact_point(hit.id), frame)
+            frame = round(self.sheet.context.frame_at(event.position().x()))
+            edits.add_contact(self.sheet.context, contact_point(hit.id), frame)
         elif self.sheet and hit and hit.kind == "labels" and hit.id:
             self._pending = None
             self.rename_label(hit.id)
         elif self.sheet and hit and hit.kind == "labels" and hit.part == ItemPart.EMPTY:
-            edits.add_label(self.sheet.shown, round(self.sheet.shown.frame_at(event.position().x())))
+            edits.add_label(self.sheet.context, round(self.sheet.context.frame_at(event.position().x())))
         else:
             self.mousePressEvent(event)
 
@@ -195,7 +195,7 @@ class TrackCanvas(TrackView):
             self.strike_dropped.emit(strike, row, self._dropped_at(event))
         if motion_id is None or self.sheet is None:
             return
-        shown = self.sheet.shown
+        shown = self.sheet.context
         if row is not None:
             add = partial(add_clip, shown, row, motion_id, self._dropped_at(event))
         else:
@@ -237,7 +237,7 @@ class TrackCanvas(TrackView):
         sheet = self.sheet
         assert sheet is not None
         under: Hit = sheet.part_under_playhead(position)
-        if under.kind == "curves" and self.picture.curves.hit(sheet.shown, plot_area(sheet.plot), position):
+        if under.kind == "curves" and self.picture.curves.hit(sheet.context, plot_area(sheet.plot), position):
             return under
         return sheet.hit(position)
 
@@ -245,7 +245,7 @@ class TrackCanvas(TrackView):
         """Begin a drag of a handle or a key of the curve editor, or of a box."""
         curves, keys = self.picture.curves, self.document.keys
         assert self.sheet is not None
-        grip = self._grip = curves.hit(self.sheet.shown, plot_area(self.sheet.plot), position)
+        grip = self._grip = curves.hit(self.sheet.context, plot_area(self.sheet.plot), position)
         if grip is None:
             if not add:
                 keys.clear()
@@ -271,7 +271,7 @@ class TrackCanvas(TrackView):
         """Drag that begins there: of keys, of an entity, or a box."""
         if self.sheet is None:
             return None
-        shown, add = self.sheet.shown, bool(modifiers & Modifier.ControlModifier)
+        shown, add = self.sheet.context, bool(modifiers & Modifier.ControlModifier)
         if hit.kind == "curves":
             curves, plot = self.picture.curves, self.sheet.plot
             if self._grip is None:
@@ -373,7 +373,7 @@ class TrackCanvas(TrackView):
             if now is not None:
                 self.document.replace("labels", label_id, replace(now, name=name), f"Rename label {now.name}")
 
-        area = flags(self.sheet.shown, self.sheet.rect(row))[label_id].area
+        area = flags(self.sheet.context, self.sheet.rect(row))[label_id].area
         NameField(self, area.toRect(), label.name, take)
 
     def _show_menu(self, position: QPointF, place: QPoint) -> None:

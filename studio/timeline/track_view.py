@@ -96,7 +96,7 @@ class TrackView(QWidget):
     @property
     def shown(self) -> RowContext | None:
         """Content of the rows; None without a performer."""
-        return self.sheet.shown if self.sheet else None
+        return self.sheet.context if self.sheet else None
 
     @property
     def prompt(self) -> str:
@@ -114,7 +114,7 @@ class TrackView(QWidget):
         subject = subject_of(self.document)
         if subject is None:
             self.sheet = None
-            self.picture.plot.forget()
+            self.picture.plot.drop_curves()
             self.scroll_bar.hide()
             self.update()
             return
@@ -141,7 +141,7 @@ class TrackView(QWidget):
         self.scroll_bar.setGeometry(self.width() - 9, sheet.viewport.top(), 9, sheet.viewport.height())
         self.sheet = TimelineLayout(shown, sheet.rows, self.size(), self.scroll_bar.value())
         with QSignalBlocker(self.axis):
-            self.axis.place(ROW_LABEL_WIDTH, self.width() - ROW_LABEL_WIDTH - RIGHT_MARGIN)
+            self.axis.set_position(ROW_LABEL_WIDTH, self.width() - ROW_LABEL_WIDTH - RIGHT_MARGIN)
             if self.gesture is None:  # time does not move under a hand that drags in it
                 project, playhead = self.document.project, self.document.playhead
                 played = {clip.motion_id for each in project.performers.values() for clip in each.clips}
@@ -219,7 +219,7 @@ class TrackView(QWidget):
     def fold(self, kind: str, row_id: str = "") -> None:
         """Fold a row of ``FOLDED_ROW_KINDS``, or the plot, to a line, or unfold it; rows of performers one, or all."""
         if kind == "clip":
-            self.apart = not (self.shown and self.shown.apart)
+            self.apart = not (self.shown and self.shown.rows_per_performer)
         else:
             self.folded ^= {(kind, row_id)}
         self.lay_out()
@@ -251,7 +251,7 @@ class TrackView(QWidget):
             self.sheet is None
             or collection not in ("constraints", "contacts", "corrections")
             or (collection == "corrections" and self.dope)
-            or rows_of(self.sheet.shown) != self.sheet.rows
+            or rows_of(self.sheet.context) != self.sheet.rows
         ):
             self.lay_out()
         elif collection == "corrections":
@@ -314,14 +314,14 @@ class TrackView(QWidget):
         self.picture.refresh(sheet, self.devicePixelRatioF())
         # At a scale of 1.5 a part of the picture would not begin on whole pixels; Qt clips the whole to the area.
         painter.drawPixmap(QPointF(), self.picture.pixmap)
-        track_overlay.paint_playhead(painter, sheet.shown, self.height())
+        track_overlay.paint_playhead(painter, sheet.context, self.height())
         self._playhead_area = track_overlay.playhead_area(
-            sheet.shown, self.height()
+            sheet.context, self.height()
         )  # where it is left from, also by a zoom
         if isinstance(self.gesture, BoxSelect | BoxSelectCurves):
             track_overlay.paint_box(painter, self.gesture.box)
         if self.gesture is not None and self.gesture.mark is not None:
-            track_overlay.paint_mark(painter, sheet.shown, self.gesture.mark, self.mouse, self.rect())
+            track_overlay.paint_mark(painter, sheet.context, self.gesture.mark, self.mouse, self.rect())
         if self.hasFocus():
             track_overlay.paint_focus(painter, self.rect())
 

@@ -96,7 +96,7 @@ class BodyVisual:
         """True if this mesh can show ``character``: proportions and colour may differ, the skin may not."""
         return character.skin is self._character.skin and character.build is self._character.build
 
-    def take(self, character: Character) -> None:
+    def take_skin(self, character: Character) -> None:
         """Show a changed version of the same character; one with materials keeps their colours."""
         if character.colour != self._character.colour:
             if character.skin.appearance is None:

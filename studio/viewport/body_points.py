@@ -43,7 +43,7 @@ def body_joints(layout: BodyLayout) -> tuple[BodyJoint, ...]:
     for (part, at_end), name in POINT_NAMES.items():
         if part is BodyPart.ABDOMEN:
             continue
-        index = int((far if at_end else near)[layout.segment(part)])
+        index = int((far if at_end else near)[layout.segment_of_part(part)])
         joints.append(BodyJoint(index, name, BodyPoint(part, at_end=at_end), _chain(part, at_end)))
     return tuple(joints)
 
@@ -52,7 +52,7 @@ def skin_point(layout: BodyLayout, part: BodyPart, offset: Vector, at_end: bool)
     """Point on the skin of a segment, at an ``offset`` from its origin or its far end."""
     ends = layout.distal_points() if at_end else layout.proximal_points()
     point = BodyPoint(part, offset, at_end)
-    return BodyJoint(int(ends[layout.segment(part)]), f"{part.label.lower()} skin", point, _chain(part, at_end))
+    return BodyJoint(int(ends[layout.segment_of_part(part)]), f"{part.label.lower()} skin", point, _chain(part, at_end))
 
 
 def place_of_joint(pose: PosedPerformer, joint: BodyJoint) -> NDArray[np.float64]:
@@ -70,7 +70,7 @@ def point_path(
 ) -> NDArray[np.float64]:
     """(F, 3) positions of ``point`` in the motion's space in each of ``rows``."""
     layout = motion.morphology.layout
-    segment = layout.segment(point.part)
+    segment = layout.segment_of_part(point.part)
     origin = (layout.distal_points() if point.at_end else layout.proximal_points())[segment]
     turned = motion.rotations[rows, segment] @ np.asarray(point.offset)
     path: NDArray[np.float64] = motion.positions[rows, origin] + turned

@@ -42,7 +42,7 @@ class Canvas(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.camera = OrbitCamera()
-        self.sight = ONE_EYE
+        self.stereo_view = ONE_EYE
         self._scene: StageScene | None = None
         self._still: AveragedPicture | None = None
         self._image = QImage()
@@ -113,8 +113,8 @@ class Canvas(QWidget):
 
     def set_stereo_view(self, sight: StereoView) -> None:
         """Set one or two eyes, and the head's position."""
-        if sight != self.sight:
-            self.sight = sight
+        if sight != self.stereo_view:
+            self.stereo_view = sight
             self._frame_timer.start(0)
 
     def grab_image(self) -> QImage:
@@ -154,7 +154,7 @@ class Canvas(QWidget):
                 fewer = self._image.size() != QSize(*self._device_size())
                 painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, fewer)
                 painter.drawImage(self.rect(), self._image)
-                if self.sight.is_plain:  # else nothing on the stage is where one eye's camera says
+                if self.stereo_view.is_plain:  # else nothing on the stage is where one eye's camera says
                     self.paint_over(painter)
                 if self.hasFocus():
                     painter.setPen(QColor(colours.STAGE_SELECTED_CONTROL))
@@ -188,7 +188,7 @@ class Canvas(QWidget):
         if self._scene is None:
             return
         if self._image.isNull():
-            self._take(self.sight.render(self._scene, self.camera, self._device_size()))
+            self._take(self.stereo_view.render(self._scene, self.camera, self._device_size()))
             self._frame_timer.start(0)
             return
         if self._stale:
@@ -204,10 +204,10 @@ class Canvas(QWidget):
     def _render(self, scene: StageScene) -> Pixels:
         """Draw the view, in a lower resolution while it moves and drawing is slow."""
         if not self.moving:
-            return self.sight.render(scene, self.camera, self._device_size())
+            return self.stereo_view.render(scene, self.camera, self._device_size())
         sharpness = self._sharp_in_hand if self.is_interacting else self._sharp_at_play
         begun = time.monotonic()
-        pixels = self.sight.render(scene, self.camera, sharpness.size(self._device_size()))
+        pixels = self.stereo_view.render(scene, self.camera, sharpness.size(self._device_size()))
         sharpness.note_duration(time.monotonic() - begun)
         return pixels
 
@@ -240,6 +240,6 @@ class Canvas(QWidget):
 
         assert self._scene is not None
         if self._still is None:
-            self._still = AveragedPicture(StereoScene(self._scene, self.sight), self.camera, self._device_size())
+            self._still = AveragedPicture(StereoScene(self._scene, self.stereo_view), self.camera, self._device_size())
         else:
             self._still.refine()

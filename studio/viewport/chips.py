@@ -37,14 +37,14 @@ class Chip(QPushButton):
         self.setAutoDefault(False)
         self.clicked.connect(lambda: clicked())
 
-    def stand_at(self, place: QPoint) -> None:
+    def stand_at(self, position: QPoint) -> None:
         """Move to a position of the view, or as near to it as the chip fits."""
         view = self.parentWidget()
         assert view is not None
         room = view.rect().adjusted(CHIP_MARGIN, CHIP_MARGIN, -CHIP_MARGIN - self.width(), -CHIP_MARGIN - self.height())
-        self.move(min(max(place.x(), room.left()), room.right()), min(max(place.y(), room.top()), room.bottom()))
+        self.move(min(max(position.x(), room.left()), room.right()), min(max(position.y(), room.top()), room.bottom()))
 
-    def say(self, text: str) -> None:
+    def set_text(self, text: str) -> None:
         """Set the text; does nothing if it is the same."""
         if escaped_mnemonics(text) != self.text():
             self.setText(escaped_mnemonics(text))
@@ -146,11 +146,11 @@ class Chips:
 
     def show_parallel(self, parallel: bool) -> None:
         """Show if the projection is parallel."""
-        self.view.say("Orthographic" if parallel else "Perspective")
+        self.view.set_text("Orthographic" if parallel else "Perspective")
 
     def show_gizmo_space(self, space: str, used: bool) -> None:
         """Show the space of the gizmo's axes, while it uses one."""
-        self.space.say(f"{space.capitalize()} axes")
+        self.space.set_text(f"{space.capitalize()} axes")
         self._space_used = used
         self.fit(self._view.width())
 
@@ -174,7 +174,7 @@ class Chips:
         words = sentence or ""
         room = self._view.width() - PROBLEM_FRAME
         self.problem.ensurePolished()
-        self.problem.say(self.problem.fontMetrics().elidedText(words, Qt.TextElideMode.ElideRight, room))
+        self.problem.set_text(self.problem.fontMetrics().elidedText(words, Qt.TextElideMode.ElideRight, room))
         self.problem.setToolTip(words)
         self.problem.setAccessibleDescription(words)
         self.problem.setVisible(sentence is not None)

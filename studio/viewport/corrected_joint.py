@@ -50,14 +50,14 @@ class CorrectedJoint(Movable):
         layout = self._pose.motion.morphology.layout
         index = self._joint.index
         if self._upper is not None:
-            index = layout.proximal_points()[layout.segment(self._upper) + 2]
+            index = layout.proximal_points()[layout.segment_of_part(self._upper) + 2]
         return np.asarray(self._pose.motion.positions[self._pose.row, index])
 
     @property
     def pivot(self) -> FloatArray:
         """(3,) stage point about which the segment rotates."""
         layout = self._pose.motion.morphology.layout
-        return np.asarray(self._pose.points[layout.proximal_points()[layout.segment(self._part)]])
+        return np.asarray(self._pose.points[layout.proximal_points()[layout.segment_of_part(self._part)]])
 
     @property
     def own_axes(self) -> FloatArray:
@@ -72,7 +72,7 @@ class CorrectedJoint(Movable):
 
     @property
     def _segment(self) -> int:
-        return self._pose.motion.morphology.layout.segment(self._part)
+        return self._pose.motion.morphology.layout.segment_of_part(self._part)
 
     def _axes(self, segment: int) -> FloatArray:
         return np.asarray(self.placement.rotation @ self._pose.motion.rotations[self._pose.row, segment])
@@ -82,18 +82,18 @@ class CorrectedJoint(Movable):
         own = self.own_axes
         self._set({self._part: to_rotation_vector(from_matrix(own.T @ rotation @ own))}, None, gesture)
 
-    def move(self, place: FloatArray, gesture: int) -> None:
-        """Pull the joint to ``place``: a limb bends, trunk and neck lean, or the hips move."""
+    def move(self, position: FloatArray, gesture: int) -> None:
+        """Pull the joint to ``position``: a limb bends, trunk and neck lean, or the hips move."""
         from studio.core.solver.posing import head_turns, limb_turns  # here: it loads kernels
 
         motion, row = self._pose.motion, self._pose.row
         posed = motion.morphology.layout, motion.positions[row], motion.rotations[row]
         if self._is_hips:
-            self._set({}, place - self.place, gesture)
+            self._set({}, position - self.place, gesture)
         elif self._upper is not None:
-            self._set(limb_turns(*posed, self._upper, place), None, gesture)
+            self._set(limb_turns(*posed, self._upper, position), None, gesture)
         else:
-            further = place - self.place
+            further = position - self.place
             self._set(head_turns(*posed, posed[1][posed[0].head_joint] + further), None, gesture)
 
     def restore(self, gesture: int) -> None:

@@ -68,7 +68,7 @@ class StereoView:
         """True if the projection depends on the camera alone: one eye, no tracked head."""
         return self == ONE_EYE
 
-    def looked(self, camera: OrbitCamera, tall: float) -> EyePosition:
+    def with_camera(self, camera: OrbitCamera, tall: float) -> EyePosition:
         """Eye midway between both, of a head before a window ``tall`` metres high."""
         scale = tall / SCREEN
         back = max(scale * self.head.back, (NEAREST - 1.0) * camera.distance)
@@ -82,7 +82,7 @@ class StereoView:
         offset: tuple[float, float] = (0.0, 0.0),
     ) -> Pixels:
         """Picture of a scene."""
-        middle = self.looked(camera, camera.metres_per_pixel(1.0))
+        middle = self.with_camera(camera, camera.metres_per_pixel(1.0))
         if self.stereo is Stereo.OFF:
             return scene.render(camera, size, offset, middle)
         half = 0.5 * EYE_SEPARATION * (camera.distance + middle.back)

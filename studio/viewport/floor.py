@@ -152,11 +152,11 @@ def _spots(
     return spots
 
 
-def line_tints(run: NDArray[np.float64], place: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
-    """(N, 3) colours of metre lines along ``axis`` at ``run`` (N,) on the line ``place`` (N,): the first metre is
+def line_tints(run: NDArray[np.float64], position: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
+    """(N, 3) colours of metre lines along ``axis`` at ``run`` (N,) on the line ``position`` (N,): the first metre is
     tinted.
     """
-    first = (place == 0.0) & (run >= 0.0)
+    first = (position == 0.0) & (run >= 0.0)
     return np.where(first[:, None], (X_AXIS, Y_AXIS)[axis], GRID_LINE_COLOUR)
 
 

@@ -29,19 +29,19 @@ class FrameStats:
         self._begun = self._asked_at = self._behind = None
         self._words, self._said_at = "", -math.inf
 
-    def posed(self, asked_at: float | None) -> None:
-        """Note that a picture is about to be made; ``asked_at`` as in ``picture``."""
+    def note_posed(self, asked_at: float | None) -> None:
+        """Note that a picture is about to be made; ``asked_at`` as in ``note_picture``."""
         self._posed = (asked_at,)
 
-    def seen(self, moving: bool) -> None:
+    def note_painted(self, moving: bool) -> None:
         """Note that the picture is painted; repeated paints count once, with the pose's present age."""
         if not moving:
             self.note_rest()
         elif self._posed is not None:
-            self.picture(*self._posed)
+            self.note_picture(*self._posed)
         self._posed = None
 
-    def picture(self, asked_at: float | None) -> None:
+    def note_picture(self, asked_at: float | None) -> None:
         """Note that a picture is made; ``asked_at`` (by the clock) is the time of the request that its pose answers,
         None for playback. A pose for a request before the motion began is not late: nothing newer was requested.
         """
@@ -57,7 +57,7 @@ class FrameStats:
         self._asked_at = asked_at
 
     @property
-    def words(self) -> str:
+    def text(self) -> str:
         """``12 pictures/s · 85 ms latency``, updated some times a second; empty at rest."""
         now = self._clock()
         if not self._words or now - self._said_at >= SAID_EVERY:

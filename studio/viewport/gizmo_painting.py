@@ -137,10 +137,10 @@ class GizmoPainter:
         corners = (tip, base + ARROW_WIDTH * across, base - ARROW_WIDTH * across)
         self._painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
 
-    def _box(self, place: FloatArray, colour: QColor) -> None:
+    def _box(self, position: FloatArray, colour: QColor) -> None:
         self._painter.setPen(QPen(STROKE_SHADOW, 1.5))
         self._painter.setBrush(QBrush(colour))
-        self._painter.drawRect(QRectF(place[0] - HALF_BOX, place[1] - HALF_BOX, 2.0 * HALF_BOX, 2.0 * HALF_BOX))
+        self._painter.drawRect(QRectF(position[0] - HALF_BOX, position[1] - HALF_BOX, 2.0 * HALF_BOX, 2.0 * HALF_BOX))
 
     def _square(self, corners: FloatArray, colour: str, hot: bool) -> None:
         fill = QColor(HOVERED if hot else colour)

@@ -79,16 +79,16 @@ def with_outline(figure: HandleShape, outline: FloatArray | None, floor: float) 
     return replace(figure, lines=(*figure.lines, closed))
 
 
-def with_path(figure: HandleShape, target: object, time: float, place: FloatArray, leg_length: float) -> HandleShape:
+def with_path(figure: HandleShape, target: object, time: float, position: FloatArray, leg_length: float) -> HandleShape:
     """Figure with the path of a ``target`` that is keyed or moves by a rule, round a ``time`` of its motion.
 
-    A per-character path passes through ``place``, the target at that time.
+    A per-character path passes through ``position``, the target at that time.
     """
     if not isinstance(target, KeyedPlace | KeyedOwnPlace | ProceduralPlace):
         return figure
     path = target.path(time)
     if own_place_of(target) is not None:
-        path = place + (leg_length if isinstance(target, KeyedOwnPlace) else 1.0) * (path - target.at([time]))
+        path = position + (leg_length if isinstance(target, KeyedOwnPlace) else 1.0) * (path - target.at([time]))
     return replace(figure, lines=(*figure.lines, path))
 
 
@@ -222,12 +222,12 @@ def _turn(pose: PosedPerformer, point: BodyPoint) -> FloatArray:
     return pose.rotation_in_clip(point.part)
 
 
-def _allowed(constraint: AreaConstraint, place: FloatArray) -> FloatArray:
+def _allowed(constraint: AreaConstraint, position: FloatArray) -> FloatArray:
     from studio.core.solver.asking.area_rows import (
         nearest_allowed_position,
     )  # not before a result is there: it loads kernels
 
-    return nearest_allowed_position(constraint, place)
+    return nearest_allowed_position(constraint, position)
 
 
 def _mass(pose: PosedPerformer) -> FloatArray:

@@ -6,7 +6,7 @@ from studio.core.constraints.base import Constraint, Vector
 def handle_position(constraint: Constraint, floor: float = 0.0) -> Vector | None:
     """Position (3,) of the handle, metres in the motion's space over a ground ``floor`` high; None if it has none.
 
-    The constraint is that of one moment (``TargetContext.fixed``).
+    The constraint is that of one moment (``TargetContext.with_targets_fixed``).
     """
     place = getattr(constraint, constraint.shown.held_by, None)
     if not isinstance(place, tuple):

@@ -28,7 +28,7 @@ class Handle:
     """Handles of the active performer: drawn in full."""
 
     @property
-    def missed(self) -> bool:
+    def is_missed(self) -> bool:
         """True if the constraint is fully active now and not met."""
         return self.activation > 0.5 and self.figure.missed
 
@@ -52,7 +52,7 @@ def constraint_handles(
             if only is not None and constraint_id not in only:
                 continue
             constraint = moment.as_played(constraint)
-            now = moment.fixed(constraint) if constraint.enabled else None
+            now = moment.with_targets_fixed(constraint) if constraint.enabled else None
             if now is None:
                 continue
             place = handle_position(now, floor)

@@ -114,7 +114,7 @@ def _gizmo_part(viewport: Viewport, x: float, y: float) -> str | None:
     """Part of the gizmo under the mouse; joints of a body's feet come before its handles."""
     gizmo, movable = viewport.gizmo(), viewport.movable()
     part = gizmo.part_at(x, y) if gizmo is not None else None
-    if part is None or movable is None or not movable.yields:
+    if part is None or movable is None or not movable.gives_way_to_joints:
         return part
     return None if picking.joint_at(viewport.posed, viewport.camera, viewport.view_size, x, y) else part
 

@@ -38,7 +38,7 @@ class Movable:
     """Placement on the stage of the space of its ``place``."""
     flat = False
     """True if it stays on the ground."""
-    yields = False
+    gives_way_to_joints = False
     """True if joints under its handles are picked before these."""
     moves = True
     rotates = heading_only = False
@@ -66,8 +66,8 @@ class Movable:
         """(3, 3) axes of its parent as columns, stage space."""
         return self.placement.rotation
 
-    def move(self, place: FloatArray, gesture: int) -> None:
-        """Move it to ``place`` (3,), as a part of a gesture."""
+    def move(self, position: FloatArray, gesture: int) -> None:
+        """Move it to ``position`` (3,), as a part of a gesture."""
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
         """Rotate it by ``rotation`` (3, 3) of the stage relative to its state at creation."""
@@ -101,21 +101,21 @@ class MovableTarget(Movable):
     @property
     def place(self) -> FloatArray:
         """(3,) position in the space of the motion."""
-        now = self._moment.fixed(self._constraint)
+        now = self._moment.with_targets_fixed(self._constraint)
         return np.array(handle_position(now, self._floor) if now else None)
 
-    def move(self, place: FloatArray, gesture: int) -> None:
-        """Move it to ``place``."""
+    def move(self, position: FloatArray, gesture: int) -> None:
+        """Move it to ``position``."""
         old = self._constraint
-        x, y, z = place.tolist()
+        x, y, z = position.tolist()
         text = f"{'Key' if has_keyed_target(old) and not self._is_apart else 'Move'} {self._words}"
-        self._put(self._moment.moved(self._begin, (x, y, z)), text, gesture)
+        self._put(self._moment.with_target_moved(self._begin, (x, y, z)), text, gesture)
 
     @property
     def own_axes(self) -> FloatArray:
         """(3, 3) axes of the segment of its point."""
         pose = self._moment.pose
-        segment = pose.motion.morphology.layout.segment(self._begin.point.part)
+        segment = pose.motion.morphology.layout.segment_of_part(self._begin.point.part)
         return np.asarray(pose.placement.rotation @ pose.motion.rotations[pose.row, segment])
 
     @property
@@ -167,12 +167,12 @@ class PlacedProp(Movable):
         """(3,) centre on the stage."""
         return self._pose.place
 
-    def move(self, place: FloatArray, gesture: int) -> None:
-        """Move its centre to ``place``."""
+    def move(self, position: FloatArray, gesture: int) -> None:
+        """Move its centre to ``position``."""
         verb = (
             "Key" if isinstance(self._begin.position, KeyedPlace) and self._begin.lies_at(self._pose.time) else "Move"
         )
-        self._put(moved_prop(self._pose, place), verb, gesture)
+        self._put(moved_prop(self._pose, position), verb, gesture)
 
     @property
     def own_axes(self) -> FloatArray:
@@ -216,7 +216,7 @@ class PlacedProp(Movable):
 class PlacedPerformer(Movable):
     """Performer, held at the ground under its root: all its clips move along."""
 
-    flat = yields = rotates = heading_only = True
+    flat = gives_way_to_joints = rotates = heading_only = True
 
     def __init__(self, document: Document, performer_id: str, pose: PosedPerformer, floor: float) -> None:
         self._document, self._id, self._pose = document, performer_id, pose
@@ -228,9 +228,9 @@ class PlacedPerformer(Movable):
         """(3,) position on the ground of the stage."""
         return np.array([*self._pose.points[0, :2], self._floor])
 
-    def move(self, place: FloatArray, gesture: int) -> None:
-        """Move its root over ``place``."""
-        x, y = (np.array(self._begin.position) + (place - self.place)[:2]).tolist()
+    def move(self, position: FloatArray, gesture: int) -> None:
+        """Move its root over ``position``."""
+        x, y = (np.array(self._begin.position) + (position - self.place)[:2]).tolist()
         self._put(replace(self._begin, position=(x, y)), "Move", gesture)
 
     @property
@@ -259,7 +259,7 @@ class SelectedTogether(Movable):
     def __init__(self, document: Document, words: str, lead: Movable, others: Sequence[Movable]) -> None:
         self._document, self._words, self._lead, self._all = document, words, lead, (lead, *others)
         self._begins = [each.placement.to_stage(each.place) for each in self._all]
-        self.placement, self.flat, self.yields = lead.placement, lead.flat, lead.yields
+        self.placement, self.flat, self.gives_way_to_joints = lead.placement, lead.flat, lead.gives_way_to_joints
         self.moves, self.rotates, self.heading_only, self.scales = (
             lead.moves, lead.rotates, lead.heading_only, lead.scales,
         )  # fmt: skip
@@ -284,9 +284,9 @@ class SelectedTogether(Movable):
         """(3, 3) axes of the parent of the last one."""
         return self._lead.parent_axes
 
-    def move(self, place: FloatArray, gesture: int) -> None:
-        """Move the last one to ``place``, and the others by the same displacement."""
-        moved = self.placement.to_stage(place) - self._begins[0]
+    def move(self, position: FloatArray, gesture: int) -> None:
+        """Move the last one to ``position``, and the others by the same displacement."""
+        moved = self.placement.to_stage(position) - self._begins[0]
         with self._document.group(f"Move {self._words}", gesture):
             for each, begin in zip(self._all, self._begins, strict=True):
                 each.move(each.placement.to_motion(begin + moved), gesture)

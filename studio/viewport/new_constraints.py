@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactPoint
@@ -16,7 +15,7 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint, Vector
 from studio.core.constraints.carried_over import other_side
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
-from studio.core.constraints.fitted_activation import LONGEST, LimbPath, fitted_activation
+from studio.core.constraints.fitted_activation import LONGEST, LimbPath, fitted_activation, free_frames
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
@@ -85,7 +84,7 @@ class NewConstraintContext:
         """(3,) position of a point of the body, in the space of the motion."""
         return self.pose.points_in_clip(point_path(self.pose.motion, point, slice(self.pose.row, self.pose.row + 1))[0])
 
-    def turn(self, part: BodyPart) -> FloatArray:
+    def rotation(self, part: BodyPart) -> FloatArray:
         """(3, 3) rotation of a segment, in the space of the motion."""
         return self.pose.rotation_in_clip(part)
 
@@ -112,10 +111,9 @@ class NewConstraintContext:
             if isinstance(contact.point, ContactPoint) and _is_on(part, contact.point):
                 stands[max(contact.first, 0) : contact.last + 1] = True
         frame = min(round(now * rate), clip.last)
-        before, after = stands[clip.first : frame + 1][::-1], stands[frame:]
-        steps_back, steps_on = (_steps_to_next_stance(each) for each in (before, after))
+        back, on = free_frames(stands[clip.first :], frame - clip.first)
         begin, end = self.span
-        return max(begin, (frame - steps_back) / rate), min(end, (frame + steps_on) / rate)
+        return max(begin, (frame - back) / rate), min(end, (frame + on) / rate)
 
     @cached_property
     def frames_around(self) -> tuple[AdaptedMotion, slice, FloatArray]:
@@ -133,10 +131,10 @@ class NewConstraintContext:
         motion, rows, _ = self.frames_around
         return point_path(motion, point, rows)
 
-    def turns(self, part: BodyPart) -> FloatArray:
+    def rotations(self, part: BodyPart) -> FloatArray:
         """(F, 3, 3) rotations of a segment in the rows ``around``."""
         motion, rows, _ = self.frames_around
-        return motion.rotations[rows, motion.morphology.layout.segment(part)]
+        return motion.rotations[rows, motion.morphology.layout.segment_of_part(part)]
 
     def limb(self, point: BodyPoint) -> LimbPath | None:
         """Path of a point of a forearm, hand, shank or foot, blended to its present position; None for other points."""
@@ -181,13 +179,6 @@ def _is_on(part: BodyPart, point: ContactPoint) -> bool:
     return part in {f"{side}_{segment}" for segment in segments}
 
 
-def _steps_to_next_stance(stands: NDArray[np.bool_]) -> int:
-    """Number of frames from the first one of ``stands`` (F,) to the next stance, past the one that is now."""
-    own = int(np.argmin(stands)) if not stands.all() else len(stands)
-    later = np.flatnonzero(stands[own:])
-    return own + int(later[0]) if len(later) else len(stands)
-
-
 def constraint_here(here: NewConstraintContext, kind: str) -> Constraint:
     """New constraint of ``kind`` whose target is the present pose."""
     make = CONSTRAINT_KINDS[kind].make
@@ -211,9 +202,9 @@ def new_orientation(here: NewConstraintContext) -> Constraint:
 
     joint = here.picked
     part = turned_part(joint.point)
-    target = tuple(from_matrix(here.turn(part)).tolist())
+    target = tuple(from_matrix(here.rotation(part)).tolist())
     chain = _HEAD if part in (BodyPart.HEAD, BodyPart.NECK) else replace(joint.chain, end_segment=1.0)
-    turns = here.turns(part)
+    turns = here.rotations(part)
     now = int(np.argmin(np.abs(here.frames_around[2] - here.pose.seconds)))
     moving = Rotation.from_matrix(turns[now].T @ turns).as_rotvec()
     return OrientationConstraint(
@@ -223,8 +214,8 @@ def new_orientation(here: NewConstraintContext) -> Constraint:
 
 def new_look_at(here: NewConstraintContext) -> Constraint:
     """Look-at constraint with a target two metres ahead."""
-    target = here.place(EYES) + LOOK_AT_DISTANCE * here.turn(EYES.part)[:, 0]
-    gazes = here.turns(EYES.part)[:, :, 0]
+    target = here.place(EYES) + LOOK_AT_DISTANCE * here.rotation(EYES.part)[:, 0]
+    gazes = here.rotations(EYES.part)[:, :, 0]
     return LookAtConstraint(**here.common("Look at", EYES, _HEAD, gazes), target=_vector(target))
 
 
@@ -233,7 +224,7 @@ def new_upright(here: NewConstraintContext) -> Constraint:
     part = turned_part(here.picked.point)
     chain = _HEAD if part in (BodyPart.HEAD, BodyPart.NECK) else replace(here.picked.chain, end_segment=1.0)
     common = here.common(f"{part.label.capitalize()} upright", BodyPoint(part), chain)
-    return UprightConstraint(**common, axis=_vector(here.turn(part)[2]), cone=UPRIGHT_TOLERANCE)
+    return UprightConstraint(**common, axis=_vector(here.rotation(part)[2]), cone=UPRIGHT_TOLERANCE)
 
 
 def new_parallel(here: NewConstraintContext) -> Constraint:
@@ -245,7 +236,7 @@ def new_parallel(here: NewConstraintContext) -> Constraint:
     if other is part:
         other = BodyPart.PELVIS if part is not BodyPart.PELVIS else BodyPart.THORAX
     chain = _HEAD if part in (BodyPart.HEAD, BodyPart.NECK) else replace(here.picked.chain, end_segment=1.0)
-    axis = _vector(here.turn(part).T @ here.turn(other)[:, 0])
+    axis = _vector(here.rotation(part).T @ here.rotation(other)[:, 0])
     common = here.common(f"{part.label.capitalize()} parallel", BodyPoint(part), chain)
     return ParallelConstraint(**common, axis=axis, other=BodyPoint(other))
 
@@ -320,6 +311,6 @@ def _side_and_bone(part: BodyPart) -> tuple[str, str]:
     return "", part.value
 
 
-def _vector(place: FloatArray) -> Vector:
-    x, y, z = (float(number) for number in place)
+def _vector(position: FloatArray) -> Vector:
+    x, y, z = (float(number) for number in position)
     return x, y, z

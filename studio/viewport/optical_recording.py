@@ -96,12 +96,12 @@ class RecordingView:
         self._changed = changed
         self._made: RecordingOfPerformer | None = None
 
-    def mark(self, labels: Collection[str]) -> None:
+    def set_marked(self, labels: Collection[str]) -> None:
         """Highlight markers by their bare labels; none for an empty list."""
         self.marked = tuple(labels)
         self._changed()
 
-    def name(self, all_of_them: bool) -> None:
+    def set_named(self, all_of_them: bool) -> None:
         """Show the names of all markers, or only of highlighted ones."""
         self.named = all_of_them
         self._changed()
@@ -139,8 +139,8 @@ def recorded_of(document: Document, pose: PosedPerformer | None) -> Capture | No
     return capture if capture is not None and capture.markers is not None and capture.body_map is not None else None
 
 
-def _pushes(trial: Trial, place: int) -> tuple[FloatArray, FloatArray] | None:
+def _pushes(trial: Trial, index: int) -> tuple[FloatArray, FloatArray] | None:
     """Centre of pressure and ground reaction force in newtons of a plate; None if they are not in the file."""
-    plate = trial.plates[place]
+    plate = trial.plates[index]
     newtons = plate.channels and trial.analog.units[plate.channels[0]].lower().startswith("n")
     return plate_reactions(trial, plate) if newtons and len(trial.analog.samples) else None

@@ -110,11 +110,11 @@ class Overlay:
             if chosen or named:
                 self._name(pixel, label, CHOSEN_MARKER_COLOUR if chosen else MARKER_COLOUR, 12 if chosen else 10)
 
-    def _name(self, place: FloatArray, words: str, colour: QColor, height: int) -> None:
+    def _name(self, position: FloatArray, words: str, colour: QColor, height: int) -> None:
         font = self._painter.font()
         font.setPixelSize(height)
         self._painter.setFont(font)
-        where = QPointF(*place) + QPointF(8.0, -5.0)
+        where = QPointF(*position) + QPointF(8.0, -5.0)
         self._painter.setPen(STROKE_SHADOW)
         self._painter.drawText(where + QPointF(1.0, 1.0), words)
         self._painter.setPen(colour)
@@ -135,9 +135,9 @@ class Overlay:
             if ahead > 0:
                 draw_disc(self._painter, pixel, 3.0, JOINT_COLOUR)
 
-    def joint(self, place: FloatArray, colour: str, strong: bool) -> None:
+    def joint(self, position: FloatArray, colour: str, strong: bool) -> None:
         """Paint a ring round a joint: strong for the picked one, thin for the hovered one."""
-        pixels, depth = self._camera.project(place, self._size)
+        pixels, depth = self._camera.project(position, self._size)
         if depth[0] <= 0:
             return
         centre = QPointF(*pixels[0])
@@ -179,8 +179,10 @@ class Overlay:
         for face in figure.faces:
             self._face(face, colour, 0.25 * strength)
         for line in figure.lines:
-            self._thin(line, colours.STAGE_NOT_REACHED if handle.missed and figure.link is None else colour, strength)
-        if figure.link is not None and (handle.missed or figure.link_always):
+            self._thin(
+                line, colours.STAGE_NOT_REACHED if handle.is_missed and figure.link is None else colour, strength
+            )
+        if figure.link is not None and (handle.is_missed or figure.link_always):
             gazes = handle.kind == "look_at" and handle.activation > 0.0
             self._link(handle, figure.link, colour, max(strength, GAZE) if gazes else strength)
 
@@ -191,7 +193,7 @@ class Overlay:
         pixels, depth = self._camera.project(link, self._size)
         if (depth <= 0).any():
             return
-        if handle.missed:
+        if handle.is_missed:
             draw_line(self._painter, pixels[0], pixels[1], colours.STAGE_NOT_REACHED, 2.0 if handle.is_primary else 1.2)
             return
         self._thin(link, colour, strength)
@@ -223,9 +225,9 @@ class Overlay:
         self._painter.setBrush(fill)
         self._painter.drawPolygon(QPolygonF([QPointF(*pixel) for pixel in pixels]))
 
-    def _target(self, place: FloatArray, colour: QColor, selected: bool) -> None:
-        draw_disc(self._painter, place, 6.0, colour)
-        x, y = place
+    def _target(self, position: FloatArray, colour: QColor, selected: bool) -> None:
+        draw_disc(self._painter, position, 6.0, colour)
+        x, y = position
         self._painter.setPen(QPen(QColor(255, 255, 255, 200), 1.2))
         self._painter.drawLine(QPointF(x - 3, y), QPointF(x + 3, y))
         self._painter.drawLine(QPointF(x, y - 3), QPointF(x, y + 3))

@@ -49,4 +49,4 @@ def worst_problem(project: Project, result_of: Results) -> Problem | None:
 def _sentence(performer: str, residual: Residual, constraint: str, frame: int) -> str:
     own = f" ({residual.frame} of the clip)" if residual.frame != frame else ""
     remark = f", {residual.remark}" if residual.remark else ""
-    return f"{performer}: {residual.words} short of '{constraint}' at frame {frame}{own}{remark}"
+    return f"{performer}: {residual.text} short of '{constraint}' at frame {frame}{own}{remark}"

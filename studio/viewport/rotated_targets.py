@@ -60,7 +60,7 @@ class RotatedTarget(MovableTarget):
     @property
     def _fixed(self) -> Constraint:
         """Constraint with its values at the playhead when the gizmo was made."""
-        fixed = self._moment.fixed(self._begin)
+        fixed = self._moment.with_targets_fixed(self._begin)
         assert fixed is not None
         return fixed
 
@@ -90,7 +90,7 @@ class RotatedSegment(RotatedTarget):
     @property
     def own_axes(self) -> FloatArray:
         """(3, 3) present axes of the target."""
-        now = self._moment.fixed(self._constraint)
+        now = self._moment.with_targets_fixed(self._constraint)
         assert isinstance(now, OrientationConstraint)
         return np.asarray(self.placement.rotation @ to_matrix(np.array(now.target)))
 
@@ -138,7 +138,7 @@ class RotatedRail(RotatedAboutCentre):
     @property
     def own_axes(self) -> FloatArray:
         """(3, 3) axes, the last along the direction."""
-        now = self._moment.fixed(self._constraint)
+        now = self._moment.with_targets_fixed(self._constraint)
         assert isinstance(now, RailConstraint)
         return self._axes_along(now.direction)
 
@@ -182,7 +182,7 @@ class RotatedArea(RotatedAboutCentre):
     @property
     def own_axes(self) -> FloatArray:
         """(3, 3) axes of its heading; the last is the normal of a half-space."""
-        now = self._moment.fixed(self._constraint)
+        now = self._moment.with_targets_fixed(self._constraint)
         assert isinstance(now, AreaConstraint)
         if now.shape is AreaShape.HALF_SPACE:
             return self._axes_along(now.size)
@@ -212,7 +212,7 @@ def tilt_of(moment: TargetContext, constraint: Constraint, name: str) -> FloatAr
     """(3, 3) rotation from a stored direction of a constraint, its value ``name``, to that of the playhead."""
     columns = []
     for axis in np.eye(3).tolist():
-        fixed = moment.fixed(with_fields(constraint, **{name: tuple(axis)}))
+        fixed = moment.with_targets_fixed(with_fields(constraint, **{name: tuple(axis)}))
         assert fixed is not None
         columns.append(np.array(getattr(fixed, name)))
     return np.stack(columns, axis=1)

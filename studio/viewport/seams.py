@@ -34,7 +34,7 @@ def panel_signs(layout: BodyLayout) -> NDArray[np.float32]:
     thorax is one panel.
     """
     signs = np.ones(layout.segment_count, dtype=np.float32)
-    whole = {layout.segment(part) for part in JOINED_PANELS}
+    whole = {layout.segment_of_part(part) for part in JOINED_PANELS}
     for segment, parent in enumerate(layout.parent_segments()):
         if 0 < segment < layout.spine_count:
             signs[segment] = 1.0 if segment == layout.spine_count - 1 else -1.0

@@ -55,7 +55,7 @@ def _movable(
     if active is None or constraint is None or constraint.motion_id != active.motion_id:
         return None
     moment, floor = TargetContext(project, posed, active), floor_under(project, active)
-    now = moment.fixed(moment.as_played(constraint))
+    now = moment.with_targets_fixed(moment.as_played(constraint))
     if now is None:
         return None
     kind = target_of_kind(now)

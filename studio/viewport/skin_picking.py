@@ -35,7 +35,7 @@ def skin_point_at(
         if hit is not None:
             depth, triangle, shares = hit
             place = shares @ vertices[skin.triangles[triangle]]
-            part = motion.morphology.layout.part(_leading_segment(skin, triangle, shares))
+            part = motion.morphology.layout.part_of_segment(_leading_segment(skin, triangle, shares))
             found.append((depth, performer_id, _fixed_point(performer_id, pose, part, place)))
     return min(found, default=(0.0, "", None))[2]
 
@@ -65,12 +65,12 @@ def _leading_segment(skin: SkinnedMesh, triangle: int, shares: FloatArray) -> in
     return int(np.bincount(skin.segments[corners].ravel(), weights).argmax())
 
 
-def _fixed_point(performer_id: str, pose: PosedPerformer, part: BodyPart, place: FloatArray) -> PickedJoint:
-    """Picked point at ``place`` (3,) in the space of the motion; one of the waist moves with the chest."""
+def _fixed_point(performer_id: str, pose: PosedPerformer, part: BodyPart, position: FloatArray) -> PickedJoint:
+    """Picked point at ``position`` (3,) in the space of the motion; one of the waist moves with the chest."""
     part = BodyPart.THORAX if part is BodyPart.ABDOMEN else part
     layout, row = pose.motion.morphology.layout, pose.row
-    segment = layout.segment(part)
+    segment = layout.segment_of_part(part)
     ends = pose.motion.positions[row, [layout.proximal_points()[segment], layout.distal_points()[segment]]]
-    at_end = int(np.linalg.norm(ends - place, axis=1).argmin())
-    x, y, z = (pose.motion.rotations[row, segment].T @ (place - ends[at_end])).tolist()
+    at_end = int(np.linalg.norm(ends - position, axis=1).argmin())
+    x, y, z = (pose.motion.rotations[row, segment].T @ (position - ends[at_end])).tolist()
     return PickedJoint(performer_id, skin_point(layout, part, (x, y, z), bool(at_end)))

@@ -161,7 +161,7 @@ class StageScene:
             body = self._bodies[performer_id] = BodyVisual(character)
             for actor in body.skin_actors:
                 self._add_shaded(actor)
-        body.take(character)
+        body.take_skin(character)
         return body
 
     def _sync_ground(self, ground: Ground) -> None:

@@ -8,11 +8,11 @@ from studio.viewport.camera import FloatArray
 STROKE_SHADOW = QColor(12, 14, 17, 170)
 
 
-def draw_disc(painter: QPainter, place: FloatArray, radius: float, colour: QColor) -> None:
-    """Draw a filled disc of ``radius`` pixels at pixel ``place`` (2,)."""
+def draw_disc(painter: QPainter, position: FloatArray, radius: float, colour: QColor) -> None:
+    """Draw a filled disc of ``radius`` pixels at pixel ``position`` (2,)."""
     painter.setPen(QPen(STROKE_SHADOW, 1.5))
     painter.setBrush(QBrush(colour))
-    painter.drawEllipse(QPointF(*place), radius, radius)
+    painter.drawEllipse(QPointF(*position), radius, radius)
 
 
 def draw_line(painter: QPainter, begin: FloatArray, end: FloatArray, colour: str, width: float) -> None:

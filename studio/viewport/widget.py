@@ -219,7 +219,7 @@ class Viewport(Canvas):
     def toggle_bones(self) -> None:
         """Toggle skin and bones."""
         self._bones = not self._bones
-        self._chips.shading.say("Bones" if self._bones else "Skin")
+        self._chips.shading.set_text("Bones" if self._bones else "Skin")
         self.redraw()
 
     def set_ghost_shown(self, shown: bool) -> None:
@@ -388,9 +388,9 @@ class Viewport(Canvas):
 
     # Places on the widget
 
-    def widget_point(self, place: FloatArray) -> QPointF:
+    def widget_point(self, position: FloatArray) -> QPointF:
         """Pixel on the widget of a stage point (3,)."""
-        return QPointF(*self.camera.project(place, self.view_size)[0][0])
+        return QPointF(*self.camera.project(position, self.view_size)[0][0])
 
     def gizmo(self) -> AnyGizmo | None:
         """Gizmo on the selection, for the present camera."""
@@ -433,14 +433,14 @@ class Viewport(Canvas):
 
     def bring_up_to_date(self, scene: "StageScene") -> None:
         """Pose every visible performer at the playhead."""
-        self._live.bring(self._document.playhead.time)
+        self._live.solve_frame(self._document.playhead.time)
         project, time, self.posed = displayed_stage(self._document, self._live)
         self._posed_in = project
         self.resting = resting_performers(project, self.posed)
         if not self._framed and (self.posed or self.resting):
             # Results come one by one: the view is settled when every body is there.
             expected = (key for key, one in project.performers.items() if one.visible and one.clips)
-            self._framed = bool(self.posed) and all(self._live.reported(key) is not None for key in expected)
+            self._framed = bool(self.posed) and all(self._live.reported_motion(key) is not None for key in expected)
             self._open()
         bodies, size = self.posed | self.resting, self.view_size
         self._glide.start(self.camera, self._newcomers.camera_for(project.performers, bodies, self.camera, size))
@@ -459,8 +459,8 @@ class Viewport(Canvas):
             self.moving and not self._glide.moving,
             self._ghosts(time),
         )
-        self._pace.posed(self._live.asked_at(active) if self._live.interactive else None)
-        self._chips.show_work(len(self.posed), self._pace.words, all(map(self._live.is_eased, self.posed)))
+        self._pace.note_posed(self._live.asked_at(active) if self._live.interactive else None)
+        self._chips.show_work(len(self.posed), self._pace.text, all(map(self._live.is_eased, self.posed)))
 
     def _ghosted(self) -> list[str]:
         """Ids of the selected performers, else that of the active one, if visible."""
@@ -485,7 +485,7 @@ class Viewport(Canvas):
 
     def _tell_problem(self) -> None:
         """Show the worst problem of the same results as the strips of the timeline."""
-        self._problem = worst_problem(self._document.project, self._live.reported)
+        self._problem = worst_problem(self._document.project, self._live.reported_motion)
         self._chips.show_problem(self._problem.sentence if self._problem else None)
 
     def _open(self) -> None:
@@ -498,7 +498,7 @@ class Viewport(Canvas):
 
     def paint_over(self, painter: QPainter) -> None:
         """Paint handles, joints and gizmo."""
-        self._pace.seen(self.moving)
+        self._pace.note_painted(self.moving)
         overlay = Overlay(painter, self.camera, self.view_size)
         ghost = self._ghost()
         if ghost is not None:
@@ -537,7 +537,7 @@ class Viewport(Canvas):
         pose = self.posed.get(picked.performer_id) if picked else None
         chip.setVisible(pose is not None and self.gesture is None and not self.correcting)
         if picked is not None and pose is not None:
-            chip.say(f"Constrain {picked.joint.name}  (C)")
+            chip.set_text(f"Constrain {picked.joint.name}  (C)")
             beside_gizmo = QPoint(16, -34 if self.gizmo() is None else 26)
             chip.stand_at(self.widget_point(place_of_joint(pose, picked.joint)).toPoint() + beside_gizmo)
 
@@ -627,7 +627,7 @@ class Viewport(Canvas):
             self.redraw()
 
     def _adapted(self, performer_id: str) -> None:
-        shown, newer = self.posed.get(performer_id), self._live.shown(performer_id)
+        shown, newer = self.posed.get(performer_id), self._live.shown_frame(performer_id)
         # While dragging, the rest of the clip comes after the frame on show.
         if not self._live.interactive or shown is None or newer is None or not shown.is_as_in(newer):
             self.schedule_redraw()

@@ -53,7 +53,7 @@ def open_window(qtbot, tmp_path):
 
     yield opened
     for window in windows:
-        window.leave()
+        window.close_without_saving()
         window.deleteLater()
     QTest.qWait(0)
 

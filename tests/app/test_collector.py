@@ -45,7 +45,7 @@ def test_what_is_lost_is_ended_on_the_thread_of_the_window_alone(qtbot, tmp_path
     assert ended == []
     qtbot.waitUntil(lambda: bool(ended))
     assert ended == [threading.get_ident()]
-    window.leave()
+    window.close_without_saving()
     assert not gc.isenabled()  # workers may go on for a moment
     window.deleteLater()
 
@@ -61,7 +61,7 @@ def test_what_the_start_has_loaded_is_never_looked_through(qtbot, tmp_path):
     assert looked == []
     assert gc.get_freeze_count() > 10_000
     gc.unfreeze()
-    window.leave()
+    window.close_without_saving()
     window.deleteLater()
 
 
@@ -75,5 +75,5 @@ def test_what_a_project_took_goes_back_to_the_system_when_another_is_opened(qtbo
     qtbot.waitUntil(lambda: len(given) == 1)
     window.bench.document.new(Project())
     qtbot.waitUntil(lambda: len(given) == 2)
-    window.leave()
+    window.close_without_saving()
     window.deleteLater()

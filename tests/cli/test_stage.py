@@ -43,7 +43,7 @@ def test_every_performer_is_a_file_and_a_report_and_one_that_fails_keeps_nobody_
     assert all(np.isfinite(each["slide_mm"]) for each in report["performers"])
     made = stage_performances(read_project(play).project)
     for key, record in zip(made.performances, report["performers"], strict=True):
-        assert load_capture(record["file"]).frame_count == made.performances[key].played.frame_count
+        assert load_capture(record["file"]).frame_count == made.performances[key].adapted_on_stage.frame_count
     assert json.loads((out / "report.json").read_text()) == report
     assert main(["adapt", "--stage", str(play), "--out", str(out)]) == 1
     assert "already exists" in capsys.readouterr().err

@@ -5,7 +5,7 @@ from functools import lru_cache
 
 from studio.core.solver.adapt import grounded_motion, solve_request
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.stand import Standing
+from studio.core.solver.standing.stand import GroundedMotion
 
 
 class _Grounding:
@@ -23,7 +23,7 @@ class _Grounding:
 
 
 @lru_cache(maxsize=32)
-def _standing(grounding: _Grounding) -> Standing:
+def _standing(grounding: _Grounding) -> GroundedMotion:
     return grounded_motion(grounding.request)
 
 

@@ -71,7 +71,7 @@ class Scene:
 
     def orientation(self, number: int) -> Constraint:
         fields = self.common(number)
-        segment = self.before.morphology.layout.segment(fields["point"].part)
+        segment = self.before.morphology.layout.segment_of_part(fields["point"].part)
         follow, times = FollowTracked(f"{number}"), np.arange(self.before.frame_count)[:, None] / RATE
         vectors = 0.4 * self.random.normal(size=3) * np.sin(2 * np.pi * FASTEST * times)
         turned = self.before.rotations[0, segment] @ np.array([from_vector(each) for each in vectors])

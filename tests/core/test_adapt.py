@@ -142,7 +142,7 @@ def test_parts_of_weight_0_keep_their_local_rotations(locked: str, part: BodyPar
         arm = WOMAN.layout.spine_count + 3 + 4 * side
         assert moved[arm : arm + 2].max() < 1e-12
     else:
-        assert moved[[WOMAN.layout.segment(name) for name in names]].max() < 1e-12
+        assert moved[[WOMAN.layout.segment_of_part(name) for name in names]].max() < 1e-12
     if locked == "root":
         assert np.array_equal(after.positions[:, 0], before.positions[:, 0])
     assert not np.array_equal(after.positions, before.positions)

@@ -48,7 +48,7 @@ def test_a_split_clip_does_what_it_is_asked_as_it_did(second: float, narrow: boo
     """At the split the hand left its place, came back, and the body with it."""
     parts = clip_halves(WHOLE, 60.0, second, (f"part {number}" for number in count()))
     asked = {each.id: replace(REACH, scope=Scope(clip_id=each.id)) for each in parts} if narrow else {"reach": REACH}
-    whole, cut = played(WHOLE, reach=REACH).played, played(*parts, **asked).played
+    whole, cut = played(WHOLE, reach=REACH).adapted_on_stage, played(*parts, **asked).adapted_on_stage
     np.testing.assert_allclose(
         cut.positions[30:], whole.positions[30:], atol=1e-3
     )  # who begins stands as what was before lets it

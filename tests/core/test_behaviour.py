@@ -139,7 +139,7 @@ def test_the_first_transition_of_which_all_conditions_hold_is_taken(
         ready = [
             each
             for each in behaviour.transitions_from(running.state)
-            if all(one.holds(senses, seconds) for one in each.conditions)
+            if all(one.is_met(senses, seconds) for one in each.conditions)
         ]
         assert after == (
             BehaviourProgress(ready[0].target, through=ready[0]) if ready else BehaviourProgress(running.state, seconds)

@@ -41,7 +41,11 @@ def test_points_are_called_what_they_are(layout: BodyLayout) -> None:
 @given(layouts)
 def test_a_segment_begins_where_the_one_that_carries_it_ends(layout: BodyLayout) -> None:
     begin, end = layout.proximal_points(), layout.distal_points()
-    hung = {layout.segment(BodyPart(f"{side}_{part}")) for side in ("left", "right") for part in ("clavicle", "thigh")}
+    hung = {
+        layout.segment_of_part(BodyPart(f"{side}_{part}"))
+        for side in ("left", "right")
+        for part in ("clavicle", "thigh")
+    }
     for segment, parent in enumerate(layout.parent_segments()):
         assert parent < segment
         if segment == 0:
@@ -52,10 +56,12 @@ def test_a_segment_begins_where_the_one_that_carries_it_ends(layout: BodyLayout)
 
 @given(layouts)
 def test_parts_and_segments_name_each_other(layout: BodyLayout) -> None:
-    assert {layout.part(segment) for segment in range(layout.segment_count)} >= set(BodyPart) - {BodyPart.ABDOMEN}
+    assert {layout.part_of_segment(segment) for segment in range(layout.segment_count)} >= set(BodyPart) - {
+        BodyPart.ABDOMEN
+    }
     for part in BodyPart:
         if part is not BodyPart.ABDOMEN or layout.spine_count > 2:
-            assert layout.part(layout.segment(part)) is part
+            assert layout.part_of_segment(layout.segment_of_part(part)) is part
 
 
 @given(layouts, st.data())

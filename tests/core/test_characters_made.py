@@ -185,7 +185,7 @@ def test_by_dual_quaternions_a_twisted_forearm_keeps_its_girth_where_linear_blen
     bound = in_t_pose(character)
     skin, body = bound.skin, bound.build
     positions, rotations = (part.copy() for part in bound_pose(skin, body))
-    hand = body.layout.segment(BodyPart.LEFT_HAND)
+    hand = body.layout.segment_of_part(BodyPart.LEFT_HAND)
     rotations[hand] = rotations[hand] @ Rotation.from_rotvec([0, 0, np.radians(170)]).as_matrix()
     shared = (np.abs(skin.weights[:, 0] - 0.5) < 0.1) & (skin.segments[:, :2] == hand).any(axis=1)
     assert shared.sum() > 10
@@ -242,7 +242,7 @@ def test_a_foot_bends_at_its_ball_though_its_toe_joint_lies_under_the_ankle(char
     assert mended.foot[:, 0] == pytest.approx(body.foot[:, 0], rel=0.1)
     assert mended.foot[:, 0] + mended.toe[:, 0] == pytest.approx(tip)
     for side in range(2):
-        foot, ankle = body.layout.segment(BodyPart.LEFT_FOOT) + 4 * side, points[body.layout.ankle_point(side)]
+        foot, ankle = body.layout.segment_of_part(BodyPart.LEFT_FOOT) + 4 * side, points[body.layout.ankle_point(side)]
         ahead, both = vertices[:, 0] - ankle[0], moved[:, foot : foot + 2]
         assert both.sum(axis=1) == pytest.approx(shares[:, foot : foot + 2].sum(axis=1))
         assert not both[ahead < 0.7 * mended.foot[side, 0], 1].any()

@@ -98,7 +98,7 @@ def wild(seed: int) -> tuple[BodyVolume, Morphology, np.ndarray, np.ndarray]:
     volume = BodyVolume(segments, places, random.uniform(0.0, 0.3, (9, 2)), random.uniform(0.0, 0.1, 5))
     positions, rotations = rest_pose(body)
     for side in range(2):
-        k, upper = body.layout.collar_point(side) + 1, body.layout.segment(BodyPart.LEFT_UPPER_ARM) + 4 * side
+        k, upper = body.layout.collar_point(side) + 1, body.layout.segment_of_part(BodyPart.LEFT_UPPER_ARM) + 4 * side
         turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
         turn *= np.linalg.det(turn)
         rotations[upper : upper + 3] = turn @ rotations[upper : upper + 3]
@@ -163,7 +163,7 @@ def test_fingers_that_alone_are_too_deep_bend_out() -> None:
     _, room, _ = step(volume, body, pose, -1.0)
     wanted = room - [1.0, 1.0, 1.0, 1.0, -0.06]
     _, _, after = step(volume, body, pose, wanted)
-    wrist, hand = body.layout.wrist_point(1), body.layout.segment(BodyPart.LEFT_HAND) + 4
+    wrist, hand = body.layout.wrist_point(1), body.layout.segment_of_part(BodyPart.LEFT_HAND) + 4
     turned = np.arccos(0.5 * (np.trace(pose.rotations[hand] @ before.rotations[hand].T) - 1.0))
     assert after[-1] == pytest.approx(wanted[-1], abs=0.01)
     assert turned > 0.1

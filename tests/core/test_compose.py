@@ -18,7 +18,7 @@ from studio.core.normalized.realize import realize_motion
 from studio.core.normalized.transition import MOST_TRANSITION, QUIET_PEAK, placed_channels
 from studio.core.quality.metrics import angular_acceleration, contact_quality
 from studio.core.solver.adapt import solve_constraints
-from studio.core.solver.standing.stand import Standing, stand
+from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.io.importing import load_capture
 from tests.architecture.sources import ROOT
 from tests.builders import make_morphology
@@ -43,16 +43,16 @@ def cut(piece: MotionPiece, **changes: object) -> MotionPiece:
     return MotionPiece(**{**{name: getattr(piece, name) for name in piece.__dataclass_fields__}, **changes})
 
 
-def standing(composite: Composite) -> Standing:
+def standing(composite: Composite) -> GroundedMotion:
     return stand(composite.motion, BODY, composite.contacts, Ground())
 
 
 @cache
 def peaks(name: str) -> np.ndarray:
-    return standing(compose_pieces((example(name),))).peaks
+    return standing(compose_pieces((example(name),))).peak_angular_accelerations
 
 
-def local_accelerations(stands: Standing) -> np.ndarray:
+def local_accelerations(stands: GroundedMotion) -> np.ndarray:
     carriers = np.array(stands.morphology.layout.parent_segments())
     local = stands.rotations.copy()
     local[:, 1:] = np.swapaxes(stands.rotations[:, carriers[1:]], 2, 3) @ stands.rotations[:, 1:]

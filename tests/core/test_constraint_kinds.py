@@ -67,10 +67,10 @@ def test_a_segment_is_turned_as_it_is_asked(body: Morphology, part: BodyPart) ->
     wanted = np.array([0.1, 0.05, 0.1, 1.0])
     wanted /= np.linalg.norm(wanted)
     layout, before = body.layout, solved(body)
-    target = to_matrix(wanted) @ before.rotations[30, layout.segment(part)]
+    target = to_matrix(wanted) @ before.rotations[30, layout.segment_of_part(part)]
     asked = ask(OrientationConstraint, BodyPoint(part), HEAD, target=tuple(from_matrix(target)))
     adapted = adapt(AdaptRequest(WALK, body, CONTACTS, (asked,)), 30, 30)
-    assert adapted.rotations[0, layout.segment(part)] == pytest.approx(target, abs=1e-3)
+    assert adapted.rotations[0, layout.segment_of_part(part)] == pytest.approx(target, abs=1e-3)
 
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
@@ -79,7 +79,8 @@ def test_a_hand_reaches_its_target_and_keeps_its_orientation_there(body: Morphol
     before = adapt(AdaptRequest(WALK, body, CONTACTS), 30, 30)
     target = tuple(body_point_positions(point, before)[0] + [0.05, 0.02, 0.1])
     turned = (
-        to_matrix(np.array([0.0, -0.3, 0.2, 0.933])) @ before.rotations[0, body.layout.segment(BodyPart.RIGHT_HAND)]
+        to_matrix(np.array([0.0, -0.3, 0.2, 0.933]))
+        @ before.rotations[0, body.layout.segment_of_part(BodyPart.RIGHT_HAND)]
     )
     asked = (
         ask(PositionConstraint, point, target=target),

@@ -35,7 +35,7 @@ def request(*corrections: Correction, body: Morphology = BODY, **changes: object
 def local(adapted: AdaptedMotion, part: BodyPart) -> np.ndarray:
     """Rotations (F, 3, 3) of a segment in its parent."""
     layout = adapted.morphology.layout
-    segment = layout.segment(part)
+    segment = layout.segment_of_part(part)
     parent = layout.parent_segments()[segment]
     return adapted.rotations[:, parent].transpose(0, 2, 1) @ adapted.rotations[:, segment]
 

@@ -30,7 +30,7 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
 from studio.core.solver.smoothing.target_motion import target_accelerations
 from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow
-from studio.core.solver.standing.stand import Standing, stand
+from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
 from studio.jobs.adaptation import ready_capture
@@ -50,7 +50,7 @@ def _peak(adapted: AdaptedMotion) -> float:
     return float(angular_acceleration(local_rotations(adapted)[:, :arms], adapted.frame_rate).max())
 
 
-def _past(standing: Standing, *changes: object) -> Constraint:
+def _past(standing: GroundedMotion, *changes: object) -> Constraint:
     """A wrist that is to stay where it is in the middle of the walk: before and after it is far out of reach."""
     middle = standing.motion.frame_count // 2
     place = body_point_positions(WRIST, solve_constraints(standing, ()))[middle] + [0.0, -0.1, 0.2]
@@ -124,7 +124,7 @@ def test_frames_jolt_as_much_when_they_are_solved_as_when_they_are_eased() -> No
     assert 3 < looked.sum() < 88
     assert solve.sharp[:, :2] == pytest.approx(measured[:, :2])
     assert solve.sharp[looked, 2] == pytest.approx(measured[looked, 2])
-    assert measured[~looked, 2].max() < TOTAL_PEAK * STANDING[4].peaks.max()
+    assert measured[~looked, 2].max() < TOTAL_PEAK * STANDING[4].peak_angular_accelerations.max()
 
 
 def test_nothing_is_eased_where_nothing_acts() -> None:
@@ -145,7 +145,7 @@ def test_joints_stay_within_their_limits_while_they_are_eased() -> None:
         eased = solve_constraints(STANDING[seed % 5], wishes.constraints, tracks=wishes.tracks, eased=True)
         charts = LimbCoordinates(before.morphology.layout, before.rotations, limb_limit_records(before.morphology))
         turns = charts.joint_rotations(eased.rotations)
-        kept = charts.turns(charts.clamped_to_limits(charts.values(turns)))
+        kept = charts.rotations(charts.clamped_to_limits(charts.coordinates(turns)))
         arms = np.r_[0:3, 4:7]
         assert angle_between(from_matrix(turns), from_matrix(kept))[:, arms].max() < 0.02
 
@@ -178,7 +178,7 @@ def test_charts_of_limbs_give_back_what_they_were_given(seed: int, limited: bool
     rotations = random_rotations(random, 3, layout.segment_count)
     charts = LimbCoordinates(layout, rotations, limb_limit_records(WOMAN)[: 4 * limited])
     turns = charts.joint_rotations(rotations)
-    assert charts.turns(charts.values(turns)) == pytest.approx(turns, abs=1e-7)
+    assert charts.rotations(charts.coordinates(turns)) == pytest.approx(turns, abs=1e-7)
 
 
 @settings(max_examples=30, deadline=None)

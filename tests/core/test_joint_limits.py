@@ -16,7 +16,7 @@ from studio.core.quality.metrics import angular_acceleration
 from studio.core.quality.report import BLOCKED_BY_LIMITS, blocking_constraints
 from studio.core.solver.asking.tracks import Track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.stand import standing_of
+from studio.core.solver.standing.stand import grounded_motion_of
 from studio.io.project.character_file import bundled_characters
 from tests.core.grounding import adapt_again
 from tests.core.motions import ALWAYS, RATE, local_rotations, target, walk
@@ -93,7 +93,7 @@ def test_targets_all_about_the_shoulders_and_hips_keep_limbs_within(body: Morpho
     for part in ("left_forearm", "right_hand", "left_upper_arm", "right_shank", "left_foot"):
         points = body.layout.proximal_points()
         root = points[
-            body.layout.segment(BodyPart(part.split("_")[0] + ("_thigh" if part[-1] in "kt" else "_upper_arm")))
+            body.layout.segment_of_part(BodyPart(part.split("_")[0] + ("_thigh" if part[-1] in "kt" else "_upper_arm")))
         ]
         for _ in range(6):
             place = before.positions[30, root] + random.normal(size=3) * 0.25 * body.stature
@@ -118,7 +118,7 @@ def test_what_a_person_cannot_reach_is_missed_unless_the_trunk_helps_and_the_lim
     adapted = adapt_again(alone, 30, 30)
     assert adapted.residuals[0, 0] > 0.1
     assert adapt_again(replace(alone, limited=False), 30, 30).residuals[0, 0] < 0.05
-    assert blocking_constraints(standing_of(alone), alone.constraints, {}, adapted)[0, 0] == BLOCKED_BY_LIMITS
+    assert blocking_constraints(grounded_motion_of(alone), alone.constraints, {}, adapted)[0, 0] == BLOCKED_BY_LIMITS
     helped = replace(alone, constraints=(target("left_forearm", place, Chain(trunk=1.0, root=1.0)),))
     assert adapt_again(helped, 30, 30).residuals[0, 0] < 1e-3
 

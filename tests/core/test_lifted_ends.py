@@ -12,7 +12,7 @@ from studio.core.solver.adapt import body_point_positions, solve_constraints
 from studio.core.solver.asking.releasing import contact_release
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.held_foot import FootPath
-from studio.core.solver.standing.stand import Standing, stand
+from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.core.solver.standing.tipping import heights_of
 from studio.io.project.character_file import bundled_characters
 from tests.core.motions import target, walk
@@ -21,7 +21,7 @@ WALK, CONTACTS = walk(120)
 WHOLE_CHAIN = Chain(trunk=1.0, root=1.0)
 
 
-def standing_on(body: str) -> Standing:
+def standing_on(body: str) -> GroundedMotion:
     return stand(WALK, bundled_characters()[body].morphology, CONTACTS, Ground())
 
 

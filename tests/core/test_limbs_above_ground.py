@@ -18,7 +18,7 @@ from studio.core.solver.adapt import body_point_positions, solve_constraints
 from studio.core.solver.asking.ground_limit import target_above_ground
 from studio.core.solver.asking.releasing import contact_release
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.stand import Standing, stand
+from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.io.project.character_file import bundled_characters
 from tests.core.motions import target, walk
 
@@ -33,11 +33,11 @@ DEEPEST = 0.005
 
 
 @cache
-def standing_on(body: str) -> Standing:
+def standing_on(body: str) -> GroundedMotion:
     return stand(WALK, bundled_characters()[body].morphology, CONTACTS, Ground())
 
 
-def depths(solved: AdaptedMotion, standing: Standing) -> NDArray[np.float64]:
+def depths(solved: AdaptedMotion, standing: GroundedMotion) -> NDArray[np.float64]:
     """(F, N) metres of each point below the ground, or below where it was without constraints."""
     before = point_heights(solve_constraints(standing, ()), standing.ground)
     return np.minimum(before, 0.0) - point_heights(solved, standing.ground)
@@ -92,11 +92,11 @@ def test_an_elbow_leaves_the_ground_and_the_wrist_still_meets_its_target() -> No
     assert missed == pytest.approx(solved.residuals[1], abs=DEEPEST)
 
 
-def raised_place(asked: PositionConstraint, standing: Standing) -> NDArray[np.float64]:
+def raised_place(asked: PositionConstraint, standing: GroundedMotion) -> NDArray[np.float64]:
     """Target (3,) on the ground, from where the point is highest."""
     raised = target_above_ground(asked, np.array([asked.target]), standing, slice(None))
     return raised[int(body_point_positions(asked.point, solve_constraints(standing, ()))[:, 2].argmax())]
 
 
-def request_of(standing: Standing, *constraints: Constraint) -> AdaptRequest:
+def request_of(standing: GroundedMotion, *constraints: Constraint) -> AdaptRequest:
     return AdaptRequest(WALK, standing.morphology, CONTACTS, constraints, standing.ground)

@@ -60,14 +60,14 @@ def test_fingers_begin_within_the_palm_and_end_at_the_finger_tips(character: Cha
     skin, body = character.skin, character.build
     for side, part in enumerate((BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)):
         positions, rotations = rest_pose(body)
-        hand = skin.vertices[(skin.segments[:, 0] == body.layout.segment(part)) & (skin.weights[:, 0] == 1.0)]
-        along = (hand - positions[body.layout.wrist_point(side)]) @ rotations[body.layout.segment(part)][:, 2]
+        hand = skin.vertices[(skin.segments[:, 0] == body.layout.segment_of_part(part)) & (skin.weights[:, 0] == 1.0)]
+        along = (hand - positions[body.layout.wrist_point(side)]) @ rotations[body.layout.segment_of_part(part)][:, 2]
         assert along.max() == pytest.approx(np.linalg.norm(body.hand[side]), rel=0.12)
 
 
 def test_finger_tips_come_to_the_palm_as_a_hand_closes(character: Character):
     body, reach = character.build, []
-    wrist, hand = rest_pose(body)[0][body.layout.wrist_point(0)], body.layout.segment(BodyPart.LEFT_HAND)
+    wrist, hand = rest_pose(body)[0][body.layout.wrist_point(0)], body.layout.segment_of_part(BodyPart.LEFT_HAND)
     for grip in (OPEN_GRIP, RELAXED_GRIP, HALF_CLOSED_GRIP, FIST_GRIP):
         skin = with_grip(character.skin, grip)
         held = skin.vertices[(skin.segments[:, 0] == hand) & (skin.weights[:, 0] == 1.0)]
@@ -80,7 +80,7 @@ def test_finger_tips_come_to_the_palm_as_a_hand_closes(character: Character):
 def test_only_thumbs_and_fingers_change_with_the_grip(character: Character):
     fist = with_grip(character.skin, FIST_GRIP)
     moved = np.flatnonzero(np.abs(fist.vertices - character.skin.vertices).max(axis=1) > 0.0)
-    hands = [character.build.layout.segment(part) for part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)]
+    hands = [character.build.layout.segment_of_part(part) for part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)]
     assert np.isin(character.skin.segments[moved, 0], hands).all()
     assert np.linalg.norm(fist.normals, axis=1) == pytest.approx(1.0, abs=1e-3)
     assert with_grip(character.skin, RELAXED_GRIP) is character.skin

@@ -77,12 +77,12 @@ def assert_reflected(project: Project, other: Project, tolerance: float = 1e-4) 
     assert [each.failures for each in made] == [{}, {}]
     for key, plain in made[0].performances.items():
         seen = made[1].performances[key]
-        np.testing.assert_allclose(seen.played.residuals, plain.played.residuals, atol=tolerance)
-        assert np.isfinite(plain.played.residuals).any()
-        layout = plain.played.body.first_frame_body.layout
+        np.testing.assert_allclose(seen.adapted_on_stage.residuals, plain.adapted_on_stage.residuals, atol=tolerance)
+        assert np.isfinite(plain.adapted_on_stage.residuals).any()
+        layout = plain.adapted_on_stage.body.first_frame_body.layout
         for side in range(2):
-            own = plain.played.positions[:][:, layout.wrist_point(side)]
-            other_side = seen.played.positions[:][:, layout.wrist_point(1 - side)]
+            own = plain.adapted_on_stage.positions[:][:, layout.wrist_point(side)]
+            other_side = seen.adapted_on_stage.positions[:][:, layout.wrist_point(1 - side)]
             np.testing.assert_allclose(other_side, own * [1.0, -1.0, 1.0], atol=max(tolerance, 1e-4))
 
 

@@ -189,7 +189,7 @@ def _captured(motion: NormalizedMotion, body: Morphology) -> Capture:
     layout = body.layout
     positions, rotations = realize_motion(motion, body)
     parents, origins = np.array(layout.parent_segments()), list(layout.proximal_points())
-    names = [layout.part(segment).value for segment in range(layout.segment_count)]
+    names = [layout.part_of_segment(segment).value for segment in range(layout.segment_count)]
     ends = {s: layout.distal_points()[s] for s in range(layout.segment_count) if s not in parents}
     points = [*origins, *ends.values()]
     parents = np.append(parents, list(ends))

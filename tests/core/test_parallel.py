@@ -20,7 +20,7 @@ from studio.core.quality.report import report_of
 from studio.core.rotations import from_matrix, to_matrix
 from studio.core.solver.adapt import body_point_positions
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.stand import standing_of
+from studio.core.solver.standing.stand import grounded_motion_of
 from tests.core.test_constraint_kinds import ALL, BODIES, CONTACTS, HEAD, RIGHT, WALK, ask, solved
 
 MET = math.radians(0.1)
@@ -46,7 +46,7 @@ def parallel(
     """x of the other segment, and what is 15 degrees beside it in the middle of the walk."""
     rotations = solved(body).rotations[30]
     beside = to_matrix(np.array([0.0, 0.0, math.sin(math.radians(7.5)), math.cos(math.radians(7.5))]))
-    axis = rotations[body.layout.segment(part)].T @ rotations[body.layout.segment(other)] @ beside[:, 0]
+    axis = rotations[body.layout.segment_of_part(part)].T @ rotations[body.layout.segment_of_part(other)] @ beside[:, 0]
     return ask(
         ParallelConstraint, BodyPoint(part), chain, priority, axis=tuple(axis), other=BodyPoint(other), cone=cone
     )
@@ -55,8 +55,8 @@ def parallel(
 def angles(asked: ParallelConstraint, adapted: AdaptedMotion) -> np.ndarray:
     """Angle (F,) between both axes, computed without the product."""
     layout = adapted.morphology.layout
-    one = adapted.rotations[:, layout.segment(asked.point.part)] @ np.array(asked.axis)
-    two = adapted.rotations[:, layout.segment(asked.other.part)] @ np.array(asked.other_axis)
+    one = adapted.rotations[:, layout.segment_of_part(asked.point.part)] @ np.array(asked.axis)
+    two = adapted.rotations[:, layout.segment_of_part(asked.other.part)] @ np.array(asked.other_axis)
     return 2.0 * np.arcsin(np.clip(np.linalg.norm(one - two, axis=1) / 2.0, 0.0, 1.0))
 
 
@@ -77,7 +77,7 @@ def test_two_segments_stay_parallel_within_the_cone(
 def test_a_segment_follows_the_other_one_where_a_higher_constraint_turns_it(body: Morphology) -> None:
     left = BodyPoint(BodyPart.LEFT_HAND)
     turn = to_matrix(np.array([0.1, 0.05, 0.1, 1.0]) / np.linalg.norm([0.1, 0.05, 0.1, 1.0]))
-    turned = turn @ solved(body).rotations[30, body.layout.segment(left.part)]
+    turned = turn @ solved(body).rotations[30, body.layout.segment_of_part(left.part)]
     first = ask(OrientationConstraint, left, WRIST, target=tuple(from_matrix(turned)))
     second = parallel(body, BodyPart.RIGHT_HAND, left.part, WRIST, priority=1)
     alone, both = solved(body, first), solved(body, first, second)
@@ -107,7 +107,7 @@ def test_activation_turns_the_segment_by_degrees() -> None:
 def test_a_report_names_nobody_where_segments_are_parallel() -> None:
     body = BODIES["tall_man"]
     request = AdaptRequest(WALK, body, CONTACTS, (parallel(body, BodyPart.HEAD, BodyPart.PELVIS, HEAD),))
-    report = report_of(standing_of(request), request, solved(body, *request.constraints))
+    report = report_of(grounded_motion_of(request), request, solved(body, *request.constraints))
     assert report.misses.max() <= MET
     assert (report.winners == -1).all()
 

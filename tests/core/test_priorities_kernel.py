@@ -83,7 +83,7 @@ class _Search:
 
     def step(self) -> float:
         """Ask for what is left of the goals; how far anything moves."""
-        search, chain, rows = self.search, self.free.chain, self.search.rows
+        search, chain, rows = self.search, self.free.kernel_weights, self.search.rows
         rows.jacobian[:], rows.errors[: self.count] = 0.0, self.goals - self.gained
         for row, (segment, point) in enumerate(zip(self.segments, self.points, strict=True)):
             rows.weight_rows[row], rows.roles[row], rows.point_errors["segment"][row] = (

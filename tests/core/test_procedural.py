@@ -60,7 +60,7 @@ def test_a_clip_that_is_mirrored_turned_moved_and_faster_has_the_same_way(rule: 
     carried = constraint_on_clip(asked, carry)
     assert isinstance(carried, PositionConstraint)
     assert isinstance(carried.target, type(rule))
-    assert carried.target.at(carry.times(TIMES)) == pytest.approx(carry.places(rule.at(TIMES)), abs=1e-9)
+    assert carried.target.at(carry.stage_times(TIMES)) == pytest.approx(carry.positions(rule.at(TIMES)), abs=1e-9)
 
 
 @every_rule
@@ -84,7 +84,7 @@ def test_a_wrist_goes_along_on_every_body() -> None:
 
 @every_rule
 def test_a_prop_moves_by_it_in_the_time_of_the_stage(rule: ProceduralPlace) -> None:
-    assert np.array_equal(stage_track(Prop("Ball", position=rule), TIMES).places, rule.at(TIMES))
+    assert np.array_equal(stage_track(Prop("Ball", position=rule), TIMES).positions, rule.at(TIMES))
 
 
 @pytest.mark.parametrize(

@@ -53,13 +53,13 @@ def sides_missed(project: Project, made: StagedPerformances) -> float:
     worst = 0.0
     for key, each in made.performances.items():
         placement = Placement.of(project.performers[key])
-        frames = each.played.frame_count
-        holder = Holder(each.played, np.arange(frames), placement)
+        frames = each.adapted_on_stage.frame_count
+        holder = Holder(each.adapted_on_stage, np.arange(frames), placement)
         prop = project.props[f"box {key}"]
         track = stage_track(prop, np.arange(frames) / 60.0, {key: holder})
         for point, side in ((LEFT, 1.0), (RIGHT, -1.0)):
-            wrist = placement.to_stage(body_point_positions(point, each.played))
-            asked = track.places + track.rotations @ (on_side(prop, side))
+            wrist = placement.to_stage(body_point_positions(point, each.adapted_on_stage))
+            asked = track.positions + track.rotations @ (on_side(prop, side))
             worst = max(worst, float(np.linalg.norm(wrist - asked, axis=1)[20:-20].max()))
     return worst
 
@@ -82,21 +82,24 @@ def test_boxes_of_any_size_are_held_by_bodies_of_any_build(carry: Project, facto
 
 def test_a_box_stays_ahead_of_who_carries_it_and_does_not_sway_with_the_arms(carry: Project) -> None:
     for key, each in performed(carry).performances.items():
-        frames = each.played.frame_count
-        holder = Holder(each.played, np.arange(frames), Placement.of(carry.performers[key]))
+        frames = each.adapted_on_stage.frame_count
+        holder = Holder(each.adapted_on_stage, np.arange(frames), Placement.of(carry.performers[key]))
         track = stage_track(carry.props[f"box {key}"], [0.0], {key: holder})
-        root = holder.placement.to_stage(each.played.positions[:, 0])
-        away = np.einsum("fi,fi->f", track.places - root, track.rotations[:, :, 0]) / each.played.body.leg_length
+        root = holder.placement.to_stage(each.adapted_on_stage.positions[:, 0])
+        away = (
+            np.einsum("fi,fi->f", track.positions - root, track.rotations[:, :, 0])
+            / each.adapted_on_stage.body.leg_length
+        )
         assert away.min() > 0.25
         assert away.max() < 0.7
 
 
 def test_a_prop_without_keys_stays_and_one_with_keys_passes_them() -> None:
     still = stage_track(Prop("Box", position=(1.0, 2.0, 3.0), heading=0.5), [0.0, 1.0])
-    assert still.places.tolist() == [[1.0, 2.0, 3.0]]
+    assert still.positions.tolist() == [[1.0, 2.0, 3.0]]
     keyed = Prop("Ball", position=KeyedPlace((0.0, 2.0), ((0, 0, 0), (2, 0, 1))), heading=KeyedNumber((1.0,), (0.3,)))
     track = stage_track(keyed, [0.0, 1.0, 2.0, 9.0])
-    np.testing.assert_allclose(track.places, [[0, 0, 0], [1, 0, 0.5], [2, 0, 1], [2, 0, 1]], atol=1e-12)
+    np.testing.assert_allclose(track.positions, [[0, 0, 0], [1, 0, 0.5], [2, 0, 1], [2, 0, 1]], atol=1e-12)
     assert np.arctan2(track.rotations[:, 1, 0], track.rotations[:, 0, 0]) == pytest.approx(0.3)
 
 
@@ -114,10 +117,10 @@ def test_a_stick_in_a_hand_goes_where_the_hand_is_brought() -> None:
     made = performed(project)
     adapted = made.performances["performer 0"].adapted
     tip = body_point_positions(own.target.point, adapted)
-    turns = adapted.rotations[:, adapted.morphology.layout.segment(BodyPart.RIGHT_HAND)]
+    turns = adapted.rotations[:, adapted.morphology.layout.segment_of_part(BodyPart.RIGHT_HAND)]
     np.testing.assert_allclose(tip - body_point_positions(hand, adapted), 0.5 * turns[:, :, 2], atol=1e-9)
     track = made.performances["performer 1"].request.tracks[other.target]
-    seen = Placement.of(project.performers["performer 1"]).to_stage(track.places)
+    seen = Placement.of(project.performers["performer 1"]).to_stage(track.positions)
     np.testing.assert_allclose(seen, Placement.of(project.performers["performer 0"]).to_stage(tip), atol=1e-9)
 
 
@@ -139,7 +142,7 @@ def test_two_who_follow_what_the_other_one_holds_follow_where_it_is_in_the_end()
     made = performed(project).performances
     for name, holder, follower in (("one", "performer 0", "performer 1"), ("other", "performer 1", "performer 0")):
         there = Placement.of(project.performers[holder]).to_stage(body_point_positions(hand, made[holder].adapted))
-        followed = made[follower].request.tracks[FollowProp(name)].places
+        followed = made[follower].request.tracks[FollowProp(name)].positions
         seen = Placement.of(project.performers[follower]).to_stage(followed)
         assert np.linalg.norm(seen - there, axis=1).max() < 1e-3
 
@@ -202,18 +205,18 @@ def test_a_prop_lies_until_it_is_picked_up_goes_with_the_hands_and_lies_where_it
     prop = project.props[f"box {key}"]
     track = stage_track(prop, times, {key: holder})
     own = stage_track(replace(prop, held=None), [0.0, 8.0])
-    assert track.places[times < PICKED] == pytest.approx(np.tile(own.places[0], (np.sum(times < PICKED), 1)))
-    after = track.places[times > PUT]
+    assert track.positions[times < PICKED] == pytest.approx(np.tile(own.positions[0], (np.sum(times < PICKED), 1)))
+    after = track.positions[times > PUT]
     assert np.ptp(after, axis=0) == pytest.approx(0.0, abs=1e-9)
     if put:
-        assert after[0] == pytest.approx(own.places[-1])
-    alone = stage_track(replace(prop, held=replace(prop.held, begin=None, end=None)), times, {key: holder}).places
-    far = np.linalg.norm(own.places[0] - alone[np.searchsorted(times, PICKED)])
-    near = np.linalg.norm(own.places[-1] - alone[np.searchsorted(times, PUT)])
+        assert after[0] == pytest.approx(own.positions[-1])
+    alone = stage_track(replace(prop, held=replace(prop.held, begin=None, end=None)), times, {key: holder}).positions
+    far = np.linalg.norm(own.positions[0] - alone[np.searchsorted(times, PICKED)])
+    near = np.linalg.norm(own.positions[-1] - alone[np.searchsorted(times, PUT)])
     middle = (times > PICKED + hand_over_seconds(far)) & (times < PUT - hand_over_seconds(near))
     middle |= np.abs(times - (PICKED + PUT) / 2) < 1e-6  # at the latest
-    assert track.places[middle] == pytest.approx(alone[middle], abs=1e-9)
-    steps = np.linalg.norm(np.diff(track.places, axis=0), axis=1)
+    assert track.positions[middle] == pytest.approx(alone[middle], abs=1e-9)
+    steps = np.linalg.norm(np.diff(track.positions, axis=0), axis=1)
     assert steps[np.searchsorted(times, PICKED)] * 60.0 < 0.05  # it does not start with a jerk
 
 
@@ -223,7 +226,7 @@ def test_a_box_on_the_floor_is_lifted_and_does_not_skate_with_who_walks_past() -
     made = performed(project).performances[key]
     timing, times = made.composite.timing, np.arange(PICKED, PUT, 1.0 / 60.0)
     holder = Holder(made.adapted, timing.frames_at(times), Placement.of(project.performers[key]), timing=timing)
-    places = stage_track(prop, times, {key: holder}).places
+    places = stage_track(prop, times, {key: holder}).positions
     low = places[:, 2] < 0.12 + 0.05
     assert low[:5].all()
     assert np.linalg.norm(places[low, :2] - places[0, :2], axis=1).max() < 0.05
@@ -242,7 +245,7 @@ def test_wrists_are_on_a_box_from_before_it_is_picked_up_until_it_is_put_down_on
         prop = project.props[f"box {key}"]
         track = stage_track(prop, times, {key: Holder(made.adapted, frames, placement, timing=timing)})
         for side, wrist in ((1.0, LEFT), (-1.0, RIGHT)):
-            sides = track.places + track.rotations @ on_side(prop, side)
+            sides = track.positions + track.rotations @ on_side(prop, side)
             wrists = placement.to_stage(body_point_positions(wrist, made.adapted)[frames])
             missed = np.linalg.norm(wrists - sides, axis=1)
             assert missed.max() < 1e-2  # it walks past a box that lies 1 m off as it takes it
@@ -262,7 +265,7 @@ def test_a_stick_is_held_by_one_hand_above_the_other_with_both_palms_on_it() -> 
     holder = Holder(made.adapted, np.arange(made.adapted.frame_count), Placement.of(project.performers[key]))
     track = stage_track(stick, np.arange(made.adapted.frame_count) / 60.0, {key: holder})
     for side, wrist in ((1.0, LEFT), (-1.0, RIGHT)):
-        held = track.places + track.rotations @ np.array([-0.08, side * 0.03, side * 0.12])
+        held = track.positions + track.rotations @ np.array([-0.08, side * 0.03, side * 0.12])
         wrists = Placement.of(project.performers[key]).to_stage(body_point_positions(wrist, made.adapted))
         assert np.linalg.norm(wrists - held, axis=1).max() < 2e-3
     assert np.nanmax(made.adapted.residuals) < np.radians(10.0)
@@ -323,7 +326,7 @@ def test_a_carried_prop_keeps_its_heading_from_the_chest() -> None:
     box, seconds = project.props[f"box {key}"], np.arange(made.adapted.frame_count) / 60.0
     turned = replace(box, held=replace(held, heading=np.pi))
     plain, other = (stage_track(each, seconds, {key: holder}) for each in (box, turned))
-    np.testing.assert_allclose(other.places, plain.places, atol=1e-12)
+    np.testing.assert_allclose(other.positions, plain.positions, atol=1e-12)
     np.testing.assert_allclose(other.rotations[:, :2, :2], -plain.rotations[:, :2, :2], atol=1e-12)
 
 
@@ -368,20 +371,20 @@ def test_who_hands_a_box_to_another_holds_it_until_then_and_the_other_from_then_
         stage_track(replace(prop, held=Carried(key, carrying.HANDS_CENTRE), later=()), times, holders)
         for key in holders
     ]
-    assert track.places[times < GIVEN] == pytest.approx(alone[0].places[times < GIVEN], abs=1e-9)
-    apart = np.linalg.norm(alone[1].places - alone[0].places, axis=1)
+    assert track.positions[times < GIVEN] == pytest.approx(alone[0].positions[times < GIVEN], abs=1e-9)
+    apart = np.linalg.norm(alone[1].positions - alone[0].positions, axis=1)
     far = apart[np.searchsorted(times, GIVEN)]
     after = times > GIVEN + hand_over_seconds(far)
-    assert track.places[after] == pytest.approx(alone[1].places[after], abs=1e-9)
-    steps = np.linalg.norm(np.diff(track.places, axis=0), axis=1)
-    usual = max(np.linalg.norm(np.diff(each.places, axis=0), axis=1).max() for each in alone)
+    assert track.positions[after] == pytest.approx(alone[1].positions[after], abs=1e-9)
+    steps = np.linalg.norm(np.diff(track.positions, axis=0), axis=1)
+    usual = max(np.linalg.norm(np.diff(each.positions, axis=0), axis=1).max() for each in alone)
     assert far > 0.2
     assert steps.max() < usual + 1.875 * apart.max() / hand_over_seconds(far) / 60.0  # the steepest of an ease
     for key, holds in ((one, times < GIVEN), (other, times > GIVEN)):
         placement = Placement.of(project.performers[key])
         rows = np.rint(np.asarray(holders[key].rows)).astype(int)
         for side, wrist in ((1.0, LEFT), (-1.0, RIGHT)):
-            sides = track.places + track.rotations @ on_side(prop, side)
+            sides = track.positions + track.rotations @ on_side(prop, side)
             wrists = placement.to_stage(body_point_positions(wrist, made[key].adapted)[rows])
             assert np.linalg.norm(wrists - sides, axis=1)[holds].max() < 2e-3
 

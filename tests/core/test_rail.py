@@ -19,7 +19,7 @@ from studio.core.quality.metrics import contact_quality
 from studio.core.quality.report import report_of
 from studio.core.solver.adapt import body_point_positions
 from studio.core.solver.request import AdaptRequest
-from studio.core.solver.standing.stand import standing_of
+from studio.core.solver.standing.stand import grounded_motion_of
 from tests.core.test_constraint_kinds import ALL, BODIES, CONTACTS, LEFT, RIGHT, WALK, ask, solved
 
 MET = 2e-4
@@ -97,7 +97,7 @@ def test_a_rail_on_the_own_pelvis_goes_and_turns_with_it(shape: RailShape) -> No
     adapted = solved(body, rail)
     assert adapted.residuals[0].max() <= MET
     centre = body_point_positions(fixed_to.point, adapted)
-    turn = adapted.rotations[:, body.layout.segment(BodyPart.PELVIS)]
+    turn = adapted.rotations[:, body.layout.segment_of_part(BodyPart.PELVIS)]
     yaw = np.arctan2(turn[:, 1, 0] - turn[:, 0, 1], turn[:, 0, 0] + turn[:, 1, 1])
     x, y, z = rail.direction
     along = np.stack([x * np.cos(yaw) - y * np.sin(yaw), x * np.sin(yaw) + y * np.cos(yaw), np.full(len(yaw), z)], 1)
@@ -136,7 +136,7 @@ def test_two_hands_slide_on_one_rail() -> None:
 def test_a_report_names_nobody_where_a_rail_is_met() -> None:
     body = BODIES["tall_man"]
     request = AdaptRequest(WALK, body, CONTACTS, (beside_hand(body, RailShape.LINE),))
-    report = report_of(standing_of(request), request, solved(body, *request.constraints))
+    report = report_of(grounded_motion_of(request), request, solved(body, *request.constraints))
     assert report.misses.max() <= MET
     assert (report.winners == -1).all()
 

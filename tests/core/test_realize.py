@@ -138,7 +138,7 @@ def test_wide_hips_go_over_the_feet_as_far_as_the_actors(wider: float) -> None:
     ways = [positions[:, left] - positions[:, right] for positions, _ in poses]
     assert np.ptp(ways[0][:, [0, 2]], axis=0).min() > 0.03
     assert np.allclose(ways[0][:, [0, 2]], ways[1][:, [0, 2]], atol=1e-9)
-    for part in (1, body.layout.segment(BodyPart.LEFT_THIGH), body.layout.segment(BodyPart.RIGHT_FOOT)):
+    for part in (1, body.layout.segment_of_part(BodyPart.LEFT_THIGH), body.layout.segment_of_part(BodyPart.RIGHT_FOOT)):
         assert np.allclose(poses[0][1][:, part], poses[1][1][:, part], atol=1e-12)
     again = realize_motion(replace(motion, girdle=girdle_of(wide)), wide)
     assert np.allclose(again[1], poses[0][1], atol=1e-12)
@@ -166,7 +166,7 @@ def test_bones_that_share_their_limb_otherwise_lie_nearly_as_the_actors_however_
     motion = replace(WALK, channels=channels, girdle=girdle_of(body))
     (_, own), (_, others) = (realize_motion(motion, each) for each in (body, other))
     for bone in (BodyPart.LEFT_THIGH, BodyPart.LEFT_SHANK):
-        ways = (rotations[:, body.layout.segment(bone), :, 2] for rotations in (own, others))
+        ways = (rotations[:, body.layout.segment_of_part(bone), :, 2] for rotations in (own, others))
         assert (np.sum(np.prod(np.stack(list(ways)), axis=0), axis=1) > np.cos(3.2 * BONE_LINE_TOLERANCE)).all()
     again = realize_motion(replace(motion, girdle=girdle_of(other)), other)[0]
     hip, ankle = body.layout.hip_point(0), body.layout.ankle_point(0)

@@ -42,7 +42,7 @@ from studio.core.solver.asking.chains import joints_of_chains, point_masses, seg
 from studio.core.solver.asking.limb_availability import arm_limit_fractions, leg_limit_fractions, limb_availability
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.solved_window import SolverLimits
-from studio.core.solver.standing.stand import Standing, stand
+from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.core.solver.standing.support_polygon import mass_path
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_capture, make_skeleton
@@ -89,7 +89,9 @@ MET, KEPT = 1e-3, 2e-4
 MIDDLE = 45
 
 
-def _balance(standing: Standing, frame: int, chain: Chain, aside: np.ndarray, priority: int = 0) -> BalanceConstraint:
+def _balance(
+    standing: GroundedMotion, frame: int, chain: Chain, aside: np.ndarray, priority: int = 0
+) -> BalanceConstraint:
     """The centre of mass ``aside`` (2,) of where the motion has it at a frame."""
     place = mass_path(standing.positions[frame : frame + 1], standing.morphology)[0, :2] + aside
     return BalanceConstraint(
@@ -109,7 +111,7 @@ def _legs(body: Morphology, side: int) -> slice:
     return slice(body.layout.hip_point(side), body.layout.hip_point(side) + 5)
 
 
-def _turned(solved: AdaptedMotion, standing: Standing) -> np.ndarray:
+def _turned(solved: AdaptedMotion, standing: GroundedMotion) -> np.ndarray:
     """(F, S) radians by which segments have turned from the motion, each in what carries it."""
     before = local_rotations(replace(solved, positions=standing.positions, rotations=standing.rotations))
     trace = np.einsum("fsij,fsij->fs", before[solved.first_frame :][: len(solved.rotations)], local_rotations(solved))
@@ -174,7 +176,7 @@ def test_an_arm_with_a_wish_above_is_left_to_it_and_the_other_helps(name: str) -
         assert both.residuals[0, 0] < KEPT
         arm = slice(layout.collar_point(0), layout.collar_point(0) + 5)
         assert both.positions[0, arm] == pytest.approx(alone.positions[0, arm], abs=KEPT)
-        assert _turned(both, standing)[0, layout.segment(BodyPart.RIGHT_UPPER_ARM)] > 0.05
+        assert _turned(both, standing)[0, layout.segment_of_part(BodyPart.RIGHT_UPPER_ARM)] > 0.05
 
 
 @pytest.mark.parametrize("name", BODIES)
@@ -189,7 +191,7 @@ def test_an_arm_with_a_wish_below_costs_the_balance_nothing(name: str) -> None:
             assert both.residuals[0, 0] < KEPT or shift > 0.005
 
 
-def _reach(standing: Standing, frame: int, priority: int) -> PositionConstraint:
+def _reach(standing: GroundedMotion, frame: int, priority: int) -> PositionConstraint:
     """The left wrist a little forward and up."""
     wrist = standing.positions[frame, standing.morphology.layout.wrist_point(0)]
     return target("left_forearm", wrist + np.array([0.05, 0.0, 0.04]), Chain(clavicle=0.0), priority)
@@ -202,7 +204,7 @@ def test_an_arm_is_back_in_the_motion_before_a_wish_above_begins_and_helps_again
     times = ActivationCurve(0.6, 0.8, 0.9, 1.1)
     asked = PositionConstraint("motion", "Wrist", wrist, Chain(clavicle=0.0), 0, times, target=(1.0, 0.4, 1.2))
     solved = solve_constraints(standing, (balance, asked))
-    turned = _turned(solved, standing)[:, body.layout.segment(BodyPart.LEFT_UPPER_ARM)]
+    turned = _turned(solved, standing)[:, body.layout.segment_of_part(BodyPart.LEFT_UPPER_ARM)]
     begin, end = round(times.start * RATE), round(times.end * RATE)
     soon = round(SWING_FADE * RATE) + 2
     assert turned[[begin, end]].max() < 0.02
@@ -319,11 +321,11 @@ def test_free_limbs_are_for_a_balance_alone(link: str) -> None:
 class _PosedBody:
     """One standing frame with every joint free, as the kernels have it."""
 
-    def __init__(self, standing: Standing, frame: int) -> None:
+    def __init__(self, standing: GroundedMotion, frame: int) -> None:
         body, footing = standing.morphology, standing.footing
         chain = replace(WHOLE, segments=tuple((part, 1.0) for part in (BodyPart.PELVIS, BodyPart.NECK, BodyPart.HEAD)))
         chain = replace(chain, clavicle=1.0)
-        self.chain = joints_of_chains((chain,), (0,), body.layout).chain
+        self.chain = joints_of_chains((chain,), (0,), body.layout).kernel_weights
         self.start = Pose(standing.positions[frame], standing.rotations[frame])
         parts = footing.soft_thresholds, footing.ankles, footing.feet, footing.toes
         legs = LegTargets(KICK.channels[frame], *(np.ascontiguousarray(part[:, frame]) for part in parts))
@@ -381,7 +383,7 @@ def test_a_leg_answers_the_root_as_its_knee_does_while_its_ankle_stays(name: str
     posed, step = _PosedBody(STANDING[name], 30), 1e-6
     root = int(np.flatnonzero(posed.chain.joints["segment"] == ROOT_TRANSLATION)[0])
     posed.masses = posed.masses.copy()
-    posed.masses[: STANDING[name].morphology.layout.segment(BodyPart.RIGHT_THIGH), 0] = 0.0
+    posed.masses[: STANDING[name].morphology.layout.segment_of_part(BodyPart.RIGHT_THIGH), 0] = 0.0
     levers = np.zeros((3, 3))
     add_leg_jacobian(1, 3, 0.0, posed.masses, posed.start.positions, levers)
     for axis, way in enumerate(np.eye(3)):
@@ -404,7 +406,7 @@ def test_an_arm_that_points_at_a_far_place_answers_the_trunk_as_it_does(side: in
     posed, step, goal = _PosedBody(STANDING["adult_woman"], 30), 1e-6, np.array([2.0, 0.6 - 1.2 * side, 1.5])
     layout, (joints, masses) = STANDING["adult_woman"].morphology.layout, (posed.chain.joints, posed.masses)
     upper, root = (
-        layout.segment(BodyPart.LEFT_UPPER_ARM if side == 0 else BodyPart.RIGHT_UPPER_ARM),
+        layout.segment_of_part(BodyPart.LEFT_UPPER_ARM if side == 0 else BodyPart.RIGHT_UPPER_ARM),
         layout.collar_point(side) + 1,
     )
 

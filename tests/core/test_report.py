@@ -33,7 +33,7 @@ from studio.core.quality.report import (
 from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.solved_window import SolverLimits
-from studio.core.solver.standing.stand import standing_of
+from studio.core.solver.standing.stand import grounded_motion_of
 from studio.io.project.character_file import bundled_characters
 from tests.core.test_constraint_kinds import ALL, BODIES, LEFT, RIGHT, ask
 from tests.core.test_targets import CONTACTS as STANDS
@@ -48,7 +48,7 @@ ALWAYS = ActivationCurve(-1.0, -1.0, 100.0, 100.0)
 def reported(body: Morphology, *constraints: Constraint) -> tuple[AdaptedMotion, QualityReport]:
     request = AdaptRequest(WALK, body, STANDS, constraints)
     adapted = adapt(request, FIRST, LAST)
-    return adapted, report_of(standing_of(request), request, adapted)
+    return adapted, report_of(grounded_motion_of(request), request, adapted)
 
 
 def beside(body: Morphology, point: BodyPoint, *way: float) -> tuple[float, ...]:
@@ -113,7 +113,7 @@ def test_the_arrays_have_a_number_a_frame_and_say_what_the_worst_values_say(body
 
 def test_who_does_not_act_keeps_nobody_from_anything() -> None:
     """A constraint that frees the root now and then is not named where it is inactive."""
-    standing = standing_of(AdaptRequest(WALK, BODIES["child"], STANDS))
+    standing = grounded_motion_of(AdaptRequest(WALK, BODIES["child"], STANDS))
     for seed in range(4):
         asked = scene(standing, solve_constraints(standing, ()), seed)
         adapted = solve_constraints(standing, asked)
@@ -133,7 +133,7 @@ def punch(body: str, *constraints: Constraint, touch: bool = False, clears: bool
 
 def blockers(request: AdaptRequest) -> set[int]:
     """Blockers of what the poses miss where it is asked for fully, in some frames of a punch; none without a name."""
-    standing = standing_of(request)
+    standing = grounded_motion_of(request)
     adapted = solve_constraints(standing, request.constraints, 20, 60, eased=request.eased)
     report = report_of(standing, request, adapted)
     limits = [[MET_BY_UNIT[each.unit]] for each in request.constraints]
@@ -154,12 +154,12 @@ def test_hands_that_touch_keep_no_balance_from_being_met(body: str) -> None:
 
 @pytest.mark.parametrize("body", ["child", "giant"])
 def test_arms_that_stay_out_of_the_body_are_named_where_nobody_misses_without_them(body: str) -> None:
-    standing = standing_of(punch(body))
+    standing = grounded_motion_of(punch(body))
     asked = scene(standing, solve_constraints(standing, ()), 1)
     named = []
     for clears in (True, False):
         request = punch(body, *asked, clears=clears)
-        posed = standing_of(request)
+        posed = grounded_motion_of(request)
         named.append(report_of(posed, request, solve_constraints(posed, asked)).winners)
     assert (named[0] == BLOCKED_BY_CLEARANCE).any()
     assert not (named[1] == BLOCKED_BY_CLEARANCE).any()
@@ -167,7 +167,7 @@ def test_arms_that_stay_out_of_the_body_are_named_where_nobody_misses_without_th
 
 def test_smoothing_is_named_only_where_the_frame_solved_by_itself_misses_less() -> None:
     for seed in range(3):
-        standing = standing_of(punch("child"))
+        standing = grounded_motion_of(punch("child"))
         request = replace(punch("child", *scene(standing, solve_constraints(standing, ()), seed)), eased=True)
         eased, exact = (solve_constraints(standing, request.constraints, eased=eased) for eased in (True, False))
         found = report_of(standing, request, eased).winners == BLOCKED_BY_SMOOTHING
@@ -178,7 +178,7 @@ def test_smoothing_is_named_only_where_the_frame_solved_by_itself_misses_less() 
 
 def test_reach_is_named_only_where_a_body_that_is_free_of_all_else_misses_as_well() -> None:
     """Feet that stand and limits of the spine may each suffice to keep a body off: neither is its reach."""
-    standing = standing_of(AdaptRequest(WALK, BODIES["tall_man"], STANDS))
+    standing = grounded_motion_of(AdaptRequest(WALK, BODIES["tall_man"], STANDS))
     free = SolverLimits(uses_contacts=False, uses_joint_limits=False)
     for seed in range(4):
         asked = scene(standing, solve_constraints(standing, ()), seed)
@@ -202,6 +202,6 @@ def test_a_sample_stands_for_frames_around_it_in_which_the_same_is_active_and_mi
 
 def test_a_motion_without_constraints_or_contacts_is_reported_too() -> None:
     request = AdaptRequest(WALK, BODIES["child"])
-    report = report_of(standing_of(request), request, adapt(request, FIRST, LAST))
+    report = report_of(grounded_motion_of(request), request, adapt(request, FIRST, LAST))
     assert report.winners.shape == (0, LAST - FIRST + 1)
     assert np.isnan(report.mass_margins).all()

@@ -37,7 +37,7 @@ def test_every_segment_points_along_its_bone_in_a_right_handed_frame(body: Morph
     assert np.linalg.det(rotations) == pytest.approx(np.ones(22))
     layout = body.layout
     for part in BodyPart:
-        segment = layout.segment(part)
+        segment = layout.segment_of_part(part)
         if part.value.split("_")[-1] in (
             "neck",
             "head",
@@ -70,7 +70,7 @@ def test_flexion_about_the_hinge_brings_the_hand_forward_and_the_shank_back(body
         (BodyPart.LEFT_THIGH, -1),
         (BodyPart.RIGHT_THIGH, -1),
     ):
-        frame = rotations[body.layout.segment(part)]
+        frame = rotations[body.layout.segment_of_part(part)]
         assert forward * np.cross(frame[:, 0], frame[:, 2])[0] > 0.99
 
 

@@ -24,7 +24,7 @@ def bent(character: Character, part: BodyPart, degrees: float) -> tuple[np.ndarr
     positions, rotations = rest_pose(character.morphology)
     layout = character.morphology.layout
     parents, proximal, distal = layout.parent_segments(), layout.proximal_points(), layout.distal_points()
-    first = layout.segment(part)
+    first = layout.segment_of_part(part)
     moved = {first}
     for segment, parent in enumerate(parents):
         if parent in moved:
@@ -109,9 +109,9 @@ def test_longer_shanks_stretch_the_shanks_and_leave_the_arms_as_they_are(charact
     longer = Proportions(shanks=1.4).applied_to(character.build)
     layout = longer.layout
     scales = segment_scales(character.build, longer)
-    assert scales[layout.segment(BodyPart.LEFT_SHANK), 2] == pytest.approx(1.4)
-    assert scales[layout.segment(BodyPart.LEFT_SHANK), 0] < 1.1
-    assert scales[layout.segment(BodyPart.RIGHT_FOREARM)] == pytest.approx([1, 1, 1])
+    assert scales[layout.segment_of_part(BodyPart.LEFT_SHANK), 2] == pytest.approx(1.4)
+    assert scales[layout.segment_of_part(BodyPart.LEFT_SHANK), 0] < 1.1
+    assert scales[layout.segment_of_part(BodyPart.RIGHT_FOREARM)] == pytest.approx([1, 1, 1])
     fitted = fit_skin(character.skin, character.build, longer)
     assert np.ptp(fitted.vertices[:, 2]) == pytest.approx(longer.stature, rel=0.02)
 
@@ -129,7 +129,7 @@ def test_a_strongly_bent_joint_keeps_its_volume(character: Character, part: Body
 
 def test_a_forearm_turned_about_its_bone_keeps_its_girth(character: Character):
     positions, rotations = rest_pose(character.build)
-    forearm = character.build.layout.segment(BodyPart.LEFT_FOREARM)
+    forearm = character.build.layout.segment_of_part(BodyPart.LEFT_FOREARM)
     rotations[forearm] = rotations[forearm] @ Rotation.from_rotvec([0, 0, np.radians(150)]).as_matrix()
     vertices, _ = skin_vertices(character.skin, character.build, character.build, positions, rotations)
     before = volume(character.skin.vertices, character.skin.triangles)

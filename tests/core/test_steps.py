@@ -15,7 +15,7 @@ from studio.core.normalized.pieces import MotionPiece
 from studio.core.quality.metrics import contact_quality
 from studio.core.runs import runs_of
 from studio.core.solver.adapt import solve_constraints
-from studio.core.solver.standing.stand import Standing, stand
+from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.core.solver.standing.swing_foot_path import Sole
 from studio.io.importing import load_capture
 from tests.captures import capture_file, outside
@@ -39,7 +39,7 @@ class Seen(NamedTuple):
     lift: float
 
 
-def soles(stands: Standing, side: int) -> np.ndarray:
+def soles(stands: GroundedMotion, side: int) -> np.ndarray:
     """(F, P, 3) places of the lowest points of a foot."""
     body = stands.morphology
     foot = body.layout.spine_count + 12 + 4 * side

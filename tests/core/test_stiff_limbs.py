@@ -61,7 +61,7 @@ def _at(standing: Any, *constraints: Any) -> AdaptedMotion:
 
 def _turns(body: Morphology, solved: AdaptedMotion, before: AdaptedMotion, first: BodyPart) -> tuple[float, float]:
     """Radians by which a limb's upper and lower segment have turned, each in what carries it."""
-    segment = body.layout.segment(first)
+    segment = body.layout.segment_of_part(first)
     traces = [
         np.trace(local_rotations(before)[0, each].T @ local_rotations(solved)[0, each])
         for each in (segment, segment + 1)
@@ -78,7 +78,7 @@ def test_a_locked_segment_of_an_arm_keeps_its_rotation_in_what_carries_it(name: 
     for offset in OFFSETS:
         for upper, lower in ((0.0, 1.0), (1.0, 0.0), (0.0, 0.4)):
             after = local_rotations(_at(STANDING[name], _reach(name, _chain(chain, upper, lower), offset)))[0]
-            moved = [np.abs(after - before)[layout.segment(BodyPart(f"left_{bone}"))].max() for bone in ARM]
+            moved = [np.abs(after - before)[layout.segment_of_part(BodyPart(f"left_{bone}"))].max() for bone in ARM]
             assert (moved[0] < LOCKED) == (upper == 0.0)
             assert (moved[1] < LOCKED) == (lower == 0.0)
 
@@ -91,7 +91,7 @@ def test_a_locked_segment_of_a_leg_keeps_its_rotation_and_the_root_brings_the_fo
         solved = _at(standing, _step(name, _chain(Chain(clavicle=0.0, root=1.0), *weights, "left_leg")))
         after = local_rotations(solved)[0]
         for weight, bone in zip(weights, LEG, strict=True):
-            moved = np.abs(after - before)[layout.segment(BodyPart(f"left_{bone}"))].max()
+            moved = np.abs(after - before)[layout.segment_of_part(BodyPart(f"left_{bone}"))].max()
             assert (moved < LOCKED) == (weight == 0.0)
         assert solved.residuals[0, 0] < MET
 

@@ -217,7 +217,7 @@ def test_the_eyes_follow_the_own_hand_and_a_palm_the_other_one(body: Morphology)
     goal = tuple(within_reach(body, 0.3, 0.1, 0.1))
     hand = ask(PositionConstraint, RIGHT, ALL, target=goal)
     look = ask(LookAtConstraint, EYES, HEAD, 1, target=FollowBody(RIGHT))
-    hands = [body.layout.segment(part) for part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)]
+    hands = [body.layout.segment_of_part(part) for part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)]
     left, right = solved(body, hand).rotations[30, hands]
     turn = from_matrix(right.T @ left @ to_matrix(np.array(TURN) / np.linalg.norm(TURN)))
     follow = FollowBody(BodyPoint(BodyPart.RIGHT_HAND), tuple(turn))
@@ -244,11 +244,13 @@ def test_a_segment_follows_the_turn_and_a_point_the_place_of_another_part_of_the
         OrientationConstraint, BodyPoint(BodyPart.THORAX), trunk, target=FollowBody(BodyPoint(BodyPart.PELVIS), turn)
     )
     adapted = solved(body, as_pelvis, frames=(25, 40))
-    pelvis, thorax = (adapted.rotations[:, body.layout.segment(part)] for part in (BodyPart.PELVIS, BodyPart.THORAX))
+    pelvis, thorax = (
+        adapted.rotations[:, body.layout.segment_of_part(part)] for part in (BodyPart.PELVIS, BodyPart.THORAX)
+    )
     wanted = pelvis @ to_matrix(np.array(turn) / np.linalg.norm(turn))
     assert angle_between(from_matrix(thorax), from_matrix(wanted)) == pytest.approx(0.0, abs=np.radians(0.1))
     before, head = solved(body), BodyPoint(BodyPart.HEAD, at_end=True)
-    chest = before.rotations[30, body.layout.segment(BodyPart.THORAX)]
+    chest = before.rotations[30, body.layout.segment_of_part(BodyPart.THORAX)]
     above = (
         chest.T @ (body_point_positions(head, before) - body_point_positions(BodyPoint(BodyPart.THORAX), before))[30]
     )
@@ -286,10 +288,10 @@ def test_a_tracked_joint_is_where_the_capture_has_it_in_the_space_of_the_motion(
     motion, actor = normalize_capture(capture)
     track = captured_joint_track(FollowTracked("LeftHand"), capture)
     own = adapt(AdaptRequest(motion, actor.morphology))
-    assert track.places.shape == (capture.frame_count, 3)
+    assert track.positions.shape == (capture.frame_count, 3)
     source = solve_constraints(stand(motion, actor.morphology, (), Ground()), ())
     wrist = source.positions[:, actor.morphology.layout.wrist_point(0)]
-    assert track.places == pytest.approx(wrist, abs=0.02)  # the body is set on the ground, the capture is not
+    assert track.positions == pytest.approx(wrist, abs=0.02)  # the body is set on the ground, the capture is not
     assert own.frame_count == len(track.rotations)
     with pytest.raises(StudioError, match="No joint is called 'Ball'"):
         captured_joint_track(FollowTracked("Ball"), capture)
@@ -306,10 +308,10 @@ def test_another_performer_is_followed_as_the_stage_has_it(body: Morphology) -> 
     follow = FollowPerformer("giant", LEFT)
     track = performer_track(follow.point, follow.turn, other, rows, leader, own)
     stage = leader.to_stage(body_point_positions(LEFT, other))
-    assert own.to_stage(track.places)[::2] == pytest.approx(stage[: len(rows[::2])], abs=1e-9)
-    assert own.to_stage(track.places)[1] == pytest.approx((stage[0] + stage[1]) / 2, abs=1e-9)
+    assert own.to_stage(track.positions)[::2] == pytest.approx(stage[: len(rows[::2])], abs=1e-9)
+    assert own.to_stage(track.positions)[1] == pytest.approx((stage[0] + stage[1]) / 2, abs=1e-9)
     adapted = solved(body, ask(LookAtConstraint, EYES, HEAD, target=follow), tracks={follow: track}, frames=(10, 20))
-    fixed = ask(LookAtConstraint, EYES, HEAD, target=tuple(track.places[15]))
+    fixed = ask(LookAtConstraint, EYES, HEAD, target=tuple(track.positions[15]))
     assert adapted.rotations[5] == pytest.approx(solved(body, fixed, frames=(15, 15)).rotations[0], abs=1e-9)
 
 
@@ -466,7 +468,7 @@ def test_what_is_awaited_is_where_it_is_once_it_is_asked_wholly_and_what_is_chas
     for awaits in (True, False):
         follow = FollowPerformer("other", HEAD, awaits=awaits)
         asked = PositionConstraint("motion", "Meet", BodyPoint(BodyPart.RIGHT_HAND), Chain(), 0, curve, target=follow)
-        places = with_anticipated_targets({follow: track}, [asked], RATE)[follow].places
+        places = with_anticipated_targets({follow: track}, [asked], RATE)[follow].positions
         whole = [*range(20), *range(30, 41), *range(56, 90)]
         assert np.array_equal(places[whole], ways[whole])
         assert np.array_equal(places[20:30], np.tile(ways[30], (10, 1)) if awaits else ways[20:30])

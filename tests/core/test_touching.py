@@ -156,7 +156,9 @@ def test_a_balance_counts_the_hand_that_follows_the_other(body: str, touch: Touc
 @pytest.mark.parametrize("body", BODIES)
 def test_a_hand_that_follows_the_other_jolts_no_more_than_that_one(body: str, side: int) -> None:
     free, reached = led_hand(body, Touch.HANDS_TOGETHER, side)
-    forearms = [free.morphology.layout.segment(part) for part in (BodyPart.LEFT_FOREARM, BodyPart.RIGHT_FOREARM)]
+    forearms = [
+        free.morphology.layout.segment_of_part(part) for part in (BodyPart.LEFT_FOREARM, BodyPart.RIGHT_FOREARM)
+    ]
     own, peaks = (
         angular_acceleration(each.rotations, each.frame_rate).max(axis=0)[forearms] for each in (free, reached)
     )
@@ -165,7 +167,7 @@ def test_a_hand_that_follows_the_other_jolts_no_more_than_that_one(body: str, si
 
 def test_a_hand_on_the_hips_stays_there_as_the_trunk_bends() -> None:
     free = adapted("giant", Touch.LEFT_HAND_ON_HIPS)
-    head = free.positions[40, free.morphology.layout.segment(BodyPart.HEAD) + 1] + [0.3, 0.0, -0.2]
+    head = free.positions[40, free.morphology.layout.segment_of_part(BodyPart.HEAD) + 1] + [0.3, 0.0, -0.2]
     always, bends = ActivationCurve(-1.0, -1.0, 100.0, 100.0), Chain(1.0, 1.0, 0.0, 1.0)
     target = tuple(head.tolist())
     asked = PositionConstraint("motion", "Bow", BodyPoint(BodyPart.HEAD), bends, 0, always, target=target)

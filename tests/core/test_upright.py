@@ -17,7 +17,7 @@ from studio.core.quality.metrics import contact_quality
 from studio.core.quality.report import report_of
 from studio.core.solver.adapt import adapt, body_point_positions
 from studio.core.solver.request import AdaptRequest
-from studio.core.solver.standing.stand import standing_of
+from studio.core.solver.standing.stand import grounded_motion_of
 from tests.core.test_constraint_kinds import ALL, BODIES, CONTACTS, HEAD, RIGHT, WALK, ask, solved
 
 TRAY = BodyPoint(BodyPart.RIGHT_HAND)
@@ -29,7 +29,7 @@ every_body = pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 
 def tilted(body: Morphology, point: BodyPoint, cone: float, priority: int = 0) -> UprightConstraint:
     """An axis of a segment that leans 15 degrees in the middle of the walk is to be upright."""
-    turn = solved(body).rotations[30, body.layout.segment(point.part)]
+    turn = solved(body).rotations[30, body.layout.segment_of_part(point.part)]
     axis = turn.T @ [math.sin(math.radians(15)), 0.0, math.cos(math.radians(15))]
     chain = WRIST if point is TRAY else HEAD
     return ask(UprightConstraint, point, chain, priority, axis=tuple(axis), cone=cone)
@@ -41,7 +41,7 @@ def tilted(body: Morphology, point: BodyPoint, cone: float, priority: int = 0) -
 def test_an_axis_stays_within_its_cone_in_every_frame(body: Morphology, point: BodyPoint, cone: float) -> None:
     asked = tilted(body, point, cone)
     adapted = solved(body, asked)
-    leans = asked.lean(adapted.rotations[:, body.layout.segment(point.part)])
+    leans = asked.lean(adapted.rotations[:, body.layout.segment_of_part(point.part)])
     assert leans.max() <= MET
     assert adapted.residuals[0] == pytest.approx(leans, abs=1e-9)
 
@@ -53,7 +53,7 @@ def test_a_head_that_is_kept_upright_looks_round_for_a_lower_constraint(body: Mo
     eyes = body_point_positions(EYES, solved(body))[30]
     aside = ask(LookAtConstraint, EYES, HEAD, 1, target=(eyes[0] + 1.5, eyes[1] + 1.5, eyes[2]))
     alone, both = solved(body, head), solved(body, head, aside)
-    segment = body.layout.segment(BodyPart.HEAD)
+    segment = body.layout.segment_of_part(BodyPart.HEAD)
     assert head.lean(both.rotations[:, segment]).max() <= MET
     assert np.abs(both.residuals[0] - alone.residuals[0]).max() <= 2e-4
     gaze, before = (each.rotations[30, segment, :, 0] for each in (both, alone))
@@ -68,7 +68,7 @@ def test_a_tray_stays_level_in_a_hand_that_reaches(body: Morphology, priorities:
     place = tuple(body_point_positions(RIGHT, solved(body))[30] + [0.1, 0.0, 0.1])
     reach = ask(PositionConstraint, RIGHT, ALL, second, target=place)
     adapted = adapt(AdaptRequest(WALK, body, CONTACTS, (tray, reach)), 25, 35)
-    assert tray.lean(adapted.rotations[:, body.layout.segment(TRAY.part)]).max() <= MET
+    assert tray.lean(adapted.rotations[:, body.layout.segment_of_part(TRAY.part)]).max() <= MET
     assert adapted.residuals[1].max() <= 2e-4
     assert contact_quality(adapted, CONTACTS, Ground()).slide < 1e-3
 
@@ -81,14 +81,14 @@ def test_lower_places_do_not_tilt_a_trunk_that_is_upright(body: Morphology) -> N
     reach = ask(PositionConstraint, RIGHT, ALL, 1, target=far)
     alone, both = solved(body, trunk), solved(body, trunk, reach)
     assert both.residuals[0] == pytest.approx(alone.residuals[0], abs=2e-4)
-    assert trunk.lean(both.rotations[:, body.layout.segment(BodyPart.THORAX)]).max() <= MET
+    assert trunk.lean(both.rotations[:, body.layout.segment_of_part(BodyPart.THORAX)]).max() <= MET
 
 
 def test_a_report_tells_the_lean_and_names_nobody_where_it_is_met() -> None:
     body = BODIES["tall_man"]
     request = AdaptRequest(WALK, body, CONTACTS, (tilted(body, TRAY, 0.0),))
     adapted = adapt(request)
-    report = report_of(standing_of(request), request, adapted)
+    report = report_of(grounded_motion_of(request), request, adapted)
     assert report.misses.max() <= MET
     assert (report.winners == -1).all()
 

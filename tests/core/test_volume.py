@@ -74,7 +74,7 @@ def test_a_rod_or_a_sheet_for_a_trunk_counts_as_a_usual_one(half: float, deep: f
 
 
 def test_brims_horns_and_long_hair_do_not_widen_the_head() -> None:
-    head, at = BODY.layout.segment(BodyPart.HEAD), POSITIONS[BODY.layout.head_joint, 2]
+    head, at = BODY.layout.segment_of_part(BodyPart.HEAD), POSITIONS[BODY.layout.head_joint, 2]
     skull = tube(head, (at - 0.05, at + BODY.head), 0.09)
     brim = tube(head, (at + 0.9 * BODY.head, at + 0.91 * BODY.head), 0.4)
     vertices, sides, owners = tube(head, (HIPS, at + 0.1), 0.03)

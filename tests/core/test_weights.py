@@ -111,7 +111,9 @@ def test_equals_that_can_both_be_met_are_met_whatever_their_weights(body: Morpho
 @pytest.mark.parametrize("locked", [BodyPart.ABDOMEN, BodyPart.THORAX, BodyPart.LEFT_CLAVICLE], ids=str)
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_a_locked_segment_keeps_its_rotation_in_the_one_that_carries_it(body: Morphology, locked: BodyPart) -> None:
-    segments = [segment for segment in range(body.layout.segment_count) if body.layout.part(segment) == locked]
+    segments = [
+        segment for segment in range(body.layout.segment_count) if body.layout.part_of_segment(segment) == locked
+    ]
     free, kept = _reach(body, ALL), _reach(body, replace(ALL, segments=((locked, 0.0),)))
     before = local_rotations(_walking(body))[0, segments]
     assert np.abs(local_rotations(_walking(body, free))[0, segments] - before).max() > 1e-3
@@ -122,7 +124,7 @@ def test_a_locked_segment_keeps_its_rotation_in_the_one_that_carries_it(body: Mo
 @pytest.mark.parametrize("stiff", [Chain(trunk=0.2, root=1.0), replace(ALL, segments=((BodyPart.ABDOMEN, 0.2),))])
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_a_stiffer_trunk_turns_less_for_the_same_target(body: Morphology, stiff: Chain) -> None:
-    abdomen = body.layout.segment(BodyPart.ABDOMEN)
+    abdomen = body.layout.segment_of_part(BodyPart.ABDOMEN)
     before = local_rotations(_walking(body))[0, abdomen]
     turns = [_angle(local_rotations(_walking(body, _reach(body, chain)))[0, abdomen], before) for chain in (ALL, stiff)]
     assert turns[1] < 0.6 * turns[0]

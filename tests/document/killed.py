@@ -71,7 +71,7 @@ def record_for_ever(path: Path, tell: int) -> None:
     """Datagrams by number; the count of those that are kept is told."""
     recorder = Recorder(path)
     for number in range(1 << 30):
-        recorder.keep(0.001 * number, str(number).encode() * 20)
+        recorder.record_packet(0.001 * number, str(number).encode() * 20)
         os.write(tell, f"{number + 1}\n".encode())
 
 

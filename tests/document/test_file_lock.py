@@ -11,11 +11,11 @@ from studio.document import file_lock
 
 
 def test_a_lock_is_held_by_one_alone_until_it_is_released(tmp_path: Path) -> None:
-    lock = file_lock.FileLock.taken(tmp_path / "of" / "it")
+    lock = file_lock.FileLock.acquired(tmp_path / "of" / "it")
     assert lock is not None
-    assert file_lock.FileLock.taken(tmp_path / "of" / "it") is None
+    assert file_lock.FileLock.acquired(tmp_path / "of" / "it") is None
     lock.release()
-    again = file_lock.FileLock.taken(tmp_path / "of" / "it")
+    again = file_lock.FileLock.acquired(tmp_path / "of" / "it")
     assert again is not None
     again.release()
 
@@ -35,7 +35,7 @@ def test_windows_locks_the_first_byte_without_waiting(tmp_path: Path, monkeypatc
     monkeypatch.setattr(sys, "platform", "win32")
     try:
         there = importlib.reload(file_lock)
-        first, second, other = (there.FileLock.taken(tmp_path / name) for name in ("lock", "lock", "other"))
+        first, second, other = (there.FileLock.acquired(tmp_path / name) for name in ("lock", "lock", "other"))
         assert second is None
         for lock in (first, other):
             assert lock is not None

@@ -307,7 +307,7 @@ def test_saving_marks_clean_only_what_was_saved(make_document: Any, tmp_path: Pa
     saving = document.make_save(tmp_path / "walk.studio")
     stamp = saving.write()
     document.add("props", Prop("Meanwhile"), "Add")
-    document.saved(saving, stamp)
+    document.note_saved(saving, stamp)
     assert document.dirty
     document.save()
     assert not document.dirty

@@ -37,10 +37,10 @@ TEXTS = {
 @pytest.mark.parametrize("choice", LENGTH_CHOICES)
 def test_the_same_length_is_told_in_the_unit_that_is_chosen(lengths, choice):
     lengths(choice)
-    words = LENGTH_MEASURE.words
+    words = LENGTH_MEASURE.text_of
     texts = length_text(1.66, "m", 2), length_text(0.025, "cm", 1, "+"), words(0.0004), words(0.042), words(1.2)
     assert (*texts, shown_unit("cm/s").symbol) == TEXTS[choice]
-    assert ANGLE.words(0.1) == "5.7°"
+    assert ANGLE.text_of(0.1) == "5.7°"
     assert shown_unit("°") == shown_unit("°/s").__class__("°")
 
 

@@ -20,13 +20,13 @@ def test_who_cannot_be_adapted_says_why_and_the_others_play(qapp):
     said = []
     document.problem_reported.connect(said.append)
     live = LiveAdaptation(document)
-    assert live.wait(SECONDS)
+    assert live.wait_until_solved(SECONDS)
     assert live.result("performer 0") is not None
     assert live.failure("performer 0") == ""
     assert live.failure("lost") == said[-1]
     assert live.result("lost") is None
     document.replace("performers", "lost", replace(bare, clips=first.clips), "")
-    assert live.wait(SECONDS)
+    assert live.wait_until_solved(SECONDS)
     assert live.failure("lost") == ""
     assert live.result("lost") is not None
     live.close()

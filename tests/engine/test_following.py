@@ -59,7 +59,7 @@ def live_of(qapp: Any):
         document = Document(project)
         live = LiveAdaptation(document)
         made.append(live)
-        assert live.wait(SECONDS)
+        assert live.wait_until_solved(SECONDS)
         return document, live
 
     yield make
@@ -75,7 +75,7 @@ def on_stage(document: Document, live: LiveAdaptation, performer_id: str, point:
 
 def seen(document: Document, live: LiveAdaptation, performer_id: str) -> np.ndarray:
     """Place at which the wrist of a performer is seen, on the stage."""
-    shown = live.shown(performer_id)
+    shown = live.shown_frame(performer_id)
     assert shown is not None
     return Placement.of(document.project.performers[performer_id]).to_stage(body_point_positions(RIGHT, shown))[0]
 
@@ -108,7 +108,7 @@ def test_a_wrist_follows_another_performers_wrist_and_again_when_that_one_is_cha
     assert on_stage(document, live, "p0") == pytest.approx(on_stage(document, live, "p1"), abs=3e-4)
     lead = make_constraint("m1", "Lead", target=(0.3, -0.2, 1.1), chain=REACH, activation=ALWAYS)
     document.add("constraints", lead, "Add")
-    assert live.wait(SECONDS)
+    assert live.wait_until_solved(SECONDS)
     assert body_point_positions(RIGHT, live.result("p1"))[0] == pytest.approx((0.3, -0.2, 1.1), abs=3e-4)
     near_limit = pytest.approx(on_stage(document, live, "p1"), abs=1e-3)  # where a shoulder ends
     assert on_stage(document, live, "p0") == near_limit
@@ -135,11 +135,11 @@ def test_a_wrist_follows_a_prop_that_is_moved_and_goes_with_it_when_it_is_remove
     document, live = live_of(project.with_entity("props", "box", Prop("Box", position=(0.3, -0.2, 1.0))))
     follow = FollowProp("box", (0.0, 0.0, 0.1))
     document.add("constraints", make_constraint("m0", target=follow, chain=REACH, activation=ALWAYS), "Add")
-    assert live.wait(SECONDS)
+    assert live.wait_until_solved(SECONDS)
     assert on_stage(document, live, "p0")[5] == pytest.approx((0.3, -0.2, 1.1), abs=3e-4)
     moved = replace(document.project.props["box"], position=(0.2, -0.3, 0.9))
     document.replace("props", "box", moved, "Move Box")
-    assert live.wait(SECONDS)
+    assert live.wait_until_solved(SECONDS)
     assert on_stage(document, live, "p0")[5] == pytest.approx((0.2, -0.3, 1.0), abs=3e-4)
     document.remove("props", "box", "Delete Box")
     assert not document.project.constraints
@@ -150,11 +150,11 @@ def test_a_wrist_follows_a_prop_that_is_moved_and_goes_with_it_when_it_is_remove
 def test_a_wrist_follows_a_joint_of_its_capture(live_of: Any) -> None:
     document, live = live_of(stage(1))
     source = live.source("m0")
-    assert live.wait(SECONDS)
+    assert live.wait_until_solved(SECONDS)
     source = live.source("m0")
     asked = make_constraint("m0", target=FollowTracked("RightHand"), chain=REACH, activation=ALWAYS)
     document.add("constraints", asked, "Add")
-    assert live.wait(SECONDS)
+    assert live.wait_until_solved(SECONDS)
     wrist = body_point_positions(RIGHT, source)
     assert body_point_positions(RIGHT, live.result("p0")) == pytest.approx(wrist, abs=5e-4)
 
@@ -165,18 +165,18 @@ def test_who_follows_a_performer_that_is_driven_live_follows_what_it_does_now_an
     document, live = live_of(stage(3, p0="p1", p2="p0"))
     source = stage(1).captures["capture"]
     motion, _ = normalized_with_actor(source)
-    before = {key: live.shown(key) for key in ("p0", "p2")}
+    before = {key: live.shown_frame(key) for key in ("p0", "p2")}
     for frame in (3, 12):
         pose = replace(motion, channels=np.stack([motion.channels[frame]] * 2))
         live.driven.drive("p1", lambda pose=pose: pose)
-        live.bring(0.0)
+        live.solve_frame(0.0)
         there = {key: seen(document, live, key) for key in ("p0", "p1", "p2")}
         for follower in ("p0", "p2"):
             assert there[follower] == pytest.approx(there["p1"], abs=1e-3)
         assert np.linalg.norm(there["p1"] - on_stage(document, live, "p1")[0]) > 0.01
     live.driven.drive("p1", None)
-    live.bring(0.0)
-    assert {key: live.shown(key) for key in before} == before
+    live.solve_frame(0.0)
+    assert {key: live.shown_frame(key) for key in before} == before
 
 
 def test_the_figure_of_a_constraint_in_a_clip_that_continues_another_leads_from_the_point_of_the_body(

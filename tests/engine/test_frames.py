@@ -22,7 +22,7 @@ from studio.core.stage.project import GROUND_ID
 from studio.document.document import Document
 from studio.engine.frames import LONG_SECONDS, PIECE_FRAMES
 from studio.engine.live_adaptation import LiveAdaptation, normalized_with_actor
-from studio.engine.standing_solver import StandingSolver
+from studio.engine.standing_solver import GroundingSolver
 from tests.builders import make_constraint, make_project
 from tests.patience import SECONDS
 
@@ -37,7 +37,7 @@ def live(qapp: Any) -> Iterator[LiveAdaptation]:
     document.playhead.set_frame(FRAME)
     live = LiveAdaptation(document)
     live.document = document  # type: ignore[attr-defined]
-    assert live.wait(SECONDS)
+    assert live.wait_until_solved(SECONDS)
     live.interactive = True
     yield live
     live.close()
@@ -67,7 +67,7 @@ def let_others_follow(live: Any) -> None:
 
 
 def shown(live: LiveAdaptation, performer_id: str) -> Any:
-    motion = live.shown(performer_id)
+    motion = live.shown_frame(performer_id)
     assert motion is not None
     return motion.positions[FRAME - motion.first_frame]
 
@@ -83,7 +83,7 @@ def test_a_pose_is_as_old_as_the_move_of_the_mouse_that_it_answers(live: Any, la
     widget = QWidget()
     QApplication.sendEvent(widget, event)
     drag(live.document, (0.4, 0.1, 1.2))
-    live.bring(live.document.playhead.time)
+    live.solve_frame(live.document.playhead.time)
     active = live.document.active_performer_id
     assert moved - told - 0.001 <= live.asked_at(active) <= time.monotonic() - told
 
@@ -93,7 +93,7 @@ def test_every_move_is_shown_at_once_as_the_whole_clip_has_that_frame(live: Any)
     active = live.document.active_performer_id
     for step in range(5):
         drag(live.document, (0.4, 0.1 * step, 1.2))
-        live.bring(live.document.playhead.time)
+        live.solve_frame(live.document.playhead.time)
         np.testing.assert_allclose(shown(live, active), exact(live.document, active), atol=KEPT)
         let_others_follow(live)
         for key in live.document.project.performers:
@@ -103,13 +103,13 @@ def test_every_move_is_shown_at_once_as_the_whole_clip_has_that_frame(live: Any)
 
 def test_what_was_shown_last_is_what_is_there_after_release_but_for_the_easing(live: Any) -> None:
     drag(live.document, (0.4, 0.2, 1.2))
-    live.bring(live.document.playhead.time)
+    live.solve_frame(live.document.playhead.time)
     last = shown(live, "performer 0")
     live.interactive = False
-    assert live.wait(SECONDS)
-    live.bring(live.document.playhead.time)
+    assert live.wait_until_solved(SECONDS)
+    live.solve_frame(live.document.playhead.time)
     assert live.is_eased("performer 0")
-    assert live.shown("performer 0") is live.result("performer 0")
+    assert live.shown_frame("performer 0") is live.result("performer 0")
     np.testing.assert_allclose(shown(live, "performer 0"), last, atol=0.005)
 
 
@@ -118,15 +118,15 @@ def test_a_body_whose_measures_are_dragged_follows_in_the_same_picture(live: Any
     character = document.project.characters["character 1"]
     taller = replace(character, proportions=replace(character.proportions, stature=1.2))
     document.replace("characters", "character 1", taller, "Grow", 1)
-    live.bring(document.playhead.time)
+    live.solve_frame(document.playhead.time)
     np.testing.assert_allclose(shown(live, "performer 1"), exact(document, "performer 1"), atol=KEPT)
-    assert live.shown("performer 0") is live.result("performer 0")  # whom it does not concern
+    assert live.shown_frame("performer 0") is live.result("performer 0")  # whom it does not concern
 
 
 def test_the_ground_that_is_dragged_carries_every_body_by_the_next_picture(live: Any) -> None:
     document = live.document
     document.replace("grounds", GROUND_ID, replace(document.project.ground, height=0.3), "Raise ground", 1)
-    live.bring(document.playhead.time)
+    live.solve_frame(document.playhead.time)
     let_others_follow(live)
     for key in document.project.performers:
         np.testing.assert_allclose(shown(live, key), exact(document, key), atol=KEPT)
@@ -144,12 +144,12 @@ def test_who_is_followed_and_who_follows_are_shown_at_one_moment(live: Any) -> N
     follower = make_constraint(name="after it", target=FollowPerformer("performer 1", wrist))
     document.add("constraints", replace(follower, scope=Scope(performer_id="performer 0")), "Follow")
     live.interactive = False
-    assert live.wait(SECONDS)
+    assert live.wait_until_solved(SECONDS)
     live.interactive = True
     document.selection.set(("performers", "performer 0"))
     before = shown(live, "performer 0")
     drag(document, (0.5, 0.3, 1.1))
-    live.bring(document.playhead.time)
+    live.solve_frame(document.playhead.time)
     assert np.abs(shown(live, "performer 0") - before).max() > 0.001
     np.testing.assert_allclose(shown(live, "performer 0"), exact(document, "performer 0"), atol=KEPT)
 
@@ -161,13 +161,13 @@ def test_who_follow_each_other_follow_the_hand_together_in_the_same_picture(live
         meets = make_constraint(name=f"meets {other}", target=FollowPerformer(other, wrist))
         document.add("constraints", replace(meets, scope=Scope(performer_id=one)), "Meet")
     live.interactive = False
-    assert live.wait(SECONDS)
+    assert live.wait_until_solved(SECONDS)
     live.interactive = True
     document.selection.set(("performers", "performer 0"))
     before = {key: shown(live, key) for key in document.project.performers}
     place = replace(document.project.performers["performer 0"], position=(0.3, 0.1))
     document.replace("performers", "performer 0", place, "Drag", 1)
-    live.bring(document.playhead.time)
+    live.solve_frame(document.playhead.time)
     for key in before:
         assert np.abs(shown(live, key) - before[key]).max() > 0.001
         np.testing.assert_allclose(shown(live, key), exact(document, key), atol=MET)
@@ -176,12 +176,12 @@ def test_who_follow_each_other_follow_the_hand_together_in_the_same_picture(live
 def test_another_moment_is_solved_for_itself(live: Any) -> None:
     drag(live.document, (0.4, 0.2, 1.2))
     for frame in (FRAME, 0, FRAMES - 1, 10 * FRAMES):
-        live.bring(frame / 60.0)
-        assert live.shown("performer 0").first_frame == min(frame, FRAMES - 1)
+        live.solve_frame(frame / 60.0)
+        assert live.shown_frame("performer 0").first_frame == min(frame, FRAMES - 1)
 
 
 def test_a_frame_that_costs_long_keeps_no_picture_waiting_but_the_first(qapp: Any) -> None:
-    solver, solved = StandingSolver(), []
+    solver, solved = GroundingSolver(), []
 
     def slow(request: Any, first: int, last: int | None) -> Any:
         begun = time.thread_time()
@@ -193,17 +193,17 @@ def test_a_frame_that_costs_long_keeps_no_picture_waiting_but_the_first(qapp: An
     document = Document(make_project(characters=1, frames=FRAMES))
     live: Any = LiveAdaptation(document, solve=slow)
     live.document = document
-    assert live.wait(SECONDS)
+    assert live.wait_until_solved(SECONDS)
     solved.clear()
     live.interactive = True
     for step in range(4):
         drag(document, (0.4, 0.1 * step, 1.2))
-        live.bring(0.0)
+        live.solve_frame(0.0)
     let_others_follow(live)
     assert solved.count(True) == 1
     live.interactive = False
-    assert live.wait(SECONDS)
-    assert live.shown("performer 0") is live.result("performer 0")
+    assert live.wait_until_solved(SECONDS)
+    assert live.shown_frame("performer 0") is live.result("performer 0")
     live.close()
 
 
@@ -217,11 +217,11 @@ def test_a_row_that_is_very_long_keeps_not_even_the_first_picture_waiting(
         monkeypatch.setattr("studio.engine.frames.MANY_FRAMES", FRAMES - 1 + PIECE_FRAMES)
     row = (replace(performer.clips[0], repeats=repeats),)
     document.replace("performers", "performer 0", replace(performer, clips=row), "Play again")
-    assert live.wait(SECONDS)
-    live.bring(document.playhead.time)
+    assert live.wait_until_solved(SECONDS)
+    live.solve_frame(document.playhead.time)
     before = shown(live, "performer 0").copy()
     drag(document, (0.4, 0.1, 1.2))
-    live.bring(document.playhead.time)
+    live.solve_frame(document.playhead.time)
     assert np.array_equal(shown(live, "performer 0"), before)
     end = time.monotonic() + SECONDS
     while np.array_equal(shown(live, "performer 0"), before) and time.monotonic() < end:

@@ -15,7 +15,7 @@ from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
 from studio.core.grounds.ground import Ground
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
-from studio.engine.standing_solver import StandingSolver
+from studio.engine.standing_solver import GroundingSolver
 from studio.io.project.character_file import bundled_characters
 from tests.core.motions import walk
 from tests.core.test_touching import guard
@@ -39,7 +39,7 @@ GROUNDS = (
 
 def test_a_ground_that_changes_between_two_frames_leaves_no_trace_of_the_one_before() -> None:
     """Frames of a window, as while something is dragged, then of the whole clip, each on the next ground."""
-    solver, request = StandingSolver(), AdaptRequest(MOTION, BODY, CONTACTS)
+    solver, request = GroundingSolver(), AdaptRequest(MOTION, BODY, CONTACTS)
     for frame, ground in enumerate(GROUNDS, start=50):
         shown = solver(replace(request, ground=ground), frame, frame)
         fresh = adapt(replace(request, ground=ground)).kept()
@@ -51,7 +51,7 @@ def test_a_ground_that_changes_between_two_frames_leaves_no_trace_of_the_one_bef
 
 def test_a_frame_of_a_body_that_changes_is_as_in_the_whole_clip_its_arms_out_of_the_body_too() -> None:
     """Each body is new to the solver, as while a measure is dragged; a place is the body's own of another moment."""
-    (motion, actor, contacts), solver = guard(), StandingSolver()
+    (motion, actor, contacts), solver = guard(), GroundingSolver()
     wrist, curve = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True), ActivationCurve(0.0, 0.3, 5.0, 5.0)
     own = OwnPlace(wrist, motion.duration, (0.05, 0.0, 0.05))
     asked = (

@@ -9,7 +9,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
-from studio.engine.standing_solver import StandingSolver
+from studio.engine.standing_solver import GroundingSolver
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_constraint
 from tests.core.motions import walk
@@ -28,13 +28,13 @@ def asked() -> tuple[Constraint, ...]:
 
 def test_what_is_kept_is_what_is_solved_to_a_hundredth_of_a_millimetre() -> None:
     request = AdaptRequest(MOTION, BODY, CONTACTS, asked())
-    kept, solved = StandingSolver()(request, 0, None), adapt(request)
+    kept, solved = GroundingSolver()(request, 0, None), adapt(request)
     assert np.abs(kept.positions[:] - solved.positions[:]).max() < NEAR
     assert angle_between(from_matrix(kept.rotations[:]), from_matrix(solved.rotations[:])).max() < ALIKE
 
 
 def test_a_body_of_which_something_is_asked_takes_less_than_three_kilobytes_a_frame() -> None:
-    solver, request = StandingSolver(), AdaptRequest(MOTION, BODY, CONTACTS, asked())
+    solver, request = GroundingSolver(), AdaptRequest(MOTION, BODY, CONTACTS, asked())
     solver(request, 0, None)  # what is made once for all bodies
     tracemalloc.start()
     kept = [solver(AdaptRequest(MOTION, body, CONTACTS, asked()), 0, None) for body in others()]

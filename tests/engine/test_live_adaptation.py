@@ -105,14 +105,14 @@ def make_scene(qapp: Any) -> Iterator[Callable[..., Scene]]:
 
 def test_every_visible_performer_gets_a_result(make_scene: Any) -> None:
     scene = make_scene(characters=3)
-    assert scene.live.wait()
+    assert scene.live.wait_until_solved()
     for key in scene.document.project.performers:
         assert scene.live.result(key).frame_count == FRAMES
     assert scene.live.result("performer 1").morphology == scene.document.project.characters["character 1"].morphology
     before = time.monotonic()
     assert scene.live.asked_at("performer 1") < before
     scene.raise_ground(0.1)
-    assert scene.live.wait()
+    assert scene.live.wait_until_solved()
     assert before < scene.live.asked_at("performer 1") < time.monotonic()
 
 
@@ -128,7 +128,7 @@ def test_volumes_of_bodies_are_measured_beside_the_window_as_a_project_opens(
     monkeypatch.setattr("studio.engine.body_request.fitted_volume", noted)
     scene = make_scene(characters=2)
     scene.document.new(make_project(characters=5, frames=FRAMES))
-    assert scene.live.wait()
+    assert scene.live.wait_until_solved()
     assert len(measured) >= 5
     assert threading.main_thread() not in measured
 
@@ -136,61 +136,61 @@ def test_volumes_of_bodies_are_measured_beside_the_window_as_a_project_opens(
 def test_a_capture_is_normalised_once_for_all_performers_and_edits(make_scene: Any) -> None:
     scene = make_scene(characters=4)
     scene.raise_ground(0.1)
-    assert scene.live.wait()
+    assert scene.live.wait_until_solved()
     assert len(scene.solver.prepared) == 1
 
 
 def test_a_capture_that_is_expected_is_normalised_before_it_is_shown(make_scene: Any) -> None:
     scene = make_scene()
-    assert scene.live.wait()
+    assert scene.live.wait_until_solved()
     coming = make_capture(frames=50)
     scene.live.prefetch_capture(coming)
-    assert scene.live.wait()
+    assert scene.live.wait_until_solved()
     assert scene.solver.prepared[-1] is coming
     before = len(scene.solver.prepared)
     motion_id = next(iter(scene.document.project.motions))
     motion = scene.document.project.motions[motion_id]
     capture_id = scene.document.add("captures", coming, "Import")
     scene.document.replace("motions", motion_id, replace(motion, capture_id=capture_id), "Import")
-    assert scene.live.wait()
+    assert scene.live.wait_until_solved()
     assert len(scene.solver.prepared) == before
 
 
 def test_a_change_is_followed_by_those_it_concerns_only(make_scene: Any) -> None:
     scene = make_scene(characters=2)
-    scene.live.wait()
+    scene.live.wait_until_solved()
     heard: list[str] = []
     scene.live.adapted.connect(heard.append)
     character = scene.document.project.characters["character 1"]
     taller = replace(character, proportions=replace(character.proportions, stature=1.1))
     scene.document.replace("characters", "character 1", taller, "Grow")
-    scene.live.wait()
+    scene.live.wait_until_solved()
     assert heard == ["performer 1"]
     scene.document.replace("characters", "character 1", replace(taller, colour="#ffffff"), "Paint")
-    scene.live.wait()
+    scene.live.wait_until_solved()
     assert heard == ["performer 1"]
 
 
 def test_the_selected_body_is_solved_before_the_others(make_scene: Any) -> None:
     scene = make_scene(characters=4)
-    scene.live.wait()
+    scene.live.wait_until_solved()
     heard: list[str] = []
     scene.live.adapted.connect(heard.append)
     scene.document.selection.set(("performers", "performer 2"))
     scene.raise_ground(0.1)
-    scene.live.wait()
+    scene.live.wait_until_solved()
     assert heard[0] == "performer 2"
     assert sorted(heard[1:]) == ["performer 0", "performer 1", "performer 3"]
 
 
 def test_several_changes_in_one_turn_ask_for_one_solve(make_scene: Any) -> None:
     scene = make_scene(characters=1)
-    scene.live.wait()
+    scene.live.wait_until_solved()
     scene.solver.windows.clear()
     with scene.document.group("Many"):
         for k in range(5):
             scene.document.add("constraints", make_constraint(name=f"T{k}", priority=k + 1), "Add")
-    scene.live.wait()
+    scene.live.wait_until_solved()
     assert scene.solver.windows == [(0, None)]
     assert len(scene.live.result("performer 0").residuals) == 6
 
@@ -199,7 +199,7 @@ def test_constraints_that_are_off_are_not_asked_for(make_scene: Any) -> None:
     scene = make_scene(characters=1, constraints=2)
     off = replace(scene.document.project.constraints["constraint 0"], enabled=False)
     scene.document.replace("constraints", "constraint 0", off, "Switch off")
-    scene.live.wait()
+    scene.live.wait_until_solved()
     assert len(scene.live.result("performer 0").residuals) == 1
 
 
@@ -208,14 +208,14 @@ def test_a_drag_solves_a_window_round_the_playhead_first_and_the_rest_after(make
     document, asked = scene.document, scene.document.project.constraints["constraint 0"]
     document.replace("constraints", "constraint 0", replace(asked, target=(0.0, 0.0, 0.0)), "Move")
     scene.solver.told = lambda request: request.constraints[0].target[2]
-    scene.live.wait()
+    scene.live.wait_until_solved()
     scene.solver.windows.clear()
     scene.document.playhead.set_frame(200)
     shown: list[Any] = []
     scene.live.adapted.connect(lambda key: shown.append(scene.heights(key).copy()))
     scene.live.interactive = True
     document.replace("constraints", "constraint 0", replace(asked, target=(0.0, 0.0, 0.2)), "Move")
-    scene.live.wait()
+    scene.live.wait_until_solved()
     assert scene.solver.windows == [(155, 245), (0, None)]
     window, whole = shown
     assert (window[155:246] == 0.2).all()
@@ -226,28 +226,28 @@ def test_a_drag_solves_a_window_round_the_playhead_first_and_the_rest_after(make
 
 def test_while_the_ground_is_dragged_no_more_is_solved_than_pictures_need_until_the_hand_rests(make_scene: Any) -> None:
     scene = make_scene(characters=1)
-    scene.live.wait()
+    scene.live.wait_until_solved()
     scene.solver.windows.clear()
     scene.live.interactive = True
     for step in range(1, 5):
         scene.raise_ground(step / 100)
-        assert scene.live.wait(0.05) is False
+        assert scene.live.wait_until_solved(0.05) is False
     assert scene.solver.windows == []
-    assert scene.live.wait()
+    assert scene.live.wait_until_solved()
     assert scene.solver.windows == [(0, None)]
 
 
 def test_during_a_drag_the_newest_edit_wins_and_the_last_is_solved_whole(make_scene: Any) -> None:
     scene = make_scene(characters=3)
-    scene.live.wait()
+    scene.live.wait_until_solved()
     scene.live.interactive = True
     scene.solver.hold.clear()
     for step in range(1, 30):
         scene.raise_ground(step / 100)
-        scene.live.wait(0.001)
+        scene.live.wait_until_solved(0.001)
     scene.solver.hold.set()
     scene.live.interactive = False
-    scene.live.wait()
+    scene.live.wait_until_solved()
     for key in scene.document.project.performers:
         assert (scene.heights(key) == 0.29).all()
     assert len(scene.solver.windows) < 30
@@ -255,65 +255,65 @@ def test_during_a_drag_the_newest_edit_wins_and_the_last_is_solved_whole(make_sc
 
 def test_what_is_asked_anew_is_not_told_of_before_it_is_solved(make_scene: Any) -> None:
     scene = make_scene(characters=2)
-    scene.live.wait()
-    assert scene.live.reported("performer 0") is scene.live.result("performer 0")
+    scene.live.wait_until_solved()
+    assert scene.live.reported_motion("performer 0") is scene.live.result("performer 0")
     scene.solver.hold.clear()
     document, asked = scene.document, scene.document.project.constraints["constraint 0"]
     document.replace("constraints", "constraint 0", replace(asked, target=(9.0, 9.0, 9.0)), "Move target")
-    assert scene.live.reported("performer 0") is None  # at once, before the engine has had its turn
-    scene.live.wait(0.3)
-    assert scene.live.reported("performer 0") is None
+    assert scene.live.reported_motion("performer 0") is None  # at once, before the engine has had its turn
+    scene.live.wait_until_solved(0.3)
+    assert scene.live.reported_motion("performer 0") is None
     assert scene.live.result("performer 0") is not None  # the old pose stays on show
     scene.solver.hold.set()
-    scene.live.wait()
-    assert scene.live.reported("performer 0") is scene.live.result("performer 0")
+    scene.live.wait_until_solved()
+    assert scene.live.reported_motion("performer 0") is scene.live.result("performer 0")
     document.replace("performers", "performer 0", replace(document.project.performers["performer 0"], name="X"), "X")
-    assert scene.live.reported("performer 0") is not None  # a name asks nothing
+    assert scene.live.reported_motion("performer 0") is not None  # a name asks nothing
 
 
 def test_all_views_are_told_of_one_answer_at_one_moment(make_scene: Any) -> None:
     scene = make_scene(characters=1)
-    scene.live.wait()
-    before = scene.live.reported("performer 0")
+    scene.live.wait_until_solved()
+    before = scene.live.reported_motion("performer 0")
     scene.live.interactive = True
     scene.raise_ground(0.2)
     told = [before]
     heard: list[bool] = []
-    scene.live.adapted.connect(lambda key: heard.append(scene.live.reported(key) is told[-1]))
-    scene.live.reported_changed.connect(lambda: told.append(scene.live.reported("performer 0")))
-    scene.live.wait()
+    scene.live.adapted.connect(lambda key: heard.append(scene.live.reported_motion(key) is told[-1]))
+    scene.live.reported_changed.connect(lambda: told.append(scene.live.reported_motion("performer 0")))
+    scene.live.wait_until_solved()
     assert all(heard)  # a newer pose; what is told of the constraints changes for all views together
     assert told[-1] is scene.live.result("performer 0")
 
 
 def test_a_hidden_performer_is_not_solved(make_scene: Any) -> None:
     scene = make_scene(characters=2)
-    scene.live.wait()
+    scene.live.wait_until_solved()
     hidden = replace(scene.document.project.performers["performer 0"], visible=False)
     scene.document.replace("performers", "performer 0", hidden, "Hide")
-    scene.live.wait()
+    scene.live.wait_until_solved()
     assert scene.live.result("performer 0") is None
     scene.document.undo_stack.undo()
-    scene.live.wait()
+    scene.live.wait_until_solved()
     assert scene.live.result("performer 0") is not None
 
 
 def test_another_project_takes_the_place_of_all_results(make_scene: Any) -> None:
     scene = make_scene(characters=3)
-    scene.live.wait()
+    scene.live.wait_until_solved()
     scene.document.new(make_project(characters=1, frames=20))
-    scene.live.wait()
+    scene.live.wait_until_solved()
     assert scene.live.result("performer 2") is None
     assert scene.live.result("performer 0").frame_count == 20
 
 
 def test_the_source_is_the_capture_on_its_actors_body(make_scene: Any) -> None:
     scene = make_scene(characters=2)
-    scene.live.wait()
+    scene.live.wait_until_solved()
     heard: list[str] = []
     scene.live.adapted.connect(heard.append)
     assert scene.live.source("motion") is None
-    scene.live.wait()
+    scene.live.wait_until_solved()
     assert scene.live.source("motion").frame_count == FRAMES
     assert heard == ["performer 0", "performer 1"]
     assert scene.live.source("no such motion") is None
@@ -324,26 +324,26 @@ def test_a_capture_that_cannot_be_normalised_is_told_in_its_sentence(make_scene:
     told: list[str] = []
     scene.document.problem_reported.connect(told.append)
     scene.document.replace("captures", "capture", make_capture("lamp", body_map=None), "Replace capture")
-    scene.live.wait()
+    scene.live.wait_until_solved()
     assert told == ["'lamp' has no body map."]
 
 
 def test_busy_is_told_when_it_begins_and_when_it_ends(make_scene: Any) -> None:
     scene = make_scene(characters=2)
-    scene.live.wait()
+    scene.live.wait_until_solved()
     heard: list[bool] = []
     scene.live.busy_changed.connect(heard.append)
     scene.raise_ground(0.3)
-    scene.live.wait()
+    scene.live.wait_until_solved()
     assert heard == [True, False]
 
 
 def test_the_real_solver_answers_for_every_performer(qapp: Any) -> None:
     document = Document(make_project(characters=2, frames=60))
     live = LiveAdaptation(document)
-    assert live.wait(SECONDS)
+    assert live.wait_until_solved(SECONDS)
     live.source("motion")
-    assert live.wait(SECONDS)
+    assert live.wait_until_solved(SECONDS)
     results = [live.result("performer 0"), live.result("performer 1"), live.source("motion")]
     live.close()
     assert all(np.isfinite(result.positions).all() and result.frame_count == 60 for result in results)
@@ -355,7 +355,7 @@ def test_motions_of_projects_that_are_gone_are_let_go(qapp: Any) -> None:
     opened: list[weakref.ref[Any]] = []
     for frames in range(20, 40):
         document.new(make_project(characters=1, frames=frames))
-        assert live.wait(SECONDS)
+        assert live.wait_until_solved(SECONDS)
         opened += [weakref.ref(live.motion("motion")), weakref.ref(document.project.captures["capture"])]
     gc.collect()
     assert sum(each() is not None for each in opened) < 20  # of 40: workers and small caches hold their last few
@@ -381,7 +381,7 @@ def test_closing_while_kernels_are_still_compiled_waits_for_none_and_tells_nothi
     solver, document, warming = Solver(), Document(), Warming()
     live = LiveAdaptation(document, solver.prepare, solver.solve, solver.realise, warm_up=cast(WarmUp, warming))
     document.new(make_project())
-    live.wait(0.01)
+    live.wait_until_solved(0.01)
     live.source("motion")
     assert warming.asked.wait(SECONDS)
     live.close()
@@ -399,11 +399,11 @@ def test_what_is_known_is_shown_until_the_kernels_are_there(qapp: Any) -> None:
     positions, rotations = np.zeros((2, 1, 3)), np.zeros((2, 1, 3, 3))
     known = AdaptedMotion(make_morphology(), 60.0, 0, positions, rotations, np.empty((0, 2)))
     live.show_until_solved({key: known, "nobody": known})
-    live.wait(0.05)
+    live.wait_until_solved(0.05)
     assert live.result(key) is known
     assert live.result("nobody") is None
     kernels.grounded = kernels.ready = True
-    assert live.wait()
+    assert live.wait_until_solved()
     assert live.result(key) is not known
     live.close()
 
@@ -414,22 +414,22 @@ def test_bodies_stand_while_the_kernels_of_constraints_are_still_compiled(qapp: 
     solver.hold.set()
     kernels = SimpleNamespace(grounded=True, ready=False, stop=lambda _patience: None)
     live = LiveAdaptation(document, solver.prepare, solver.solve, solver.realise, warm_up=cast(WarmUp, kernels))
-    live.wait(0.5)
-    assert live.reported("performer 0") is live.result("performer 0") is not None
+    live.wait_until_solved(0.5)
+    assert live.reported_motion("performer 0") is live.result("performer 0") is not None
     document.replace("grounds", GROUND_ID, Ground(0.2), "Raise ground")
-    live.bring(0.0)
-    assert live.shown("performer 0").positions[0, 0, 0] == 0.2  # type: ignore[union-attr]
-    live.wait(0.5)
+    live.solve_frame(0.0)
+    assert live.shown_frame("performer 0").positions[0, 0, 0] == 0.2  # type: ignore[union-attr]
+    live.wait_until_solved(0.5)
     solved, known = len(solver.windows), live.result("performer 0")
     document.add("constraints", replace(make_constraint(), scope=Scope(performer_id="performer 0")), "Reach")
-    live.bring(0.0)
-    live.wait(0.5)
+    live.solve_frame(0.0)
+    live.wait_until_solved(0.5)
     assert (len(solver.windows), live.result("performer 0")) == (solved, known)
-    assert live.reported("performer 0") is None
-    assert live.reported("performer 1") is not None
+    assert live.reported_motion("performer 0") is None
+    assert live.reported_motion("performer 1") is not None
     assert unsolved_words(live) == "waits for the solver"
     kernels.ready = True
-    assert live.wait()
-    assert live.reported("performer 0") is live.result("performer 0") is not known
+    assert live.wait_until_solved()
+    assert live.reported_motion("performer 0") is live.result("performer 0") is not known
     assert unsolved_words(live) == "not solved yet"
     live.close()

@@ -23,7 +23,7 @@ from tests.builders import make_constraint
     ],
 )
 def test_an_amount_is_told_with_its_unit(measure, amount, words):
-    assert measure.words(amount) == words
+    assert measure.text_of(amount) == words
 
 
 def test_turning_kinds_are_missed_by_an_angle_and_the_others_by_a_length():

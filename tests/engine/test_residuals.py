@@ -96,7 +96,7 @@ def test_viewport_and_inspector_tell_the_same_number_and_frame():
     project = project_of(make_constraint(name="Wrist"))
     motion = answer(peaks(f3=0.9, f10=0.04))
     problem = worst_problem(project, lambda _: motion)
-    [line] = residuals_of(project, SimpleNamespace(reported=lambda _: motion, ready=True), "c")
+    [line] = residuals_of(project, SimpleNamespace(reported_motion=lambda _: motion, ready=True), "c")
     assert (problem.residual.amount, problem.frame) == pytest.approx((line.worst.amount, line.worst.frame))
     assert problem.sentence == "Body 0: 40 mm short of 'Wrist' at frame 10"
     assert words_of(line) == "short by 40 mm at 10"

@@ -16,7 +16,7 @@ from studio.engine import frames
 from studio.engine.frames import BUDGET
 from studio.engine.live_adaptation import LiveAdaptation
 from studio.engine.mouse_timestamps import BUSY, RestTimer
-from studio.engine.standing_solver import StandingSolver
+from studio.engine.standing_solver import GroundingSolver
 from tests.builders import make_project
 from tests.patience import SECONDS
 
@@ -32,10 +32,10 @@ class Drag:
 
     def __init__(self, burn: Callable[[int], float]) -> None:
         self.burn, self.count = burn, 0
-        self.solver = StandingSolver()
+        self.solver = GroundingSolver()
         self.document = Document(make_project(characters=BODIES, frames=60))
         self.live = LiveAdaptation(self.document, solve=self.solve)
-        assert self.live.wait(SECONDS)
+        assert self.live.wait_until_solved(SECONDS)
         self.count = 0
         self.live.interactive = True
 
@@ -52,7 +52,7 @@ class Drag:
         stature = character.proportions.stature + 0.01
         taller = replace(character, proportions=replace(character.proportions, stature=stature))
         self.document.replace("characters", character_id, taller, "Grow", 1)
-        self.live.bring(self.document.playhead.time)
+        self.live.solve_frame(self.document.playhead.time)
         return moved_at
 
     def let_worker_answer(self) -> None:
@@ -126,7 +126,7 @@ def test_whom_a_slow_drag_concerns_too_is_at_most_as_many_turns_behind_as_bodies
         "performers", also, replace(document.project.performers[also], character_id="character 0"), "Same character"
     )
     drag.live.interactive = False
-    assert drag.live.wait(SECONDS)
+    assert drag.live.wait_until_solved(SECONDS)
     drag.live.interactive = True
     moves = []
     for _ in range(2 * PICTURES):
@@ -145,7 +145,7 @@ def test_of_many_selected_bodies_the_active_one_is_in_every_picture(begin: Any) 
     for performer_id, performer in document.project.performers.items():
         document.replace("performers", performer_id, replace(performer, character_id=character_id), "Same character")
     drag.live.interactive = False
-    assert drag.live.wait(SECONDS)
+    assert drag.live.wait_until_solved(SECONDS)
     drag.live.interactive = True
     begun = time.thread_time()
     drag.move(character_id)
@@ -159,7 +159,7 @@ def test_a_body_that_a_drag_does_not_concern_answers_it_as_it_is(begin: Any) -> 
     drag = begin(lambda _: 0.0)
     moves = [drag.move("character 1") for _ in range(PICTURES)]
     drag.let_worker_answer()
-    assert drag.live.shown(ACTIVE) is drag.live.result(ACTIVE)
+    assert drag.live.shown_frame(ACTIVE) is drag.live.result(ACTIVE)
     assert drag.is_fresh(ACTIVE, moves[-1])
 
 
@@ -172,10 +172,10 @@ def test_a_change_that_asks_nothing_new_of_a_body_leaves_no_frame_of_it_behind(b
     drag.document.replace(
         "performers", "performer 1", replace(drag.document.project.performers["performer 1"], name="Renamed"), "Rename"
     )
-    drag.live.bring(drag.document.playhead.time)
-    assert drag.live.wait(SECONDS)
-    drag.live.bring(drag.document.playhead.time)
-    assert drag.live.shown(ACTIVE) is drag.live.result(ACTIVE)
+    drag.live.solve_frame(drag.document.playhead.time)
+    assert drag.live.wait_until_solved(SECONDS)
+    drag.live.solve_frame(drag.document.playhead.time)
+    assert drag.live.shown_frame(ACTIVE) is drag.live.result(ACTIVE)
     assert drag.live.is_eased(ACTIVE)
 
 
@@ -187,6 +187,6 @@ def test_after_release_the_one_body_that_was_dragged_is_solved_once(begin: Any) 
     drag.let_worker_answer()
     drag.count = 0
     drag.live.interactive = False
-    assert drag.live.wait(SECONDS)
+    assert drag.live.wait_until_solved(SECONDS)
     assert drag.count == 1
-    assert drag.live.reported(ACTIVE) is drag.live.result(ACTIVE)
+    assert drag.live.reported_motion(ACTIVE) is drag.live.result(ACTIVE)

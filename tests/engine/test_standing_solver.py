@@ -9,7 +9,7 @@ import pytest
 from studio.core.grounds.ground import Ground
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing import stand
-from studio.engine.standing_solver import KEPT_STANDING, StandingSolver
+from studio.engine.standing_solver import KEPT_STANDING, GroundingSolver
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_constraint
 from tests.core.motions import walk
@@ -22,18 +22,18 @@ FRAME = 30
 @pytest.fixture
 def stood(monkeypatch: pytest.MonkeyPatch) -> list[AdaptRequest]:
     """The requests for which a body was set on the ground."""
-    requests, whole = list[AdaptRequest](), stand.standing_of
+    requests, whole = list[AdaptRequest](), stand.grounded_motion_of
 
     def noted(request: AdaptRequest, *windows: Any) -> Any:
         requests.append(request)
         return whole(request, *windows)
 
-    monkeypatch.setattr(stand, "standing_of", noted)
+    monkeypatch.setattr(stand, "grounded_motion_of", noted)
     return requests
 
 
 def test_a_measure_that_is_dragged_lets_no_other_body_stand_anew(stood: list[AdaptRequest]) -> None:
-    solver = StandingSolver()
+    solver = GroundingSolver()
     child, giant = (AdaptRequest(MOTION, body, CONTACTS, (make_constraint(),)) for body in (CHILD, GIANT))
     for request in (child, giant):
         solver(request, 0, None)
@@ -46,7 +46,7 @@ def test_a_measure_that_is_dragged_lets_no_other_body_stand_anew(stood: list[Ada
 
 
 def test_a_ground_that_is_dragged_to_and_fro_leaves_bodies_as_they_stood(stood: list[AdaptRequest]) -> None:
-    solver, request = StandingSolver(), AdaptRequest(MOTION, CHILD, CONTACTS, (make_constraint(),))
+    solver, request = GroundingSolver(), AdaptRequest(MOTION, CHILD, CONTACTS, (make_constraint(),))
     before = solver(request, 0, None)
     for height in (0.1, 0.2, 0.1):
         solver(replace(request, ground=Ground(height)), FRAME, FRAME)

@@ -53,7 +53,7 @@ def window(qtbot, tmp_path, project):
     with qtbot.waitExposed(window):
         window.show()
     yield window
-    window.leave()
+    window.close_without_saving()
     window.deleteLater()
     QTest.qWait(0)
 

@@ -19,7 +19,7 @@ def struck_place(window, key):
     rate = document.project.frame_rate_of(clip)
     time = clip.start + 0.5 * (made.activation.full + made.activation.full_end) - clip.first / rate
     row = row_at(adapted, timing_of(document.project, performer), time)
-    segment = adapted.morphology.layout.segment(made.point.part)
+    segment = adapted.morphology.layout.segment_of_part(made.point.part)
     layout = adapted.morphology.layout
     origin = (layout.distal_points() if made.point.at_end else layout.proximal_points())[segment]
     place = adapted.positions[row, origin] + adapted.rotations[row, segment] @ np.array(made.point.offset)

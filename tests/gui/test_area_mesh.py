@@ -28,7 +28,7 @@ def bench(qtbot, tmp_path):
     table = AreaConstraint(motion_id, "Table", point, Chain(), 0, always)
     window = make_window(Settings(tmp_path / "studio.ini"), Document(project.with_entity("constraints", "area", table)))
     yield window.bench
-    window.leave()
+    window.close_without_saving()
     window.deleteLater()
 
 

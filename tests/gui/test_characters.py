@@ -166,7 +166,7 @@ def test_the_skin_that_is_drawn_bends_as_was_chosen(tmp_path):
     weights = np.full_like(linear.skin.weights, 0.0)
     weights[:, :2] = 0.5
     segments = linear.skin.segments.copy()
-    hand = linear.build.layout.segment(BodyPart.LEFT_HAND)
+    hand = linear.build.layout.segment_of_part(BodyPart.LEFT_HAND)
     segments[:, 1] = np.where(segments[:, 0] == hand, hand - 1, segments[:, 0])
     linear = replace(linear, skin=replace(linear.skin, weights=weights, segments=segments))
     positions, rotations = (part[None].copy() for part in bound_pose(linear.skin, linear.build))
@@ -176,7 +176,7 @@ def test_the_skin_that_is_drawn_bends_as_was_chosen(tmp_path):
     visual = BodyVisual(linear)
     drawn = []
     for blending in Blending:
-        visual.take(replace(linear, blending=blending))
+        visual.take_skin(replace(linear, blending=blending))
         visual.pose(posed, bones=False)
         drawn.append(np.array(visual.skin_actors[0].mapper.dataset.points))
     moved = np.linalg.norm(drawn[1] - drawn[0], axis=1)

@@ -32,9 +32,9 @@ def use_a_window(qtbot, folder):
         for key in list(getattr(document.project, collection))[:1]:
             document.selection.set((collection, key))
             QTest.qWait(10)
-    assert window.bench.live.wait(SECONDS)
+    assert window.bench.live.wait_until_solved(SECONDS)
     QTest.qWait(50)
-    window.leave()
+    window.close_without_saving()
     window.deleteLater()
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
 
@@ -69,15 +69,15 @@ def use_the_example(bench):
     """Open it, let every body play it mirrored and faster; returns references to all that was held for that."""
     document, live = bench.document, bench.live
     document.new(read_sample()[0])
-    assert live.wait(PATIENCE / 1000.0)
+    assert live.wait_until_solved(PATIENCE / 1000.0)
     for key, performer in document.project.performers.items():
         clip = replace(performer.clips[0], mirrored=True, speed=1.5)
         document.replace("performers", key, replace(performer, clips=(clip,)), "Mirror")
         document.selection.set(("performers", key))
         QTest.qWait(50)
-    assert live.wait(PATIENCE / 1000.0)
+    assert live.wait_until_solved(PATIENCE / 1000.0)
     project = document.project
-    motions = [live.shown(key) for key in project.performers]
+    motions = [live.shown_frame(key) for key in project.performers]
     held = [project, *project.captures.values(), *motions, *(each.composite.motion for each in motions)]
     return [weakref.ref(each) for each in held]
 
@@ -88,7 +88,7 @@ def test_nothing_of_a_closed_project_is_held(window, qtbot):
     show_views(window)
     held = use_the_example(window.bench)
     window.bench.document.new(Project())
-    assert window.bench.live.wait(PATIENCE / 1000.0)
+    assert window.bench.live.wait_until_solved(PATIENCE / 1000.0)
 
     def nothing_is_held():
         gc.collect()

@@ -131,7 +131,7 @@ def test_earlier_statements_come_back_with_up_and_names_are_completed_with_tab(r
 def test_a_window_that_closes_leaves_a_running_statement_behind(qtbot, console, window) -> None:
     console.run("import time\nwhile True: time.sleep(0.01); scene.project")
     qtbot.waitUntil(lambda: console.session.running)
-    window.leave()
+    window.close_without_saving()
     qtbot.waitUntil(lambda: not console.session.running, timeout=PATIENCE)
 
 

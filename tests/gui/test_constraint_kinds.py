@@ -286,11 +286,11 @@ def test_a_place_that_is_written_is_read_again_and_what_has_none_stays_as_it_is(
         place = fixed(studio, constraint)
         viewport, document, _ = studio
         moment = TargetContext(document.project, viewport.posed, viewport.posed["performer 0"])
-        moved = moment.moved(constraint, (0.1, 0.2, 0.3))
+        moved = moment.with_target_moved(constraint, (0.1, 0.2, 0.3))
         if place is None:
             assert moved is constraint
         else:
-            now = handle_position(moment.fixed(moved), floor=0.3)
+            now = handle_position(moment.with_targets_fixed(moved), floor=0.3)
             assert now == pytest.approx((0.1, 0.2, 0.3), abs=1e-12)
         document.undo_stack.undo()
 
@@ -299,7 +299,7 @@ def fixed(studio, constraint):
     """Place at which it is held now."""
     viewport, document, _ = studio
     return handle_position(
-        TargetContext(document.project, viewport.posed, viewport.posed["performer 0"]).fixed(constraint)
+        TargetContext(document.project, viewport.posed, viewport.posed["performer 0"]).with_targets_fixed(constraint)
     )
 
 
@@ -348,7 +348,7 @@ def test_the_handle_of_a_target_that_follows_is_where_the_followed_is_and_a_drag
     [handle] = [one for one in viewport.handles() if one.is_primary]
     assert handle.target == pytest.approx([0.4, 0.3, 0.9])
     pose = viewport.posed["performer 0"]
-    moved = TargetContext(document.project, viewport.posed, pose).moved(
+    moved = TargetContext(document.project, viewport.posed, pose).with_target_moved(
         new, tuple(pose.placement.to_motion([0.5, 0.3, 1.0]))
     )
     assert moved.target.offset == pytest.approx((0.1 * np.cos(0.5), -0.1 * np.sin(0.5), 0.1))
@@ -432,7 +432,7 @@ def targets_of_all(studio):
     viewport, document, _ = studio
     settle(viewport)
     moments = [TargetContext(document.project, viewport.posed, pose) for _, pose in sorted(viewport.posed.items())]
-    return np.array([moment.fixed(current(document)).target for moment in moments])
+    return np.array([moment.with_targets_fixed(current(document)).target for moment in moments])
 
 
 def test_a_target_is_made_to_follow_each_kind_of_thing_from_the_form(studio):
@@ -526,7 +526,7 @@ def test_what_is_kept_upright_has_a_cone_a_direction_and_an_axis_taken_from_the_
     made = add(studio, "upright")
     assert made.point == BodyPoint(BodyPart.RIGHT_HAND)
     turn = viewport.posed["performer 0"].motion.rotations[viewport.posed["performer 0"].row]
-    hand = turn[viewport.posed["performer 0"].motion.morphology.layout.segment(BodyPart.RIGHT_HAND)]
+    hand = turn[viewport.posed["performer 0"].motion.morphology.layout.segment_of_part(BodyPart.RIGHT_HAND)]
     assert np.allclose(hand @ made.axis, [0.0, 0.0, 1.0], atol=1e-9)
     enter(inspector, "Max. angle", "20")
     assert current(document).cone == pytest.approx(np.radians(20.0))

@@ -35,7 +35,7 @@ def posing(window, qtbot):
     """The window at a moment of the walk, with its viewport in the mode that corrects poses."""
     bench = window.bench
     show_views(window)
-    assert bench.live.wait(SECONDS)
+    assert bench.live.wait_until_solved(SECONDS)
     qtbot.waitUntil(lambda: bool(bench.viewport.posed), timeout=PATIENCE)
     bench.document.playhead.set_time(TIME)
     bench.viewport.set_view("perspective")
@@ -98,7 +98,7 @@ def test_an_elbow_of_a_walk_is_corrected_for_half_a_second_by_three_clicks(posin
     assert made.activation.end - made.activation.start == pytest.approx(0.5)
     assert not document.project.constraints
     assert viewport.joint_picked is not None
-    assert bench.live.wait(SECONDS)
+    assert bench.live.wait_until_solved(SECONDS)
     posed = bench.live.result(performer)
     off = np.linalg.norm(np.asarray(posed.positions[:]) - np.asarray(plain.positions[:]), axis=2).max(axis=1)
     times = plain.composite.timing.begin + np.arange(len(off)) / plain.frame_rate

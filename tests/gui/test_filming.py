@@ -44,7 +44,7 @@ def window(qtbot, tmp_path):
     (tmp_path / "out").mkdir()
     yield window
     window.bench.set_viewport(None)
-    window.leave()
+    window.close_without_saving()
     window.deleteLater()
 
 
@@ -62,7 +62,7 @@ def viewport(qtbot, window):
     viewport.set_ghost_shown(True)
     bench.document.playhead.set_time(0.1)
     qtbot.waitUntil(lambda: bool(viewport.posed) and bench.live.source("motion") is not None, timeout=PATIENCE)
-    assert bench.live.wait(PATIENCE / 1000)
+    assert bench.live.wait_until_solved(PATIENCE / 1000)
     yield viewport
     viewport.close()
     viewport.deleteLater()

@@ -108,7 +108,7 @@ def test_a_click_on_the_guesses_shows_the_import_report(window):
 def test_the_hint_to_click_a_joint_goes_when_one_is_constrained(window, qtbot):
     import_views()
     show_views(window)
-    assert window.bench.live.wait(SECONDS)
+    assert window.bench.live.wait_until_solved(SECONDS)
     viewport = window.bench.viewport
     qtbot.waitUntil(lambda: len(viewport.posed) == 2, timeout=PATIENCE)
     QTest.qWait(200)
@@ -128,7 +128,7 @@ def test_what_an_action_needs_first_is_no_longer_said_once_something_is_selected
         lambda: document.selection.set(("performers", "performer 1")),
         lambda: document.remove("props", prop_id, "Delete"),
     ):
-        window.bench.say("Select a prop.", until=Lifetime.SELECTED)
+        window.bench.post_message("Select a prop.", until=Lifetime.SELECTED)
         assert window.strip.text == "Select a prop."
         go_on()
         assert window.strip.text == ""
@@ -138,7 +138,7 @@ def test_where_a_new_box_is_picked_up_is_said_until_it_is(window, qtbot):
     import_views()
     show_views(window)
     document, by_id = window.bench.document, window.actions_by_id.by_id
-    assert window.bench.live.wait(SECONDS)
+    assert window.bench.live.wait_until_solved(SECONDS)
     qtbot.waitUntil(lambda: len(window.bench.viewport.posed) == 2, timeout=PATIENCE)
     clip = document.project.performers["performer 0"].clips[0]
     document.add("contacts", ContactInterval(clip.motion_id, Touch.HANDS_ON_THING, 10, clip.last), "Add")
@@ -156,7 +156,7 @@ def test_where_a_new_box_is_picked_up_is_said_until_it_is(window, qtbot):
 
 def test_what_a_scene_shows_is_said_until_another_project_is_open(window):
     document = window.bench.document
-    window.bench.say("The box is heavy.", until=Lifetime.PROJECT_OPENED)
+    window.bench.post_message("The box is heavy.", until=Lifetime.PROJECT_OPENED)
     document.selection.set(("performers", "performer 1"))
     document.add("props", Prop("Box", position=(0.6, 0.0, 0.2)), "Add box")
     assert window.strip.text == "The box is heavy."
@@ -167,7 +167,7 @@ def test_what_a_scene_shows_is_said_until_another_project_is_open(window):
 def test_a_joint_is_picked_and_constrained_by_keys_alone(window, qtbot):
     import_views()
     show_views(window)
-    assert window.bench.live.wait(SECONDS)
+    assert window.bench.live.wait_until_solved(SECONDS)
     viewport, document = window.bench.viewport, window.bench.document
     qtbot.waitUntil(lambda: len(viewport.posed) == 2, timeout=PATIENCE)
     document.selection.set(("performers", "performer 1"))
@@ -223,9 +223,9 @@ def test_bodies_of_which_some_play_another_take_are_lined_up_and_do_not_meet(win
     assert document.project.performers[second].clips != document.project.performers[first].clips
     assert np.abs(places[0] - places[1]) == pytest.approx([SPACING, 0.0], abs=1e-6)
     window.actions_by_id.by_id["show_all"].trigger()
-    assert window.bench.live.wait(SECONDS)
+    assert window.bench.live.wait_until_solved(SECONDS)
     window.actions_by_id.by_id["line_up"].trigger()
-    assert window.bench.live.wait(SECONDS)
+    assert window.bench.live.wait_until_solved(SECONDS)
     paths = root_paths(document.project, window.bench.live.result)
     one, other = (np.array(each.position) + paths[key] for key, each in document.project.performers.items())
     assert np.linalg.norm(one - other, axis=1).min() > 0.75
@@ -237,7 +237,7 @@ def test_line_up_puts_bodies_of_a_mirrored_walk_across_the_way_that_is_seen(wind
     wait_until_idle(qtbot, window)
     document.selection.set(("clips", next(iter(document.project.performers.values())).clips[0].id))
     QTest.keyClick(window, Qt.Key.Key_M, CONTROL)
-    assert window.bench.live.wait(SECONDS)
+    assert window.bench.live.wait_until_solved(SECONDS)
     window.actions_by_id.by_id["line_up"].trigger()
     first, second = (np.array(each.position) for each in document.project.performers.values())
     path = next(iter(root_paths(document.project, window.bench.live.result).values()))
@@ -263,7 +263,7 @@ def test_only_a_warning_has_the_colour_of_a_warning(window):
     window.bench.inform("Exported walk.bvh.")
     QApplication.processEvents()
     assert edge() != colours.PARTLY.lower()
-    window.bench.say("The file cannot be read.")
+    window.bench.post_message("The file cannot be read.")
     QApplication.processEvents()
     assert edge() == colours.PARTLY.lower()
     window.bench.inform("Exported walk.bvh.")

@@ -37,13 +37,13 @@ def window(qtbot, tmp_path):
     wait_until_idle(qtbot, window)
     solved(window)
     yield window
-    window.leave()
+    window.close_without_saving()
     window.deleteLater()
     QTest.qWait(0)
 
 
 def solved(window):
-    assert window.bench.live.wait(SECONDS)
+    assert window.bench.live.wait_until_solved(SECONDS)
     QTest.qWait(50)
     while window.bench.viewport.moving and not window.bench.document.playhead.playing:
         QTest.qWait(5)
@@ -58,7 +58,7 @@ def move(widget, place):
 def misses(window, constraint_id):
     """Metres by which each performer misses the target in its worst frame of the hold."""
     project, live = window.bench.document.project, window.bench.live
-    worst = {key: worst_residual(project, key, live.reported(key), constraint_id) for key in project.performers}
+    worst = {key: worst_residual(project, key, live.reported_motion(key), constraint_id) for key in project.performers}
     assert all(each.fully_active for each in worst.values())
     return {key: each.amount for key, each in worst.items()}
 

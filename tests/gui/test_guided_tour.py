@@ -29,7 +29,7 @@ def window(qtbot, tmp_path):
     import_views()
     show_views(window)
     yield window
-    window.leave()
+    window.close_without_saving()
     window.deleteLater()
     QTest.qWait(0)
 

@@ -30,7 +30,7 @@ CHILD = bundled_characters()["child"].morphology
 
 @pytest.fixture
 def control(window, qtbot):
-    assert window.bench.live.wait(PATIENCE / 1000)
+    assert window.bench.live.wait_until_solved(PATIENCE / 1000)
     window.actions_by_id.by_id["live_panel"].trigger()
     assert window.docks["Live"].isVisible()
     window.live_control.listen(0)
@@ -57,21 +57,21 @@ def cap(x):
 def test_a_body_drives_a_performer_and_its_own_clips_play_again_after_it(control, window, qtbot):
     document, live = window.bench.document, window.bench.live
     key = document.active_performer_id
-    before, project = live.shown(key), document.project
+    before, project = live.shown_frame(key), document.project
     control.drive(key, "1")
     send(control, *child_packets())
 
     def is_driven():
-        live.bring(0.0)
-        return live.shown(key) is not before
+        live.solve_frame(0.0)
+        return live.shown_frame(key) is not before
 
     qtbot.waitUntil(is_driven, timeout=PATIENCE)
-    height = live.shown(key).positions[0, before.morphology.layout.head_end, 2]
+    height = live.shown_frame(key).positions[0, before.morphology.layout.head_end, 2]
     assert abs(height / before.morphology.stature - 1.0) < 0.2
     assert document.project is project  # what comes in is no edit
     control.close_source("1")
-    live.bring(0.0)
-    assert live.shown(key) is before
+    live.solve_frame(0.0)
+    assert live.shown_frame(key) is before
     assert not control.drivers
 
 
@@ -93,7 +93,7 @@ def test_the_panel_tells_senders_and_counts_and_switches_them_off(control, windo
     panel = control.panel
     send(control, cap(1.0), b"no packet at all")
     qtbot.waitUntil(lambda: control.sources["1"].inbox.counts.malformed == 1, timeout=PATIENCE)
-    control.tell()
+    control.update_counts()
     assert "1 packets received, 1 invalid" in panel.told.text()
     [sender] = [panel.inputs.topLevelItem(0).child(0)]
     assert sender.text(0) == "127.0.0.1"
@@ -113,7 +113,7 @@ def test_what_comes_is_recorded_and_replayed_as_a_source_of_its_own(control, win
     assert said == ["take.osc holds 1 packet."]
     assert len(list(read_recording(path))) == 1
     control.replay(path)
-    qtbot.waitUntil(lambda: control.sources["2"].inbox.place(["Cap"]) is not None, timeout=PATIENCE)
+    qtbot.waitUntil(lambda: control.sources["2"].inbox.position_of(["Cap"]) is not None, timeout=PATIENCE)
     control.replay(tmp_path / "none.osc")
     assert len(said) == 2
     assert control.panel.inputs.topLevelItemCount() == 2
@@ -146,9 +146,9 @@ def test_what_is_shown_goes_out_where_it_stands_on_the_stage(control, window, qt
         window.actions_by_id.by_id["stream"].trigger()
         qtbot.waitUntil(lambda: posed_body(inbox.bones()) is not None, timeout=PATIENCE)
         key, performer = next(iter(window.bench.document.project.performers.items()))
-        shown = window.bench.live.shown(key)
+        shown = window.bench.live.shown_frame(key)
         there = Placement.of(performer).to_stage(shown.positions[0, 0])
-        assert np.linalg.norm(inbox.bones()["Hips"].place - there) < 1e-3
+        assert np.linalg.norm(inbox.bones()["Hips"].position - there) < 1e-3
         assert str(listener.port) in control.panel.out_told.text()
         window.actions_by_id.by_id["stream"].trigger()
         assert control.broadcast is None
@@ -177,13 +177,13 @@ def test_the_camera_goes_with_a_head_from_where_it_was_and_back(control, window,
     control.panel.names.setText("Cap")
     control.panel.head.show_value("1")
     send(control, cap(1.0))
-    qtbot.waitUntil(lambda: control.sources["1"].inbox.place(["Cap"]) is not None, timeout=PATIENCE)
+    qtbot.waitUntil(lambda: control.sources["1"].inbox.position_of(["Cap"]) is not None, timeout=PATIENCE)
     control.track_camera(True)
     send(control, cap(1.1))
-    qtbot.waitUntil(lambda: window.bench.viewport.sight != ONE_EYE, timeout=PATIENCE)
-    assert window.bench.viewport.sight.head.back == pytest.approx(-0.1, abs=1e-6)  # nearer to the screen
+    qtbot.waitUntil(lambda: window.bench.viewport.stereo_view != ONE_EYE, timeout=PATIENCE)
+    assert window.bench.viewport.stereo_view.head.back == pytest.approx(-0.1, abs=1e-6)  # nearer to the screen
     control.track_camera(False)
-    assert window.bench.viewport.sight == ONE_EYE
+    assert window.bench.viewport.stereo_view == ONE_EYE
     window.bench.set_viewport(None)
 
 
@@ -202,7 +202,7 @@ def test_a_flood_leaves_the_window_alive(control, window, qtbot):
 def test_what_is_still_asked_of_a_window_that_closes_keeps_no_clock_going(qapp, tmp_path):
     window = make_window(Settings(tmp_path / "studio.ini"), Document(make_project()))
     control = window.live_control
-    window.leave()
+    window.close_without_saving()
     control.listen(0)
     window.deleteLater()
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)

@@ -34,7 +34,7 @@ def playing(window, qtbot):
     import_views()
     show_views(window)
     window.bench.viewport.start()
-    assert window.bench.live.wait(SECONDS)
+    assert window.bench.live.wait_until_solved(SECONDS)
     window.bench.document.selection.set(("performers", "one"))
     window.actions_by_id.by_id["play_live"].trigger()
     play = window.bench.live.play
@@ -86,7 +86,7 @@ def test_a_take_begins_at_the_playhead_and_plays_there_what_was_recorded(playing
     assert clips[0].motion_id == "front_kick"
     assert clips[0].start == pytest.approx(begin, abs=1.0 / document.playhead.frame_rate)
     assert document.playhead.time == pytest.approx(begin, abs=1.0 / document.playhead.frame_rate)
-    assert playing.bench.live.wait(SECONDS)
+    assert playing.bench.live.wait_until_solved(SECONDS)
     qtbot.waitUntil(lambda: playing.bench.viewport.posed["one"].motion_id == "front_kick", timeout=PATIENCE)
     document.undo_stack.undo()
     assert document.project.performers["one"].clips[0].motion_id == "straight_punch"
@@ -115,7 +115,7 @@ def test_a_target_that_is_moved_while_it_plays_is_followed_and_kept_in_the_take(
     own = [each for key, each in document.project.constraints.items() if isinstance(each.target, KeyedPlace)]
     assert own
     press(playing, Qt.Key.Key_Escape)
-    assert playing.bench.live.wait(SECONDS)
+    assert playing.bench.live.wait_until_solved(SECONDS)
     document.undo_stack.undo()
     assert document.project.constraints["reach"].target == place
     assert len(document.project.performers["one"].clips) == 2

@@ -172,10 +172,10 @@ def test_closing_leaves_no_thread_and_no_timer(qtbot, tmp_path):
     window.show()
     import_views()
     show_views(window)
-    assert window.bench.live.wait(SECONDS)
+    assert window.bench.live.wait_until_solved(SECONDS)
     window.bench.document.playhead.play()
     QTest.qWait(50)
-    window.leave()
+    window.close_without_saving()
     timers = [timer for timer in window.findChildren(QTimer) if timer.isActive()]
     assert timers == []
     assert set(threading.enumerate()) <= threads
@@ -184,7 +184,7 @@ def test_closing_leaves_no_thread_and_no_timer(qtbot, tmp_path):
 
 
 def test_a_fault_in_an_action_is_told_and_does_not_stop_the_studio(qtbot, window):
-    window.bench.say("An internal error occurred: KeyError: 'x'.")
+    window.bench.post_message("An internal error occurred: KeyError: 'x'.")
     assert "internal error" in window.strip.text
     QTest.keyClick(window, Qt.Key.Key_Escape)
     assert window.strip.text == ""
@@ -391,7 +391,7 @@ def test_without_earlier_work_that_is_said(qtbot, window, tmp_path):
 
 def test_an_exception_that_nobody_caught_is_a_sentence_in_the_strip(qtbot, window):
     hooks = ProblemHooks()
-    hooks.message_posted.connect(window.bench.say)
+    hooks.message_posted.connect(window.bench.post_message)
     try:
         sys.excepthook(KeyError, KeyError("hips"), None)
         assert "KeyError: 'hips'" in window.strip.text

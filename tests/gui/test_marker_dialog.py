@@ -228,7 +228,7 @@ def test_the_markers_behind_a_motion_are_shown_on_demand(qtbot, window, dialog, 
     dialog.close()
     window.bench.document.selection.clear()
     actions = window.actions_by_id.by_id
-    assert window.bench.live.wait(SECONDS)
+    assert window.bench.live.wait_until_solved(SECONDS)
     qtbot.waitUntil(lambda: view.posed and view._chips.markers.isVisibleTo(view), timeout=PATIENCE)
     assert view._recorded is None
     actions["recorded_markers"].trigger()

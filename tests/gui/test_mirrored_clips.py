@@ -40,13 +40,13 @@ def window(qtbot, tmp_path):
     document.playhead.set_frame(KICK)
     solved(window)
     yield window
-    window.leave()
+    window.close_without_saving()
     window.deleteLater()
     QTest.qWait(0)
 
 
 def solved(window):
-    assert window.bench.live.wait(SECONDS)
+    assert window.bench.live.wait_until_solved(SECONDS)
     QTest.qWait(50)
     while window.bench.viewport.moving:
         QTest.qWait(5)

@@ -203,7 +203,7 @@ def test_hands_that_pick_up_a_box_in_a_mirrored_clip_do_not_cross(played, qtbot,
     prop_id = document.add("props", Prop("Box", position=(4.0, 0.0, 0.2), heading=turned), "Add box")
     pick_up(played, FIRST, prop_id, PICKED)
     hold = document.project.props[prop_id].held
-    assert live.wait(SECONDS)
+    assert live.wait_until_solved(SECONDS)
     clip = document.project.performers[FIRST].clips[0]
     for stored in document.project.constraints.values():
         if stored.name.endswith("hand on box"):

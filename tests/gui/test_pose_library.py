@@ -42,7 +42,7 @@ def poses(window, tmp_path):
     window.docks["Poses"].setWidget(library.panel)
     window.show_dock("Poses")
     bench.document.playhead.set_time(SAVED_AT)
-    assert bench.live.wait(SOLVED_SECONDS)
+    assert bench.live.wait_until_solved(SOLVED_SECONDS)
     QTest.mouseClick(library.panel.save, Qt.MouseButton.LeftButton)
     return library
 
@@ -50,7 +50,7 @@ def poses(window, tmp_path):
 def shown_pose(window, time):
     """Local pose of the body at a moment."""
     bench = window.bench
-    assert bench.live.wait(SOLVED_SECONDS)
+    assert bench.live.wait_until_solved(SOLVED_SECONDS)
     [(key, performer)] = bench.document.project.performers.items()
     shown = pose_of(bench.document.project, performer, bench.live.result(key), time)
     motion = shown.motion
@@ -66,7 +66,7 @@ def degrees_apart(first, second, parts):
 
 def apply(window, poses, region, fraction):
     window.bench.document.playhead.set_time(APPLIED_AT)
-    assert window.bench.live.wait(SOLVED_SECONDS)
+    assert window.bench.live.wait_until_solved(SOLVED_SECONDS)
     poses.panel.poses.setCurrentRow(0)
     poses.panel.region.show_value(region)
     poses.panel.set_blend(fraction)
@@ -124,7 +124,7 @@ def test_a_pose_is_dragged_onto_a_body_which_takes_it_as_one_undo_step(window, p
     show_viewport(window)
     [key] = bench.document.project.performers
     bench.document.playhead.set_time(APPLIED_AT)
-    assert bench.live.wait(SOLVED_SECONDS)
+    assert bench.live.wait_until_solved(SOLVED_SECONDS)
     saved = read_pose(next((tmp_path / "poses").glob("*.json"))).pose
     begun = []
     view.startDrag = begun.append
@@ -153,7 +153,7 @@ def test_a_pose_is_dragged_onto_a_body_which_takes_it_as_one_undo_step(window, p
 
 def test_each_pose_has_a_picture_of_its_own(window, poses):
     window.bench.document.playhead.set_time(0.0)
-    assert window.bench.live.wait(SOLVED_SECONDS)
+    assert window.bench.live.wait_until_solved(SOLVED_SECONDS)
     QTest.mouseClick(poses.panel.save, Qt.MouseButton.LeftButton)
     icons = [poses.panel.poses.item(row).icon().pixmap(72).toImage() for row in range(2)]
     assert icons[0] != icons[1]

@@ -18,7 +18,7 @@ from tests.gui.window_use import PATIENCE, wait_until_idle
 @pytest.fixture
 def view(window, qtbot, library_folder):
     window.striking.folder = library_folder
-    assert window.bench.live.wait(PATIENCE / 1000)
+    assert window.bench.live.wait_until_solved(PATIENCE / 1000)
     window.actions_by_id.by_id["pose_map"].trigger()
     wait_until_idle(qtbot, window)
     made = window.striking.mapping.view

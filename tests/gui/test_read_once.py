@@ -70,7 +70,7 @@ def test_a_dropped_capture_is_normalised_once_for_its_contacts_and_its_bodies(qt
     monkeypatch.setattr(normalize, "measure_actor", measure)
     drop(window, tmp_path / "jump.bvh")
     wait_until_idle(qtbot, window)
-    assert window.bench.live.wait(SECONDS)
+    assert window.bench.live.wait_until_solved(SECONDS)
     assert measured.count(41) == 1
 
 
@@ -89,13 +89,13 @@ def test_what_is_odd_about_a_capture_is_looked_for_once_beside_the_window(qtbot,
     wait_until_idle(qtbot, window)
     document = window.bench.document
     document.selection.set(("captures", list(document.project.captures)[-1]))
-    assert window.bench.live.wait(SECONDS)
+    assert window.bench.live.wait_until_solved(SECONDS)
     assert [each for each in looked if each[0] == frames] == [(frames, False)]
     document.save(tmp_path / "shot.studio")
     looked.clear()
     open_path(window.bench, tmp_path / "shot.studio")
     wait_until_idle(qtbot, window)
-    assert window.bench.live.wait(SECONDS)
+    assert window.bench.live.wait_until_solved(SECONDS)
     assert (frames, False) in looked
     assert not any(on_the_windows for _, on_the_windows in looked)
 

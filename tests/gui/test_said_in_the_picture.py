@@ -113,7 +113,7 @@ def test_feet_stand_above_the_sentence_that_is_said_as_the_stage_opens(window, q
     import_views()
     show_views(window)
     viewport = window.bench.viewport
-    assert window.bench.live.wait(SECONDS)
+    assert window.bench.live.wait_until_solved(SECONDS)
     qtbot.waitUntil(lambda: len(viewport.posed) == 2, timeout=PATIENCE)
     settle(viewport)
     points = np.concatenate([pose.points for pose in viewport.posed.values()])

@@ -25,7 +25,7 @@ LOW = CameraPlacement((0.5, -0.2, 1.1), 2.5, 1.0, -0.4, parallel=True)
 def seen(qtbot, window):
     """The window with its 3D view."""
     show_views(window)
-    assert window.bench.live.wait(PATIENCE)
+    assert window.bench.live.wait_until_solved(PATIENCE)
     qtbot.waitUntil(lambda: bool(window.bench.viewport.posed), timeout=PATIENCE)
     settle(window.bench.viewport)
     return window

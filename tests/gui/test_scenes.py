@@ -19,7 +19,7 @@ def test_the_fight_opens_from_the_menu_with_its_eight_fighters_and_their_clips(w
     assert any("forearm" in text for text in said)
     assert document.playhead.frame_rate == 60.0
     assert document.playhead.last > 300
-    assert live.wait(SECONDS)
+    assert live.wait_until_solved(SECONDS)
     assert all(live.result(key) is not None for key in document.project.performers)
     document.playhead.set_time(2.03)
     import_views()

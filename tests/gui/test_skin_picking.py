@@ -29,7 +29,7 @@ def skin_of(viewport, document, performer_id):
 def seen_vertex(viewport, document, performer_id, part):
     """Stage position of a vertex that moves with a segment alone and faces the camera."""
     skin, vertices, normals = skin_of(viewport, document, performer_id)
-    segment = viewport.posed[performer_id].motion.morphology.layout.segment(part)
+    segment = viewport.posed[performer_id].motion.morphology.layout.segment_of_part(part)
     own = (skin.segments[:, 0] == segment) & (skin.weights[:, 0] > 0.99)
     sight = viewport.camera.eye - vertices
     facing = (normals * sight).sum(axis=1) / np.linalg.norm(sight, axis=1)

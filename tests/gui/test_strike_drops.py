@@ -26,7 +26,7 @@ def striking(window, qtbot, library_folder):
     made = window.striking
     made.folder = library_folder
     window.bench.document.add("props", Prop("Target", (0.1, 0.1, 0.1), PLACE), "Add Target")
-    assert window.bench.live.wait(PATIENCE / 1000)
+    assert window.bench.live.wait_until_solved(PATIENCE / 1000)
     window.actions_by_id.by_id["find_strike"].trigger()
     wait_until_idle(qtbot, window)
     made.panel.limb.setCurrentIndex(1 + Limb.LEFT_ARM)  # the bodies of this project reach it with that one
@@ -37,14 +37,14 @@ def striking(window, qtbot, library_folder):
 def dropped_on(striking, window, qtbot, key, time=0.3):
     striking.play(0, key, time)
     wait_until_idle(qtbot, window)
-    assert window.bench.live.wait(PATIENCE / 1000)
+    assert window.bench.live.wait_until_solved(PATIENCE / 1000)
 
 
 def test_any_body_can_be_chosen_not_only_the_active_one_and_one_undo_takes_it_back(striking, window, qtbot):
     document = window.bench.document
     other = next(key for key in document.project.performers if key != document.active_performer_id)
     document.replace("performers", other, replace(document.project.performers[other], position=(0.0, 0.0)), "Move")
-    assert window.bench.live.wait(PATIENCE / 1000)
+    assert window.bench.live.wait_until_solved(PATIENCE / 1000)
     before, steps = document.project, document.undo_stack.count()
     dropped_on(striking, window, qtbot, other)
     assert len(document.project.performers[other].clips) == 2
@@ -74,7 +74,7 @@ def test_a_frozen_target_is_hit_where_it_was_when_it_was_asked(striking, window,
     dropped_on(striking, window, qtbot, key)
     prop_id, prop = next(iter(document.project.props.items()))
     document.replace("props", prop_id, replace(prop, position=(2.0, 1.0, 0.5)), "Move")
-    assert window.bench.live.wait(PATIENCE / 1000)
+    assert window.bench.live.wait_until_solved(PATIENCE / 1000)
     assert struck_place(window, key)[0] == pytest.approx(PLACE, abs=1e-3)
 
 
@@ -87,7 +87,7 @@ def test_a_face_can_be_struck_but_not_ones_own(striking, window, qtbot):
     opponent = replace(document.project.performers[one], position=(1.9, 0.0), heading=np.pi)
     document.replace("performers", other, striker, "Move")
     document.replace("performers", one, opponent, "Move")
-    assert window.bench.live.wait(PATIENCE / 1000)
+    assert window.bench.live.wait_until_solved(PATIENCE / 1000)
     panel.target.show_value(StrikeTarget("performers", one))
     striking.play(0, one)
     assert "own face" in said[-1]
@@ -140,7 +140,7 @@ def test_what_is_said_to_hit_hits_and_what_is_said_to_fall_short_does(striking, 
     key, (prop_id, prop) = document.active_performer_id, next(iter(document.project.props.items()))
     for place, words in ((PLACE, "meets it"), ((2.5, -0.1, 1.3), "short")):
         document.replace("props", prop_id, replace(prop, position=place), "Move")
-        assert window.bench.live.wait(PATIENCE / 1000)
+        assert window.bench.live.wait_until_solved(PATIENCE / 1000)
         striking.search()
         assert panel.results.item(0).text().endswith(words)
         dropped_on(striking, window, qtbot, key, 0.0)

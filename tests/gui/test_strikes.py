@@ -38,7 +38,7 @@ def add_box(window, place=(0.75, -0.1, 1.3)):
 
 
 def solved(window, qtbot):
-    assert window.bench.live.wait(PATIENCE / 1000)
+    assert window.bench.live.wait_until_solved(PATIENCE / 1000)
     return window.bench.live.result(window.bench.document.active_performer_id)
 
 

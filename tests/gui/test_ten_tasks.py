@@ -126,7 +126,7 @@ class User:
     def solved(self):
         """Every body as it comes to rest, by performer id."""
         live = self.window.bench.live
-        assert live.wait(PATIENCE / 1000)
+        assert live.wait_until_solved(PATIENCE / 1000)
         QTest.qWait(20)
         settle(self.viewport)
         self.film()
@@ -141,7 +141,7 @@ class User:
 def user(window, qtbot) -> Iterator[User]:
     show_views(window)
     user = User(window)
-    assert window.bench.live.wait(PATIENCE / 1000)
+    assert window.bench.live.wait_until_solved(PATIENCE / 1000)
     qtbot.waitUntil(lambda: len(user.viewport.posed) == len(user.project.performers), timeout=PATIENCE)
     user.timeline.fit()
     settle(user.viewport)

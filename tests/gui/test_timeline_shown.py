@@ -144,7 +144,7 @@ def test_curves_of_long_motions_are_made_beside_the_window_and_are_the_same(time
     timeline.grab()
     at_once = {curve.name: curve.values for curve in plot.curves}
     monkeypatch.setattr("studio.timeline.tracks.plot.MOST_FRAMES_AT_ONCE", 0)
-    plot.forget()
+    plot.drop_curves()
     timeline.tracks.set_quantity(Quantity.KNEE_SPEED)
     timeline.grab()
     assert plot.curves == []

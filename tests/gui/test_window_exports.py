@@ -15,7 +15,7 @@ CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftM
 def test_the_adapted_motion_of_a_character_is_exported_as_bvh(qtbot, window, tmp_path):
     from studio.app import exporting
 
-    assert window.bench.live.wait(SECONDS)
+    assert window.bench.live.wait_until_solved(SECONDS)
     path = tmp_path / "out.bvh"
     exporting.export(window.bench, {"performer 0": path})
     wait_until_idle(qtbot, window)

@@ -34,7 +34,7 @@ def test_a_dropped_bvh_is_shown_on_the_visible_characters_as_one_undo_step(qtbot
     new_motion = list(document.project.motions)[-1]
     assert {p.clips[0].motion_id for p in document.project.performers.values()} == {new_motion}
     assert len(document.project.captures) == len(before.captures) + 1
-    assert window.bench.live.wait(SECONDS)
+    assert window.bench.live.wait_until_solved(SECONDS)
     QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)
     assert same(document.project, before)
 

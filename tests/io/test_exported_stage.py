@@ -338,7 +338,7 @@ def test_performers_one_by_one_stand_where_they_stood_or_at_their_origin(staged,
             back = load_capture(out / f"{performer.name.lower()}.{suffix}")
             hips = joint_world(back.skeleton, back.poses)[0][:, back.skeleton.index("Hips")]
             place = Placement() if more else Placement.of(performer)
-            expected = place.to_stage(performance.played.positions[:, 0])
+            expected = place.to_stage(performance.adapted_on_stage.positions[:, 0])
             assert np.abs(hips - expected)[:, :2].max() < HUNDREDTH_OF_A_MILLIMETRE
 
 

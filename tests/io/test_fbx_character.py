@@ -32,9 +32,9 @@ def test_it_has_the_measures_of_its_joints_and_the_skin_hangs_from_them(tmp_path
     assert build.arm == pytest.approx(expected.arm, rel=1e-4)
     assert read.moves
     for part in (BodyPart.LEFT_THIGH, BodyPart.RIGHT_FOREARM, BodyPart.HEAD):
-        of_part = skin.vertices[skin.segments[:, 0] == build.layout.segment(part)]
+        of_part = skin.vertices[skin.segments[:, 0] == build.layout.segment_of_part(part)]
         assert len(of_part) >= 8
-    sides = skin.vertices[skin.segments[:, 0] == build.layout.segment(BodyPart.LEFT_THIGH), 1]
+    sides = skin.vertices[skin.segments[:, 0] == build.layout.segment_of_part(BodyPart.LEFT_THIGH), 1]
     assert sides.min() > 0.0
     one, two, three = np.swapaxes(skin.vertices[skin.triangles].astype(float), 0, 1)
     assert np.einsum("tk,tk->t", one, np.cross(two, three)).sum() > 0.0  # turned outwards

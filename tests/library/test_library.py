@@ -71,19 +71,21 @@ def test_nothing_is_read_again_that_has_not_changed(catalogue, folder):
 def test_a_pose_of_a_clip_with_its_own_target_finds_that_clip_at_that_frame(catalogue):
     library = Library.of(catalogue)
     for clip in library.clips:
-        frame = clip.searched[5]
+        frame = clip.searched_frames[5]
         best = search_strikes(library, asked_of(clip, frame, clip.actor.body, clip.path.places[2]))[0]
         assert (best.clip, best.start, best.hit) == (clip, frame, clip.path.first + 2)
         assert best.posture == pytest.approx(0.0, abs=1e-3)
         assert best.reach == pytest.approx(0.0, abs=1e-3)
-        assert best.seconds == pytest.approx((best.hit - frame) / 60.0)
+        assert best.seconds_to_hit == pytest.approx((best.hit - frame) / 60.0)
 
 
 def test_a_body_of_half_the_size_finds_the_same_with_a_target_of_half_the_distance(catalogue):
     clip = Library.of(catalogue).clips[1]
     body = Proportions(stature=0.5).applied_to(clip.actor.body)
     assert limb_size(body, Limb.RIGHT_ARM) == pytest.approx(0.5 * limb_size(clip.actor.body, Limb.RIGHT_ARM))
-    best = search_strikes(Library.of(catalogue), asked_of(clip, clip.searched[5], body, 0.5 * clip.path.places[2]))[0]
+    best = search_strikes(
+        Library.of(catalogue), asked_of(clip, clip.searched_frames[5], body, 0.5 * clip.path.places[2])
+    )[0]
     assert best.clip.number == clip.number
     assert best.reach == pytest.approx(0.0, abs=1e-3)
 
@@ -91,7 +93,7 @@ def test_a_body_of_half_the_size_finds_the_same_with_a_target_of_half_the_distan
 def test_only_what_was_asked_for_is_found(catalogue):
     library = Library.of(catalogue)
     clip = library.clips[1]
-    ask = [clip, clip.searched[5], clip.actor.body, clip.path.places[2]]
+    ask = [clip, clip.searched_frames[5], clip.actor.body, clip.path.places[2]]
     assert [each.clip.label.kind for each in search_strikes(library, asked_of(*ask, kinds=[Kind.KICK]))] == [Kind.KICK]
     assert search_strikes(library, asked_of(*ask, limbs=[Limb.LEFT_ARM])) == []
     assert search_strikes(library, asked_of(*ask, tags=["no such tag"])) == []

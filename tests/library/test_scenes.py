@@ -81,8 +81,8 @@ def test_heads_lean_back_from_the_fist(scene: Project, staged: StagedPerformance
         adapted = staged.performances[white].adapted
         frame = round(staged.performances[white].composite.timing.frame_at(3.0))
         head = adapted.morphology.layout.head_joint
-        assert adapted.unasked is not None
-        back = adapted.unasked.positions[frame, head] - adapted.positions[frame, head]
+        assert adapted.unconstrained is not None
+        back = adapted.unconstrained.positions[frame, head] - adapted.positions[frame, head]
         assert back[0] > 0.12 * adapted.body.leg_length
 
 
@@ -231,7 +231,9 @@ def test_the_skin_of_arms_and_trunk_stays_out_of_a_table_while_pops_are_smoothed
         adapted, table = performance.adapted, scene.props[f"table {key}"]
         character, layout = scene.characters[scene.performers[key].character_id], adapted.morphology.layout
         mesh, placement = character.shown_skin, Placement.of(scene.performers[key])
-        legs = [layout.segment(part) for part in BodyPart if part.value.endswith(("thigh", "shank", "foot", "toe"))]
+        legs = [
+            layout.segment_of_part(part) for part in BodyPart if part.value.endswith(("thigh", "shank", "foot", "toe"))
+        ]
         above = ~np.isin(mesh.segments[:, 0], legs)
         for row in range(0, adapted.frame_count, 2):
             pose = adapted.positions[row], adapted.rotations[row]

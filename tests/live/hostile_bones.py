@@ -43,7 +43,7 @@ def play(seed: int) -> bool:
     """Let a hostile body drive a performer; returns whether it was one. Raises AssertionError for NaN."""
     random = Random(seed)
     inbox = hostile_inbox(random)
-    inbox.place(["Head"])
+    inbox.position_of(["Head"])
     pose = ReceivedPose(inbox)()
     if pose is None:
         return False

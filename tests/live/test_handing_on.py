@@ -27,10 +27,10 @@ def test_a_box_that_is_handed_on_goes_from_hands_to_hands_and_stays_with_them_wh
             for key, each in results.items()
         }
         track = stage_track(prop, [stage.seconds], holders)
-        places.append(track.places[0])
+        places.append(track.positions[0])
         for key, holds in ((one, stage.seconds < given), (other, stage.seconds > given)):
             for side, wrist in ((1.0, LEFT_WRIST), (-1.0, WRIST)):
-                there = track.places[0] + track.rotations[0] @ np.array([PALM_OFFSET, side * prop.size[1] / 2, 0.0])
+                there = track.positions[0] + track.rotations[0] @ np.array([PALM_OFFSET, side * prop.size[1] / 2, 0.0])
                 hand = Placement.of(project.performers[key]).to_stage(body_point_positions(wrist, results[key])[0])
                 assert not holds or step > 85 or np.linalg.norm(hand - there) < 2e-3
     steps = np.linalg.norm(np.diff(np.array(places), axis=0), axis=1)

@@ -34,10 +34,10 @@ def test_hostile_packets_are_counted_or_taken_and_nothing_else() -> None:
     for _ in range(PACKETS):
         inbox.receive(packet(random))
     counts = inbox.counts
-    assert counts.taken + counts.malformed == PACKETS
-    assert min(counts.taken, counts.malformed, counts.refused_values) > PACKETS // 100
+    assert counts.accepted + counts.malformed == PACKETS
+    assert min(counts.accepted, counts.malformed, counts.refused_values) > PACKETS // 100
     bones = inbox.bones()
     assert 0 < len(bones) <= MOST_NAMES
     for bone in bones.values():
-        assert np.isfinite(bone.turn).all()
-        assert np.abs(bone.place).max() <= TRACKED_RANGE
+        assert np.isfinite(bone.rotation).all()
+        assert np.abs(bone.position).max() <= TRACKED_RANGE

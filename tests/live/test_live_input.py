@@ -82,10 +82,10 @@ def test_a_sender_is_noted_before_it_is_heard_and_heard_once_it_is_switched_on()
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
             out.sendto(marker(1.0), ("127.0.0.1", listener.port))
             assert eventually(lambda: "127.0.0.1" in listener.senders)
-            assert inbox.place(["Cap"]) is None
+            assert inbox.position_of(["Cap"]) is None
             listener.senders["127.0.0.1"].on = True
             out.sendto(marker(1.0), ("127.0.0.1", listener.port))
-            assert eventually(lambda: inbox.place(["Cap"]) is not None)
+            assert eventually(lambda: inbox.position_of(["Cap"]) is not None)
         assert listener.senders["127.0.0.1"].packets == 2
     finally:
         listener.close()
@@ -109,7 +109,7 @@ def test_a_flood_is_taken_no_faster_than_a_window_can_bear():
 def test_what_is_recorded_is_what_came_and_is_replayed(tmp_path):
     path, inbox = tmp_path / "session.osc", Inbox()
     recorder, listener = Recorder(path), UdpInput(inbox, 0)
-    listener.kept = recorder.keep
+    listener.kept = recorder.record_packet
     try:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
             for x in (1.0, 2.0):
@@ -123,10 +123,10 @@ def test_what_is_recorded_is_what_came_and_is_replayed(tmp_path):
     again = Inbox()
     replay = Replay(path, again)
     try:
-        assert eventually(lambda: again.counts.taken >= 4)  # it begins anew at its end
+        assert eventually(lambda: again.counts.accepted >= 4)  # it begins anew at its end
     finally:
         replay.close()
-    assert abs(again.place(["Cap"])[1]) in (1.0, 2.0)
+    assert abs(again.position_of(["Cap"])[1]) in (1.0, 2.0)
 
 
 def test_an_empty_or_damaged_recording_is_refused_before_anything_is_fed(tmp_path):
@@ -153,7 +153,7 @@ def test_of_a_recording_that_is_cut_off_what_is_whole_is_replayed_and_the_rest_i
     replay = Replay(path, inbox := Inbox())
     try:
         assert replay.problem == recording.problem
-        assert eventually(lambda: inbox.counts.taken >= 4)
+        assert eventually(lambda: inbox.counts.accepted >= 4)
     finally:
         replay.close()
 
@@ -167,7 +167,7 @@ def test_a_full_disk_ends_a_recording_after_the_last_whole_packet_and_is_told(tm
     resource.setrlimit(resource.RLIMIT_FSIZE, (room, before[1]))
     try:
         for k, packet in enumerate(packets):
-            recorder.keep(0.1 * k, packet)  # as the thread that receives does: nothing may be raised
+            recorder.record_packet(0.1 * k, packet)  # as the thread that receives does: nothing may be raised
         recorder.close()
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
@@ -184,12 +184,12 @@ def test_a_replay_of_many_packets_of_one_time_closes_at_once_and_feeds_no_flood(
     write_recording(path, [(0.0, marker(float(k % 7))) for k in range(200_000)])
     replay = Replay(path, inbox)
     try:
-        assert eventually(lambda: inbox.counts.taken >= 2)
+        assert eventually(lambda: inbox.counts.accepted >= 2)
     finally:
         begun = time.process_time()
         replay.close()
     assert time.process_time() - begun < 1.0
-    assert inbox.counts.taken < 100_000
+    assert inbox.counts.accepted < 100_000
 
 
 def test_hostile_bodies_drive_a_performer_or_are_none():
@@ -216,7 +216,7 @@ def test_several_bodies_go_out_each_to_its_own_port_and_who_cannot_be_reached_is
     try:
         out.show(bodies, 0.0)
         assert eventually(lambda: all(ReceivedPose(inbox)() is not None for inbox in inboxes))
-        heights = [inbox.place(["Head"])[2] for inbox in inboxes]
+        heights = [inbox.position_of(["Head"])[2] for inbox in inboxes]
         assert heights[0] < heights[1]
     finally:
         out.close()

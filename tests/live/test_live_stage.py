@@ -169,7 +169,8 @@ def test_what_nobody_touches_plays_as_the_timeline_has_it():
 def test_a_clip_takes_over_at_any_frame_without_a_jolt(first, second, body):
     shown = changed(first, second, body)
     peaks = [
-        row_motion(staged(replace(each, first=0), body=body), "one", prepare).standing.peaks for each in (first, second)
+        row_motion(staged(replace(each, first=0), body=body), "one", prepare).standing.peak_angular_accelerations
+        for each in (first, second)
     ]
     usual = np.maximum(np.maximum(*peaks), QUIET_PEAK)
     assert (shown.accelerations()[CHANGE - 4 :].max(axis=0) / usual).max() < PERMITTED
@@ -215,7 +216,7 @@ def test_a_row_begins_again_as_long_as_the_stage_plays():
     stage = LiveStage(staged(clip_of("straight_punch", 60, 120), body="child"), prepare)
     for _ in range(120):
         stage.step(0.1)
-    assert stage.seconds - stage.playing("one").start < 1.2
+    assert stage.seconds - stage.playing_clip("one").start < 1.2
 
 
 def test_a_clip_asked_for_in_every_step_leaves_the_body_where_it_is():
@@ -236,14 +237,14 @@ def test_what_ends_goes_over_into_the_first_clip_of_the_row():
     first, second = clip_of("straight_punch", 60, 120), clip_of("front_kick", 60, 120, 1.0)
     stage = LiveStage(staged(first, second), prepare)
     stage.step(0.0)
-    assert stage.playing("one") == first
+    assert stage.playing_clip("one") == first
     for _ in range(100):
         stage.step(STEP)
-    assert stage.playing("one") == second
+    assert stage.playing_clip("one") == second
     for _ in range(40):
         stage.step(STEP)
-    assert stage.playing("one").id == first.id
-    assert stage.seconds - stage.playing("one").start < 1.0
+    assert stage.playing_clip("one").id == first.id
+    assert stage.seconds - stage.playing_clip("one").start < 1.0
 
 
 def test_a_target_that_is_moved_is_reached_in_the_next_step():
@@ -419,7 +420,7 @@ def test_a_key_leads_into_a_state_its_event_reaches_the_partner_and_a_clip_that_
     stage.step(STEP)
     assert stage.running["one"].state == "kick"
     stage.step(STEP)
-    assert stage.playing("one").motion_id == "front_kick"
+    assert stage.playing_clip("one").motion_id == "front_kick"
     states = set()
     for _ in range(170):
         stage.step(STEP)
@@ -434,7 +435,7 @@ def test_a_distance_leads_into_a_state_and_what_loops_plays_again():
     for step in range(90):
         stage.step(STEP if step else 0.0)
     assert stage.running["one"].state == "guard"
-    assert stage.seconds - stage.playing("one").start < 0.6
+    assert stage.seconds - stage.playing_clip("one").start < 0.6
     near = replace(stage.project.performers["two"], position=(1.0, 0.0))
     stage.project = stage.project.with_entity("performers", "two", near)
     stage.step(STEP)
@@ -451,7 +452,7 @@ def test_a_clip_of_a_state_that_is_moved_behind_what_plays_is_played_from_there_
     stage.project = replace(stage.project, behaviours={"fight": replace(fight, states=(later,))})
     for _ in range(60):
         stage.step(STEP)
-    assert (stage.playing("one").first, stage.playing("one").last) == (240, 270)
+    assert (stage.playing_clip("one").first, stage.playing_clip("one").last) == (240, 270)
     assert not stage.failures
 
 

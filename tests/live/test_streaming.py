@@ -75,15 +75,15 @@ def test_a_received_body_plays_on_another():
     put = realize_motion(motion, BODIES["giant"])[1][0]
     giant = frame_of(BODIES["giant"])[1]
     layout = BODIES["giant"].layout
-    thigh = layout.segment(vmc.BodyPart.LEFT_THIGH)
+    thigh = layout.segment_of_part(vmc.BodyPart.LEFT_THIGH)
     assert np.degrees(Rotation.from_matrix(put[thigh].T @ giant[thigh]).magnitude()) < 3.0
 
 
 def test_unity_axes_are_ours_seen_in_a_mirror():
     bone = vmc.from_unity([1.0, 2.0, 3.0], [0.0, 0.0, 0.0, 1.0])
-    assert bone.place.tolist() == [3.0, -1.0, 2.0]
+    assert bone.position.tolist() == [3.0, -1.0, 2.0]
     quarter = np.sqrt(0.5)
-    turn = vmc.from_unity([0.0] * 3, [0.0, quarter, 0.0, quarter]).turn  # about up, forward goes to the right
+    turn = vmc.from_unity([0.0] * 3, [0.0, quarter, 0.0, quarter]).rotation  # about up, forward goes to the right
     assert Rotation.from_quat(turn).apply([1.0, 0.0, 0.0]) == pytest.approx([0.0, -1.0, 0.0], abs=1e-9)
     there = vmc.to_unity(vmc.from_unity([1.0, 2.0, 3.0], [0.1, 0.2, 0.3, 0.9]))
     assert there[0].tolist() == [1.0, 2.0, 3.0]
@@ -96,18 +96,18 @@ def bone_message(name, *numbers):
 
 def test_the_newest_value_wins_and_a_head_is_the_mean_of_its_markers():
     inbox = Inbox()
-    assert inbox.place(["a"]) is None
+    assert inbox.position_of(["a"]) is None
     for name, x in (("a", 9.0), ("a", 1.0), ("b", 3.0)):
         inbox.receive(bone_message(name, x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0))
-    assert inbox.place(["a", "b"]).tolist() == [0.0, -2.0, 0.0]
-    assert inbox.place(["a", "c"]) is None
+    assert inbox.position_of(["a", "b"]).tolist() == [0.0, -2.0, 0.0]
+    assert inbox.position_of(["a", "c"]) is None
 
 
 def test_a_bone_gives_its_place_in_the_world():
     body = BODIES["child"]
     head = frame_of(body)[0][body.layout.head_joint]
-    assert received(body).place(["Head"]) == pytest.approx(head, abs=1e-3)
-    assert received(body).place(["No such bone"]) is None
+    assert received(body).position_of(["Head"]) == pytest.approx(head, abs=1e-3)
+    assert received(body).position_of(["No such bone"]) is None
 
 
 def test_what_is_no_number_is_refused_and_what_is_absurd_is_clamped():
@@ -117,9 +117,9 @@ def test_what_is_no_number_is_refused_and_what_is_absurd_is_clamped():
         inbox.receive(bone_message("a", *numbers))
     inbox.receive(encode_message(vmc.BONE_ADDRESS, [b"a", *([0.0] * 7)]))
     assert inbox.counts.refused_values == 5
-    assert inbox.place(["a"]) is None
+    assert inbox.position_of(["a"]) is None
     inbox.receive(bone_message("a", 1e30, 0.0, 0.0, *still))
-    assert abs(inbox.place(["a"])).max() == TRACKED_RANGE
+    assert abs(inbox.position_of(["a"])).max() == TRACKED_RANGE
 
 
 def test_hostile_packets_are_counted_and_leave_the_memory_as_it_is():
@@ -155,7 +155,7 @@ def test_only_listed_senders_are_heard_over_udp():
         other.close()
     assert vmc.posed_body(inbox.bones()) is not None
     assert deaf.counts.unknown_senders > 0
-    assert deaf.counts.taken == 0
+    assert deaf.counts.accepted == 0
 
 
 def test_a_port_that_is_taken_is_told():

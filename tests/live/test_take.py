@@ -192,4 +192,4 @@ def test_steps_to_keep_a_distance_are_in_the_take_where_they_were_played():
         assert np.linalg.norm(roots[-1] - roots[0]) > 0.2
         assert misses[-20:].max() < 0.01
         assert misses.max() < 0.12  # nobody knew of what was to come
-        assert contact_quality(one.played, one.adapted.contacts, taken.ground).slide < 1e-3
+        assert contact_quality(one.adapted_on_stage, one.adapted.contacts, taken.ground).slide < 1e-3

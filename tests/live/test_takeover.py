@@ -35,7 +35,8 @@ def turning(name: str, first: int) -> Clip:
 def jolt_of(shown: Shown, first: Clip, second: Clip, body: str) -> float:
     """The sharpest that a joint turns where ``second`` takes over, beside its own sharpest in either clip."""
     peaks = [
-        row_motion(staged(replace(each, first=0), body=body), "one", prepare).standing.peaks for each in (first, second)
+        row_motion(staged(replace(each, first=0), body=body), "one", prepare).standing.peak_angular_accelerations
+        for each in (first, second)
     ]
     usual = np.maximum(np.maximum(*peaks), QUIET_PEAK)
     return float((shown.accelerations()[CHANGE - 4 :].max(axis=0) / usual).max())

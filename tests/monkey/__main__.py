@@ -142,7 +142,7 @@ class Soak:
         for each in QApplication.topLevelWidgets():
             if each is not window and each.isVisible():
                 each.close()
-        window.leave()
+        window.close_without_saving()
         self.measure("closing")
         window.deleteLater()
         del window

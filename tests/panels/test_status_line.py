@@ -45,10 +45,10 @@ def test_a_text_of_two_lines_is_told_in_one_and_never_widens_the_window(qtbot):
     status = StatusLine(Document(make_project()))
     qtbot.addWidget(status)
     status.show()
-    status.tell("kick")
+    status.show_hint("kick")
     status.layout().activate()
     least = status.minimumSizeHint().width()
-    status.tell(f"kick: frames 0 to 251\nDrag to trim. {'Later clips move along. ' * 20}")
+    status.show_hint(f"kick: frames 0 to 251\nDrag to trim. {'Later clips move along. ' * 20}")
     status.layout().activate()
     assert any(each.text().startswith("kick: frames 0 to 251 · Drag to trim.") for each in status.findChildren(QLabel))
     assert status.minimumSizeHint().width() == least

@@ -19,7 +19,7 @@ from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.asking.clearance import arm_distances
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.source import source_motion
-from studio.core.solver.standing.stand import Standing, stand
+from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken
@@ -34,7 +34,7 @@ DEEPEST = 0.02
 """Metres: what is kept of the depth that an actor has in a body whose girths are guessed."""
 
 
-def _standing(stem: str, name: str) -> tuple[Standing, AdaptedMotion]:
+def _standing(stem: str, name: str) -> tuple[GroundedMotion, AdaptedMotion]:
     """A motion on a character, and the source."""
     capture, motion, actor = taken(named(stem))
     body, source = bundled_characters()[name], source_motion(motion, actor).frames(capture.first_frame, 10**6)
@@ -50,7 +50,7 @@ def _cleared(stem: str, name: str) -> tuple[AdaptedMotion, AdaptedMotion, Adapte
 
 def _arm_peaks(motion: AdaptedMotion) -> np.ndarray:
     """(6,) peak angular acceleration of both arms' segments."""
-    upper = motion.morphology.layout.segment(BodyPart.LEFT_UPPER_ARM)
+    upper = motion.morphology.layout.segment_of_part(BodyPart.LEFT_UPPER_ARM)
     segments = [upper + 4 * side + bone for side in (0, 1) for bone in range(3)]
     return angular_acceleration(motion.rotations[:, segments], motion.frame_rate).max(axis=0)
 

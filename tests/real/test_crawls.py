@@ -17,7 +17,7 @@ from studio.core.quality.motion_quality import COMMON_LEG, limb_elevations, moti
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
-from studio.core.solver.standing.stand import standing_of
+from studio.core.solver.standing.stand import grounded_motion_of
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters
 from tests.captures import capture_file, outside
@@ -136,7 +136,7 @@ def test_on_a_slope_hands_stand_and_lie_along_it_and_do_not_jolt(kind: str, way:
     direction = np.arctan2(ahead[1], ahead[0]) + SLOPES[way]
     begin = source.positions[0, 0, :2] - 99.0 * np.array([np.cos(direction), np.sin(direction)])
     ground, body = Slope(0.0, np.radians(15.0), direction, tuple(begin)), bundled_characters()[name].morphology
-    standing = standing_of(AdaptRequest(motion, body, contacts_of(capture), (), ground, actor=actor.morphology))
+    standing = grounded_motion_of(AdaptRequest(motion, body, contacts_of(capture), (), ground, actor=actor.morphology))
     positions, rotations, layout = standing.positions[:], standing.rotations[:], body.layout
     for hold in standing.holds:
         if hold.point.member == "hand":

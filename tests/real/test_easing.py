@@ -15,7 +15,7 @@ from studio.core.quality.metrics import angular_acceleration, contact_quality
 from studio.core.solver.adapt import body_point_positions, solve_constraints
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.stand import Standing, stand
+from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.core.motions import ALWAYS, local_rotations
@@ -35,7 +35,7 @@ LONGEST = 600
 """Frames of a capture that are tried."""
 
 
-def _sets(standing: Standing, before: AdaptedMotion) -> dict[str, tuple[tuple[Constraint, ...], Tracks]]:
+def _sets(standing: GroundedMotion, before: AdaptedMotion) -> dict[str, tuple[tuple[Constraint, ...], Tracks]]:
     """Places that a body goes past, that are far out of reach, and that wander about its shoulders."""
     layout, frame, rate = before.morphology.layout, before.frame_count // 2, before.frame_rate
     forward, arm = before.rotations[frame, 0], before.morphology.arm[1].sum()
@@ -77,7 +77,7 @@ def _brings(before: AdaptedMotion, wishes: tuple[Constraint, ...], tracks: Track
     for wish in wishes:
         target = wish.target
         goal = (
-            tracks[target].places[before.first_frame :][: before.frame_count]
+            tracks[target].positions[before.first_frame :][: before.frame_count]
             if isinstance(target, FollowTracked)
             else np.array(target)
         )
@@ -98,7 +98,7 @@ def _peak(adapted: AdaptedMotion) -> float:
 def test_no_joint_jolts_and_no_foot_slides(stem: str, body: str) -> None:
     capture, motion, _ = taken(named(stem))
     contacts = contacts_of(capture)
-    standing: Standing = stand(motion, BODIES[body], contacts, Ground())
+    standing: GroundedMotion = stand(motion, BODIES[body], contacts, Ground())
     window = capture.first_frame, capture.first_frame + LONGEST - 1
     before, source = solve_constraints(standing, (), *window), _peak(solve_constraints(standing, ()))
     for name, (wishes, tracks) in _sets(standing, before).items():

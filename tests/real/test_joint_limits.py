@@ -15,7 +15,7 @@ from studio.core.quality.metrics import acceleration_ratio
 from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptRequest
-from studio.core.solver.standing.stand import Standing, standing_of
+from studio.core.solver.standing.stand import GroundedMotion, grounded_motion_of
 from studio.io.importing import GUESS_ALL
 from studio.jobs.adaptation import ready_capture
 from studio.resources_folder import example_captures_folder
@@ -35,7 +35,9 @@ def _worst(path: Path, body: str) -> AdaptRequest:
     return make_tasks(*clip_of(ready_capture(path, GUESS_ALL)), BODIES[body])[-1].request
 
 
-def _ratio_and_excess(standing: Standing, wishes: tuple[PositionConstraint, ...], tracks: Tracks) -> tuple[float, ...]:
+def _ratio_and_excess(
+    standing: GroundedMotion, wishes: tuple[PositionConstraint, ...], tracks: Tracks
+) -> tuple[float, ...]:
     """(ratio, by how much limits are exceeded, ratio with limits off) of the greatest accelerations to the source's."""
     before = solve_constraints(standing, ())
     limited = solve_constraints(standing, wishes, tracks=tracks)
@@ -48,7 +50,7 @@ def _ratio_and_excess(standing: Standing, wishes: tuple[PositionConstraint, ...]
 
 
 def _check_worst(request: AdaptRequest) -> None:
-    ratio, excess, free = _ratio_and_excess(standing_of(request), request.constraints, request.tracks)
+    ratio, excess, free = _ratio_and_excess(grounded_motion_of(request), request.constraints, request.tracks)
     assert excess < 1e-6
     assert ratio < 4.2 * max(free, 1.0)
 
@@ -65,7 +67,7 @@ def test_so_they_do_on_the_bundled_clips(name: str, body: str) -> None:
     _check_worst(_worst(example_captures_folder() / f"{name}.bvh", body))
 
 
-def _wandering(standing: Standing, seed: int, chain: Chain) -> tuple[tuple[PositionConstraint, ...], Tracks]:
+def _wandering(standing: GroundedMotion, seed: int, chain: Chain) -> tuple[tuple[PositionConstraint, ...], Tracks]:
     """Places for both wrists that wander smoothly about their shoulders, in and out of reach, before and behind."""
     random, body = np.random.default_rng(seed), standing.morphology.first_frame_body
     times = np.arange(standing.motion.frame_count)[:, None] / standing.motion.frame_rate
@@ -95,7 +97,7 @@ def test_places_that_wander_about_the_shoulders_before_and_behind_cost_few_jerks
     peaks = []
     for name in ("walk_turn", "straight_punch", "reach_grasp"):
         for body in MADE_FOR:
-            standing = standing_of(_worst(example_captures_folder() / f"{name}.bvh", body))
+            standing = grounded_motion_of(_worst(example_captures_folder() / f"{name}.bvh", body))
             for seed in range(3):
                 ratio, excess, free = _ratio_and_excess(standing, *_wandering(standing, seed, chain))
                 assert excess < 1e-6

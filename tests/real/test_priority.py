@@ -75,7 +75,7 @@ class _Wishes:
         return PositionConstraint(motion, name, point, *rest, target=FollowBody(followed))
 
     def orientation(self, motion: str, name: str, point: BodyPoint, *rest: object) -> Constraint:
-        segment = self.before.morphology.layout.segment(point.part)
+        segment = self.before.morphology.layout.segment_of_part(point.part)
         turn = from_vector(self.random.choice([0.1, 0.4, 1.0]) * self.random.normal(size=3))
         turned = from_matrix(turn @ self.before.rotations[:1, segment])[0]
         return OrientationConstraint(motion, name, BodyPoint(point.part), *rest, target=tuple(turned))

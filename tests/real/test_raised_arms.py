@@ -9,7 +9,7 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
 from studio.core.solver.standing.raised_arms import raise_arms
-from studio.core.solver.standing.stand import standing_of
+from studio.core.solver.standing.stand import grounded_motion_of
 from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken
@@ -35,7 +35,7 @@ def test_no_hand_is_below_the_floor_and_none_snaps(stem: str, name: str) -> None
 def test_hands_high_above_the_ground_are_left_as_they_are(stem: str) -> None:
     capture, motion, _ = taken(named(stem))
     body = BODIES["giant"].morphology
-    standing = standing_of(AdaptRequest(motion, body, contacts_of(capture)))
+    standing = grounded_motion_of(AdaptRequest(motion, body, contacts_of(capture)))
     positions, rotations = standing.positions.copy(), standing.rotations.copy()
     raise_arms(body, Ground(), None, motion.frame_rate, positions, rotations)
     assert np.array_equal(positions, standing.positions)
@@ -49,7 +49,7 @@ def test_hands_high_above_the_ground_are_left_as_they_are(stem: str) -> None:
 def test_hands_that_hang_into_the_ground_bend_back_rather_than_their_arms(stem: str, name: str) -> None:
     capture, motion, _ = taken(named(stem))
     body = BODIES[name].morphology
-    standing = standing_of(AdaptRequest(motion, body, contacts_of(capture)))
+    standing = grounded_motion_of(AdaptRequest(motion, body, contacts_of(capture)))
     wrists = np.array([body.layout.wrist_point(side) for side in range(2)])
     before, rotations = np.asarray(standing.positions, dtype=np.float64).copy(), standing.rotations.copy()
     fingers = np.linalg.norm(before[:, wrists + 1] - before[:, wrists], axis=2).max()

@@ -15,7 +15,7 @@ from studio.core.quality.motion_quality import limb_elevations
 from studio.core.solver.adapt import adapt
 from studio.core.solver.asking.clearance import actor_clearances, arm_distances
 from studio.core.solver.request import AdaptRequest
-from studio.core.solver.standing.stand import standing_of
+from studio.core.solver.standing.stand import grounded_motion_of
 from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken
@@ -113,7 +113,7 @@ def test_a_hand_on_the_ground_stays_there_whatever_is_asked_of_an_arm_around(ste
     character, contacts = bundled_characters()[body], contacts_of(capture)
     known = {"volume": character.volume, "actor": actor.morphology, "clears": True}
     request = AdaptRequest(motion, character.morphology, contacts, **known)
-    standing = standing_of(request)
+    standing = grounded_motion_of(request)
     wrist = character.morphology.layout.wrist_point(side)
     [stands] = [each.standing for each in standing.holds if each.point.value == f"{('left', 'right')[side]}_hand"]
     moment = motion.times[int(np.median(np.flatnonzero(stands)))]

@@ -17,7 +17,7 @@ from studio.core.solver.adapt import adapt, body_point_positions, solve_constrai
 from studio.core.solver.performers.followed_tracks import captured_joint_track
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
-from studio.core.solver.standing.stand import stand, standing_of
+from studio.core.solver.standing.stand import grounded_motion_of, stand
 from tests.captures import outside
 from tests.core.motions import ALWAYS
 from tests.real.taken import contacts_of, named, taken
@@ -58,7 +58,7 @@ def test_the_report_of_a_kick_has_every_number_and_a_reason_for_every_miss(stem:
     tracks = {hand: captured_joint_track(hand, capture)}
     request = AdaptRequest(motion, BODIES[name], contacts_of(capture), constraints, tracks=tracks)
     adapted = adapt(request)
-    report = report_of(standing_of(request), request, adapted)
+    report = report_of(grounded_motion_of(request), request, adapted)
     assert np.isfinite(adapted.positions).all()
     assert np.isfinite(report.residuals).all()
     missed = report.residuals > [[2e-4], [np.radians(0.1)], [2e-4]]

@@ -28,7 +28,7 @@ from studio.core.normalized.round_trip import round_trip
 from studio.core.quality.report import report_of
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
-from studio.core.solver.standing.stand import standing_of
+from studio.core.solver.standing.stand import grounded_motion_of
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters
 from studio.library.catalogue import Catalogue
@@ -143,5 +143,5 @@ def solve(request: AdaptRequest) -> None:
     """As a whole and a window of it, with and without limits and easing, and report of it."""
     for limited, eased in product((True, False), repeat=2):
         asked = replace(request, limited=limited, eased=eased)
-        report_of(standing_of(asked), asked, adapt(asked))
+        report_of(grounded_motion_of(asked), asked, adapt(asked))
     adapt(request, 5, 8)

@@ -48,7 +48,7 @@ class FakeLive(SolvedLive):
     def failure(self, performer_id):
         return self.failures.get(performer_id, "")
 
-    def reported(self, performer_id):
+    def reported_motion(self, performer_id):
         return None if performer_id in self.unsolved else self.result(performer_id)
 
     def result(self, performer_id):

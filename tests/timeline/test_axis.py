@@ -7,7 +7,7 @@ from studio.timeline.axis import AXIS_MARGIN, TimeAxis
 
 def make_axis(seconds=10.0, frame_rate=30.0):
     axis = TimeAxis()
-    axis.place(196.0, 1000.0)
+    axis.set_position(196.0, 1000.0)
     axis.set_extent(0.0, seconds, frame_rate)
     return axis
 
@@ -44,7 +44,7 @@ def test_zooming_out_ends_where_all_is_shown():
 
 def test_what_shows_everything_goes_on_to_when_the_widget_grows_or_the_clip_does():
     axis = make_axis()
-    axis.place(196.0, 500.0)
+    axis.set_position(196.0, 500.0)
     assert axis.x_of_frame(300) == pytest.approx(696 - AXIS_MARGIN)
     axis.set_extent(0.0, 20.0, 30.0)
     assert axis.x_of_frame(600) == pytest.approx(696 - AXIS_MARGIN)

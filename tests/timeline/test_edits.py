@@ -32,7 +32,7 @@ def test_full_dragged_past_the_end_takes_the_end_along():
 
 def make_axis():
     axis = TimeAxis()
-    axis.place(0.0, 1020.0)
+    axis.set_position(0.0, 1020.0)
     axis.set_extent(0.0, 10.0, 10.0)
     return axis  # 100 pixels a second, 10 a frame
 

@@ -25,7 +25,7 @@ WORDS = "front_leg_low · 67 frames at 60 fps · mirrored"
 
 def make_shown(frames: int, width: float = 1000.0) -> RowContext:
     axis = TimeAxis()
-    axis.place(200.0, width)
+    axis.set_position(200.0, width)
     axis.set_extent(0.0, frames / RATE, RATE)
     subject = ActiveMotion("", Clip("motion", 0, frames), Motion("", ""), RATE, frames + 1, ())
     return RowContext(None, None, axis, subject)  # type: ignore[arg-type]

@@ -80,7 +80,7 @@ def test_the_reason_is_told_why_a_constraint_acts_in_no_frame():
         (project.with_entity("constraints", "c", later), Inactive.ELSEWHERE),
     ):
         silent = make_result(asked, {"c": np.nan})
-        [line] = residuals_of(asked, SimpleNamespace(reported=lambda _, silent=silent: silent, ready=True), "c")
+        [line] = residuals_of(asked, SimpleNamespace(reported_motion=lambda _, silent=silent: silent, ready=True), "c")
         assert inactivity(asked, "performer 0", silent, "c") is line.inactive is reason
         assert words_of(line) == reason
 

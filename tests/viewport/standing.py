@@ -25,7 +25,7 @@ def standing(project: Project, performer_id: str) -> AdaptedMotion:
     asked = [one for one in project.constraints_of("motion").values() if one.enabled]
     residuals = [_misses(motion, one) for one in asked]
     misses, unasked = np.reshape(residuals, (-1, FRAMES)), UnconstrainedPoses(positions, rotations)
-    return AdaptedMotion(morphology, RATE, 0, positions, rotations, misses, unasked=unasked)
+    return AdaptedMotion(morphology, RATE, 0, positions, rotations, misses, unconstrained=unasked)
 
 
 def _misses(motion: AdaptedMotion, constraint: Constraint) -> Any:

@@ -17,7 +17,7 @@ def test_panels_on_either_side_of_a_turning_joint_have_other_signs():
         BodyPart.LEFT_THIGH, BodyPart.LEFT_SHANK, BodyPart.LEFT_FOOT,
     ]  # fmt: skip
     for part in turning:
-        segment = layout.segment(part)
+        segment = layout.segment_of_part(part)
         assert signs[segment] == -signs[parents[segment]], part
 
 

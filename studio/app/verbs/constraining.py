@@ -87,7 +87,7 @@ def priority_shifter(step: int) -> Callable[[Workbench], None]:
             raise StudioError("Select a constraint first to change its priority.")
         if not shift_priorities(bench.document, chosen, step):
             subject = constraints[chosen[0]].name if len(chosen) == 1 else "The selection"
-            bench.say(
+            bench.post_message(
                 f"{subject} already has the {'highest' if step < 0 else 'lowest'} priority.", until=Lifetime.SELECTED
             )
 

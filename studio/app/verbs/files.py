@@ -112,7 +112,7 @@ def save_to(bench: Workbench, path: Path, overwrite: bool = False) -> None:
     def refused(error: StudioError) -> None:
         if isinstance(error, ChangedOnDisk):
             again = ("Save anyway", lambda: save_to(bench, path, overwrite=True))
-            bench.say(str(error), ("Save as…", lambda: save_as(bench)), again, ("Close", lambda: None))
+            bench.post_message(str(error), ("Save as…", lambda: save_as(bench)), again, ("Close", lambda: None))
 
     save_in_background(bench.document, bench.runner, path, overwrite=overwrite, on_saved=saved, on_error=refused)
 

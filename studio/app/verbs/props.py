@@ -293,7 +293,7 @@ def _hold(bench: Workbench, begin: float | None) -> None:
             seen = [constraint_as_played(document.project, performer_id, clip, each) for each in made]
             document.add_all("constraints", seen, text)
     if moved:
-        bench.say(moved, until=Lifetime.EDITED)
+        bench.post_message(moved, until=Lifetime.EDITED)
 
 
 def _in_reach(

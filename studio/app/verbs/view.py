@@ -73,7 +73,7 @@ def toggle_stereo(stereo: Stereo) -> Callable[[Workbench], None]:
     """Toggle a stereo mode."""
 
     def toggle(bench: Workbench) -> None:
-        now = bench.viewport.sight
+        now = bench.viewport.stereo_view
         bench.viewport.set_stereo_view(replace(now, stereo=Stereo.OFF if now.stereo is stereo else stereo))
 
     return toggle
@@ -86,7 +86,7 @@ def toggle_markers(bench: Workbench) -> None:
 
 def toggle_marker_names(bench: Workbench) -> None:
     """Show or hide the name of every marker."""
-    bench.viewport.recording.name(not bench.viewport.recording.named)
+    bench.viewport.recording.set_named(not bench.viewport.recording.named)
 
 
 def toggle_dope_sheet(bench: Workbench) -> None:

@@ -119,7 +119,7 @@ class BodyLayout:
     def toe_segment(self, side: int) -> int:
         return self.thigh_segment(side) + 3
 
-    def segment(self, part: BodyPart) -> int:
+    def segment_of_part(self, part: BodyPart) -> int:
         """Index of the segment of a ``part``."""
         match part:
             case BodyPart.PELVIS:
@@ -130,7 +130,7 @@ class BodyLayout:
                 return self.spine_count - 1
         return self.spine_count + _AFTER_SPINE.index(part)
 
-    def part(self, segment: int) -> BodyPart:
+    def part_of_segment(self, segment: int) -> BodyPart:
         """Part to which a ``segment`` belongs; all inner vertebrae belong to the abdomen."""
         if segment >= self.spine_count:
             return _AFTER_SPINE[segment - self.spine_count]

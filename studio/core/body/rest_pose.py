@@ -56,7 +56,7 @@ def _hang_arm(morphology: Morphology, side: int, positions: FloatArray, rotation
     forearm = flexed_frame(upper, ELBOW_FLEXION)
     lengths = (morphology.clavicle[side], *morphology.arm[side])
     first = morphology.layout.collar_point(side)
-    segment = morphology.layout.segment(BodyPart.RIGHT_CLAVICLE if side else BodyPart.LEFT_CLAVICLE)
+    segment = morphology.layout.segment_of_part(BodyPart.RIGHT_CLAVICLE if side else BodyPart.LEFT_CLAVICLE)
     rotations[segment : segment + 4] = clavicle, upper, forearm, forearm
     positions[first] = positions[morphology.layout.neck_base] + morphology.collar_base[side]
     for bone_index, length in enumerate(lengths):
@@ -73,7 +73,7 @@ def _stand_leg(morphology: Morphology, side: int, positions: FloatArray, rotatio
     straight = frame_along(np.array([0.0, 0.0, -1.0]), np.array([0.0, 1.0, 0.0]))
     forward = np.arccos(np.clip((height**2 + thigh**2 - shank**2) / (2 * height * thigh), -1, 1))
     back = np.arccos(np.clip((height**2 + shank**2 - thigh**2) / (2 * height * shank), -1, 1))
-    segment = morphology.layout.segment(BodyPart.RIGHT_THIGH if side else BodyPart.LEFT_THIGH)
+    segment = morphology.layout.segment_of_part(BodyPart.RIGHT_THIGH if side else BodyPart.LEFT_THIGH)
     rotations[segment : segment + 2] = flexed_frame(straight, -forward), flexed_frame(straight, back)
     positions[hip + 1] = positions[hip] + rotations[segment][:, 2] * thigh
     positions[hip + 2] = positions[hip + 1] + rotations[segment + 1][:, 2] * shank

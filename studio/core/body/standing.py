@@ -32,8 +32,8 @@ def bone_vectors(morphology: Morphology) -> FloatArray:
     layout = morphology.layout
     vectors = np.zeros((layout.segment_count, 3))
     vectors[: layout.spine_count] = morphology.spine
-    vectors[layout.segment(BodyPart.NECK), 2] = morphology.neck
-    vectors[layout.segment(BodyPart.HEAD), 2] = morphology.head
+    vectors[layout.segment_of_part(BodyPart.NECK), 2] = morphology.neck
+    vectors[layout.segment_of_part(BodyPart.HEAD), 2] = morphology.head
     for side in range(2):
         arm, leg = layout.clavicle_segment(side), layout.thigh_segment(side)
         vectors[arm : arm + 3, 2] = morphology.clavicle[side], *morphology.arm[side]

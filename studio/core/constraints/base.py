@@ -177,8 +177,8 @@ class Constraint:
         """Field values that change where a clip plays (``constraints.carried_over``)."""
         return {}
 
-    def sketch(self, place: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-        """Line segments (N, 3) of its drawing, for its point at the position ``place`` (3,) and its segment with the
+    def sketch(self, position: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+        """Line segments (N, 3) of its drawing, for its point at the position ``position`` (3,) and its segment with the
         rotation ``turn`` (3, 3).
         """
         return ()

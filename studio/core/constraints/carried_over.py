@@ -58,7 +58,7 @@ class ClipTransform:
         alike = self.speed == after.speed and np.allclose(ours, others, rtol=0.0, atol=1e-4)
         return bool(-1e-9 <= after.first - self.last <= pause and alike)
 
-    def times(self, times: ArrayLike) -> FloatArray:
+    def stage_times(self, times: ArrayLike) -> FloatArray:
         """Seconds on the stage for seconds of the motion."""
         return self.begin + playing_seconds(self.speed, times)
 
@@ -85,11 +85,11 @@ class ClipTransform:
         seen = np.asarray(vectors, dtype=np.float64) * [1.0, -1.0 if self.mirrored else 1.0, 1.0]
         return np.asarray(seen @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]))
 
-    def places(self, places: ArrayLike) -> FloatArray:
+    def positions(self, places: ArrayLike) -> FloatArray:
         """Positions (..., 3) in metres."""
         return np.asarray(self.directions(places) + np.array([*self.shift, 0.0]))
 
-    def turns(self, turns: ArrayLike, part: BodyPart) -> FloatArray:
+    def rotations(self, turns: ArrayLike, part: BodyPart) -> FloatArray:
         """Rotations (..., 4) of a segment."""
         seen = np.asarray(turns, dtype=np.float64)
         if self.mirrored:
@@ -112,7 +112,7 @@ class ClipTransform:
         x, y, z, w = turn
         return (x, -y, -z, w) if is_hinged(part) else (-x, y, -z, w)
 
-    def point(self, point: BodyPoint) -> BodyPoint:
+    def body_point(self, point: BodyPoint) -> BodyPoint:
         """Point of the body; of the other side in a mirror."""
         if not self.mirrored:
             return point
@@ -136,7 +136,7 @@ def other_side(part: BodyPart) -> BodyPart:
 def constraint_on_clip(constraint: Constraint, carry: ClipTransform) -> Constraint:
     """``constraint`` transformed to where a clip of its motion plays; it still follows other performers and props."""
     changes: dict[str, Any] = {
-        "point": carry.point(constraint.point),
+        "point": carry.body_point(constraint.point),
         "chain": _chain(constraint.chain, carry),
         "activation": _activation(constraint.activation, carry),
     }
@@ -168,7 +168,7 @@ def _value(name: str, value: Any, constraint: Constraint, carry: ClipTransform) 
     match value:
         case KeyedPlace():
             places = carry.retimed_keys(value, carry.directions)
-            return replace(places, times=_keys(value, carry), values=_tuples(carry.places(value.values)))
+            return replace(places, times=_keys(value, carry), values=_tuples(carry.positions(value.values)))
         case KeyedOwnPlace():
             offsets = carry.retimed_keys(value, carry.directions)
             origin = _own_place(value.origin, carry)
@@ -176,7 +176,7 @@ def _value(name: str, value: Any, constraint: Constraint, carry: ClipTransform) 
                 offsets, times=_keys(value, carry), values=_tuples(carry.directions(value.values)), origin=origin
             )
         case KeyedTurn():
-            quaternions = carry.turns(value.values, constraint.point.part)
+            quaternions = carry.rotations(value.values, constraint.point.part)
             turned = carry.retimed_keys(value, lambda rate: carry.own_rates(rate, constraint.point.part))
             return replace(turned, times=_keys(value, carry), values=_tuples(quaternions))
         case KeyedNumber():
@@ -186,7 +186,7 @@ def _value(name: str, value: Any, constraint: Constraint, carry: ClipTransform) 
             scalars = carry.retimed_keys(value, lambda rate: sign * rate)
             return replace(scalars, times=_keys(value, carry), values=numbers)
         case CirclePlace() | PendulumPlace() | NoisePlace():
-            (x, y, z), seen = carry.places(value.centre).tolist(), value.mirrored() if carry.mirrored else value
+            (x, y, z), seen = carry.positions(value.centre).tolist(), value.mirrored() if carry.mirrored else value
             if value.origin is not None:
                 x, y, z = carry.directions(value.centre).tolist()
             return replace(
@@ -194,15 +194,17 @@ def _value(name: str, value: Any, constraint: Constraint, carry: ClipTransform) 
                 centre=(x, y, z),
                 heading=seen.heading + carry.turn,
                 seconds=value.seconds / carry.mean_speed,
-                since=float(carry.times(value.since)),
+                since=float(carry.stage_times(value.since)),
                 origin=_own_place(value.origin, carry) if value.origin is not None else None,
             )
         case OwnPlace():
             return _own_place(value, carry)
         case BodyPoint():
-            return carry.point(value)
+            return carry.body_point(value)
         case FollowBody():
-            return replace(value, point=carry.point(value.point), turn=carry.own_turn(value.turn, value.point.part))
+            return replace(
+                value, point=carry.body_point(value.point), turn=carry.own_turn(value.turn, value.point.part)
+            )
         case Arms():
             return _SWAPPED[value] if carry.mirrored else value
         case TriangleMesh() if carry.mirrored:
@@ -214,8 +216,8 @@ def _own_place(place: OwnPlace, carry: ClipTransform) -> OwnPlace:
     x, y, z = carry.directions(place.offset).tolist()
     return replace(
         place,
-        point=carry.point(place.point),
-        time=float(carry.times(place.time)),
+        point=carry.body_point(place.point),
+        time=float(carry.stage_times(place.time)),
         offset=(x, y, z),
         own=tuple((key, tuple(carry.directions(each).tolist())) for key, each in place.own),
     )
@@ -230,8 +232,8 @@ def _plain(name: str, value: Any, constraint: Constraint, carry: ClipTransform) 
     if name not in ("target", "other", "centre", "place") or not isinstance(value, tuple):
         return value
     if len(value) == 4:
-        return tuple(carry.turns(value, constraint.point.part).tolist())
-    return tuple(carry.places((*value, 0.0)[:3]).tolist()[: len(value)])
+        return tuple(carry.rotations(value, constraint.point.part).tolist())
+    return tuple(carry.positions((*value, 0.0)[:3]).tolist()[: len(value)])
 
 
 def _heading(heading: float, constraint: Constraint, carry: ClipTransform) -> float:
@@ -259,7 +261,7 @@ def _activation(curve: ActivationCurve, carry: ClipTransform) -> ActivationCurve
     """
     if carry.last < carry.first:
         return NEVER
-    start, full, full_end, end = carry.times(curve.times).tolist()
+    start, full, full_end, end = carry.stage_times(curve.times).tolist()
     coming = min(COMING, (carry.last - carry.first) / 2)
     if start < carry.first:
         start, full = carry.first, max(full, carry.first + coming)
@@ -272,7 +274,7 @@ def _activation(curve: ActivationCurve, carry: ClipTransform) -> ActivationCurve
 
 
 def _keys(keyed: Keys, carry: ClipTransform) -> tuple[float, ...]:
-    return tuple(carry.times(keyed.times).tolist())
+    return tuple(carry.stage_times(keyed.times).tolist())
 
 
 def _tuples(rows: FloatArray) -> Any:

@@ -48,7 +48,7 @@ class LimbPath:
     end: FloatArray
     target: FloatArray
 
-    def drawn(self, activation: FloatArray, rows: IntArray) -> FloatArray:
+    def end_positions(self, activation: FloatArray, rows: IntArray) -> FloatArray:
         """(R, 3) position of the end in the frames ``rows`` (R,) for ``activation`` (R,)."""
         part = activation[:, None]
         upper = _rotated(self._upper[rows], self._held[0][rows], part)
@@ -106,11 +106,26 @@ def fitted_activation(
     def straight(activation: FloatArray, rows: IntArray) -> FloatArray:
         return np.asarray(values[rows] + activation[:, None] * (here - values[rows]))
 
-    drawn, rows = straight if limb is None else limb.drawn, np.arange(len(seconds))
+    drawn, rows = straight if limb is None else limb.end_positions, np.arange(len(seconds))
     hold_in, ramp_in, weight_in = _fitted_side(now - seconds, rows[::-1], values, drawn, now - begin)
     hold_out, ramp_out, weight_out = _fitted_side(seconds - now, rows, values, drawn, end - now)
     times = now - hold_in - ramp_in, now - hold_in, now + hold_out, now + hold_out + ramp_out
     return ActivationCurve(*times, weights=(1.0, weight_in, weight_out, 1.0))
+
+
+def free_frames(stands: NDArray[np.bool_], frame: int) -> tuple[int, int]:
+    """Numbers of frames from ``frame`` back to the last stance of a limb that ``stands`` (F,), and on to the next.
+
+    A stance at ``frame`` counts as one with the motion around it.
+    """
+    return _to_next_stance(stands[frame::-1]), _to_next_stance(stands[frame:])
+
+
+def _to_next_stance(stands: NDArray[np.bool_]) -> int:
+    """Number of frames from the first one of ``stands`` (F,) to the next stance, past the one that is now."""
+    own = int(np.argmin(stands)) if not stands.all() else len(stands)
+    later = np.flatnonzero(stands[own:])
+    return own + int(later[0]) if len(later) else len(stands)
 
 
 def _fitted_side(

@@ -54,13 +54,13 @@ class ParallelConstraint(Constraint):
     def carried(self, carry: "ClipTransform") -> dict[str, Any]:
         """Both axes, of the other sides' segments in a mirror."""
         return {
-            "axis": carry.point(BodyPoint(self.point.part, self.axis)).offset,
-            "other_axis": carry.point(BodyPoint(self.other.part, self.other_axis)).offset,
+            "axis": carry.body_point(BodyPoint(self.point.part, self.axis)).offset,
+            "other_axis": carry.body_point(BodyPoint(self.other.part, self.other_axis)).offset,
         }
 
-    def sketch(self, place: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    def sketch(self, position: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
         """The axis at its point."""
-        return (np.stack([place, place + AXIS_DRAWN * (turn @ np.array(self.axis))]),)
+        return (np.stack([position, position + AXIS_DRAWN * (turn @ np.array(self.axis))]),)
 
     def lean(self, turns: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
         """Angle (F,) in radians beyond the cone, for both segments' rotations (F, 3, 3)."""

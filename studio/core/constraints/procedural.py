@@ -26,7 +26,7 @@ SLOWEST_WAVE = 0.3
 
 
 @dataclass(frozen=True, kw_only=True)
-class RuledPlace(ABC):
+class ProceduralPosition(ABC):
     """Base class of procedural target paths: ``centre`` in metres, period in ``seconds``, phase zero at ``since``
     seconds.
 
@@ -64,9 +64,9 @@ class RuledPlace(ABC):
         around = self.rounds * self.seconds / 2.0
         return self.at(np.linspace(time - around, time + around, round(96 * self.rounds) + 1))
 
-    def passing(self, place: Vector, time: float) -> Self:
-        """Path translated so that it is at ``place`` at ``time``."""
-        x, y, z = (np.array(self.centre) + place - self.at([time])[0]).tolist()
+    def passing(self, position: Vector, time: float) -> Self:
+        """Path translated so that it is at ``position`` at ``time``."""
+        x, y, z = (np.array(self.centre) + position - self.at([time])[0]).tolist()
         return replace(self, centre=(x, y, z))
 
     def mirrored(self) -> Self:
@@ -80,7 +80,7 @@ class RuledPlace(ABC):
 
 
 @dataclass(frozen=True, kw_only=True)
-class CirclePlace(RuledPlace):
+class CirclePlace(ProceduralPosition):
     """Circle of ``radius`` metres, horizontal or tilted by an angle in radians about its starting point."""
 
     kind: ClassVar[str] = "circle"
@@ -102,7 +102,7 @@ class CirclePlace(RuledPlace):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PendulumPlace(RuledPlace):
+class PendulumPlace(ProceduralPosition):
     """End of a pendulum of ``length`` metres that swings by ``angle`` radians to each side; its ``centre`` is the
     pivot.
     """
@@ -123,7 +123,7 @@ class PendulumPlace(RuledPlace):
 
 
 @dataclass(frozen=True, kw_only=True)
-class NoisePlace(RuledPlace):
+class NoisePlace(ProceduralPosition):
     """Smooth noise within ``reach`` metres of the centre, whose fastest wave has a period of ``seconds``; ``seed``
     selects it.
     """

@@ -76,10 +76,10 @@ class RailConstraint(Constraint):
             return np.asarray(places - heights[..., None] * along)
         return np.asarray(centre + np.clip(heights, -self.length / 2, self.length / 2)[..., None] * along)
 
-    def sketch(self, place: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    def sketch(self, position: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
         """The line, or a piece of the plane and its normal, and the displacement from the point to it."""
         along, centre = np.array(self.direction), np.array(self.centre)
-        link = np.stack([place, self.nearest(place)])
+        link = np.stack([position, self.nearest(position)])
         if self.shape is RailShape.LINE:
             return np.stack([centre - self.length / 2 * along, centre + self.length / 2 * along]), link
         first = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])

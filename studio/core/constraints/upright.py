@@ -48,20 +48,22 @@ class UprightConstraint(Constraint):
 
     def carried(self, carry: "ClipTransform") -> dict[str, Any]:
         """Axis and direction where a clip plays, rotated and mirrored."""
-        axis = carry.point(BodyPoint(self.point.part, self.axis)).offset
+        axis = carry.body_point(BodyPoint(self.point.part, self.axis)).offset
         return {"axis": axis, "direction": tuple(carry.directions(self.direction).tolist())}
 
-    def sketch(self, place: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    def sketch(self, position: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
         """Lines of the axis, and of its cone."""
         wanted = np.array(self.direction)
         side = np.cross(wanted, np.eye(3)[np.argmin(np.abs(wanted))])
         side /= np.linalg.norm(side)
         angles = np.linspace(0.0, 2.0 * np.pi, CONE_SIDES + 1)[:, None]
         ring = np.cos(angles) * side + np.sin(angles) * np.cross(wanted, side)
-        ring = place + AXIS_LENGTH * (np.cos(self.cone) * wanted + np.sin(self.cone) * ring)
-        axis = np.stack([place, place + AXIS_LENGTH * (turn @ np.array(self.axis))])
-        spokes = tuple(np.stack([place, ring[k]]) for k in range(0, CONE_SIDES, CONE_SIDES // 4))
-        return (axis, ring, *spokes) if self.cone > 0.0 else (axis, np.stack([place, place + AXIS_LENGTH * wanted]))
+        ring = position + AXIS_LENGTH * (np.cos(self.cone) * wanted + np.sin(self.cone) * ring)
+        axis = np.stack([position, position + AXIS_LENGTH * (turn @ np.array(self.axis))])
+        spokes = tuple(np.stack([position, ring[k]]) for k in range(0, CONE_SIDES, CONE_SIDES // 4))
+        return (
+            (axis, ring, *spokes) if self.cone > 0.0 else (axis, np.stack([position, position + AXIS_LENGTH * wanted]))
+        )
 
     def lean(self, turns: NDArray[np.float64]) -> NDArray[np.float64]:
         """Lean (F,) in radians beyond the cone, for segments with rotations (F, 3, 3)."""

@@ -101,10 +101,10 @@ class ActivationCurve:
         """Curve shifted ``seconds`` later."""
         return self.with_times(*(time + seconds for time in self.times))
 
-    def with_weight(self, place: int, weight: float) -> "ActivationCurve":
+    def with_weight(self, index: int, weight: float) -> "ActivationCurve":
         """Copy with another weight of one of its four times."""
         weights = [*self.weights]
-        weights[place] = weight
+        weights[index] = weight
         start, full, full_end, end = weights
         return replace(self, weights=(start, full, full_end, end))
 

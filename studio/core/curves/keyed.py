@@ -130,9 +130,9 @@ class Keys:
         """Copy with more ``keys``, each replacing one at its time."""
         return self._with(self.keys, keys)
 
-    def without_key(self, place: int) -> Self:
+    def without_key(self, index: int) -> Self:
         """Copy without one key. Raises ValueError for the last one."""
-        return self.without_keys({place})
+        return self.without_keys({index})
 
     def without_keys(self, places: set[int]) -> Self:
         """Copy without the keys at these indices. Raises ValueError if none would be left."""
@@ -157,16 +157,16 @@ class Keys:
             moved = [replace(key, tangents=key.tangents.with_rates(steeper)) if key.tangents else key for key in moved]
         return self._with(kept, moved)
 
-    def with_time(self, place: int, time: float) -> Self:
+    def with_time(self, index: int, time: float) -> Self:
         """Copy with one key at another ``time``, limited by its neighbours."""
         times = [-math.inf, *self.times, math.inf]
-        between = max(min(time, times[place + 2] - 2.0 * SAME_TIME), times[place] + 2.0 * SAME_TIME)
-        return replace(self, times=(*self.times[:place], between, *self.times[place + 1 :]))
+        between = max(min(time, times[index + 2] - 2.0 * SAME_TIME), times[index] + 2.0 * SAME_TIME)
+        return replace(self, times=(*self.times[:index], between, *self.times[index + 1 :]))
 
-    def with_tangents(self, place: int, tangents: Tangents | None) -> Self:
+    def with_tangents(self, index: int, tangents: Tangents | None) -> Self:
         """Copy with other tangents of one key."""
         every = list(self.tangents or (None,) * len(self.times))
-        every[place] = tangents
+        every[index] = tangents
         return replace(self, tangents=tuple(every))
 
     def with_rates(self, change: Callable[[FloatArray], FloatArray]) -> Self:

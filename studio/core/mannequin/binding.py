@@ -28,11 +28,11 @@ def weights_by_joints(form: Form, vertices: FloatArray) -> FloatArray:
         beyond[:, k] = np.maximum(_step(vertices[:, 2] - joint[2], 0.045 * h), arms)
     _, neck, skull, _, _ = form.regions(vertices)
     above = vertices - form.point("neck base")
-    beyond[:, layout.segment(BodyPart.NECK)] = _step(above @ [0.3, 0, 0.95] - 0.004 * h, 0.026 * h) * (1 - arms)
-    beyond[:, layout.segment(BodyPart.HEAD)] = _step(neck - skull - 0.008 * h, 0.016 * h)
+    beyond[:, layout.segment_of_part(BodyPart.NECK)] = _step(above @ [0.3, 0, 0.95] - 0.004 * h, 0.026 * h) * (1 - arms)
+    beyond[:, layout.segment_of_part(BodyPart.HEAD)] = _step(neck - skull - 0.008 * h, 0.016 * h)
     for side, steps in enumerate(sides):
         for part in _LIMB_PARTS:
-            beyond[:, layout.segment(part) + 4 * side] = steps[part]
+            beyond[:, layout.segment_of_part(part) + 4 * side] = steps[part]
     return _owned(beyond, layout.parent_segments())
 
 

@@ -42,7 +42,7 @@ class Form:
 
     def frame(self, part: BodyPart) -> FloatArray:
         """World rotation of a segment."""
-        rotation: FloatArray = self.rest[1][self.physique.morphology().layout.segment(part)]
+        rotation: FloatArray = self.rest[1][self.physique.morphology().layout.segment_of_part(part)]
         return rotation
 
     def distance(self, points: FloatArray) -> FloatArray:

@@ -39,7 +39,7 @@ def make_mannequin(physique: Physique) -> SkinnedMesh:
     held = np.zeros((len(tubes), weights.shape[1]))
     layout = physique.morphology().layout
     for part, side in ((BodyPart.LEFT_HAND, tubes[:, 1] > 0), (BodyPart.RIGHT_HAND, tubes[:, 1] < 0)):
-        held[side, layout.segment(part)] = 1.0
+        held[side, layout.segment_of_part(part)] = 1.0
     triangles = np.concatenate([triangles, tube_triangles + len(vertices)])
     vertices, weights = np.concatenate([vertices, tubes]), np.concatenate([weights, held])
     segments, chosen = binding.four_strongest(weights)

@@ -140,8 +140,8 @@ def _ankle_of_foot(tracks: Tracks, joints: Tracks, side: str) -> FloatArray | No
     return np.asarray(heel + 0.28 * (toe - heel) + 0.045 * normalized(knee - heel))
 
 
-def _arm(tracks: Tracks, measures: Measures, place: int, joints: dict[str, FloatArray]) -> None:
-    side, own, out = SIDE_WORDS[place], measures.sides[place], 1 - 2 * place
+def _arm(tracks: Tracks, measures: Measures, index: int, joints: dict[str, FloatArray]) -> None:
+    side, own, out = SIDE_WORDS[index], measures.sides[index], 1 - 2 * index
     marker = tracks.get(f"{side}_shoulder")
     if marker is None:
         return

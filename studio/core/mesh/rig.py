@@ -119,6 +119,8 @@ def rig_body_map(rig: Rig, spine_count: int) -> BodyMap:
     layout = BodyLayout(spine_count)
     inner = (BodyPart.ABDOMEN, BodyPart.THORAX)
     parts = {
-        part: first[layout.segment(part)] for part in BodyPart if part not in inner and layout.segment(part) in first
+        part: first[layout.segment_of_part(part)]
+        for part in BodyPart
+        if part not in inner and layout.segment_of_part(part) in first
     }
     return BodyMap(parts, spine)

@@ -237,10 +237,10 @@ def segment_scales(build: Morphology, morphology: Morphology) -> FloatArray:
     girth = shared * (along / shared) ** 0.25
     scales = np.stack([girth, girth, along], axis=1)
     for side in (0, 1):
-        hand, foot = (layout.segment(part) + 4 * side for part in (BodyPart.LEFT_HAND, BodyPart.LEFT_FOOT))
+        hand, foot = (layout.segment_of_part(part) + 4 * side for part in (BodyPart.LEFT_HAND, BodyPart.LEFT_FOOT))
         scales[hand] = along[hand]
         scales[foot : foot + 2] = _foot_scales(build, morphology, side, shared)
-    scales[layout.segment(BodyPart.HEAD)] = along[layout.segment(BodyPart.HEAD)]
+    scales[layout.segment_of_part(BodyPart.HEAD)] = along[layout.segment_of_part(BodyPart.HEAD)]
     hips, shoulders = _trunk_widths(morphology) / _trunk_widths(build)
     scales[:spine_count, 0] = shared
     scales[:spine_count, 1] = np.linspace(hips, shoulders, spine_count)

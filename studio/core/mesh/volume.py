@@ -185,21 +185,24 @@ class _MeasuredGirths(_Girths):
 
     def _rings(self, part: BodyPart, heights: Sequence[float]) -> FloatArray:
         """(2, 2) least and greatest x, y of the outlines across a part, at fractions of its length; or NaN."""
-        own, shares = self._in_bone(part), self._shares(self.mesh.segments == self.morphology.layout.segment(part))
+        own, shares = (
+            self._in_bone(part),
+            self._shares(self.mesh.segments == self.morphology.layout.segment_of_part(part)),
+        )
         found = np.concatenate([outline_at(height, self.mesh, own, shares) for height in heights])
         return np.stack([found.min(axis=0), found.max(axis=0)]) if len(found) >= _FEWEST else np.full((2, 2), np.nan)
 
     def _in_bone(self, part: BodyPart, rows: slice | NDArray[np.intp] = slice(None)) -> FloatArray:
         """Vertices (N, 3) in the axes of a segment, z as a fraction of its length."""
         layout = self.morphology.layout
-        segment = layout.segment(part)
+        segment = layout.segment_of_part(part)
         begin, end = (self.positions[points[segment]] for points in (layout.proximal_points(), layout.distal_points()))
         local = (self.vertices[rows] - begin) @ self.rotations[segment]
         return np.asarray(local / [1.0, 1.0, float(np.linalg.norm(end - begin))])
 
     def _main(self, part: BodyPart) -> NDArray[np.intp]:
         """Vertices whose heaviest weight is that of a part."""
-        return np.flatnonzero(self.mesh.segments[:, 0] == self.morphology.layout.segment(part))
+        return np.flatnonzero(self.mesh.segments[:, 0] == self.morphology.layout.segment_of_part(part))
 
     def _shares(self, counted: NDArray[np.bool_]) -> FloatArray:
         return np.asarray(np.einsum("vw,vw->v", counted, self.mesh.weights), dtype=np.float64)
@@ -245,12 +248,12 @@ def _assembled(
             places.append([low[1][side], high[1][side]])
             radii.append([low[2], high[2]])
     radius, forward, begin, end = girths.head()
-    segments.append([layout.segment(BodyPart.HEAD)] * 2)
+    segments.append([layout.segment_of_part(BodyPart.HEAD)] * 2)
     places.append([np.array([forward, 0.0, share * morphology.head]) for share in (begin, end)])
     radii.append([radius] * 2)
     for side in range(2):
         length = morphology.leg[side, 0]
-        segments.append([layout.segment(BodyPart.LEFT_THIGH) + 4 * side] * 2)
+        segments.append([layout.segment_of_part(BodyPart.LEFT_THIGH) + 4 * side] * 2)
         places.append([np.array([0.0, 0.0, 0.12 * length]), np.array([0.0, 0.0, length])])
         radii.append([girths.thigh(0), girths.thigh(1)])
     return BodyVolume(

@@ -88,7 +88,9 @@ class BlendedRow(AssembledRow):
         transition = replace(transition, seconds=seconds)
         channels = source.channels(frames)
         fading = min(round(seconds * rate), len(frames))
-        channels[:fading] = with_difference(channels[:fading], transition.left(np.arange(1, fading + 1) / rate))
+        channels[:fading] = with_difference(
+            channels[:fading], transition.remaining_offset(np.arange(1, fading + 1) / rate)
+        )
         self._go_on(channels, source.contact_mask(frames), first, fading, found)
 
     def _transition(self, source: ChannelSource, first: int, last: int) -> Inertialisation:
@@ -132,7 +134,7 @@ class BlendedRow(AssembledRow):
         for row, point in enumerate(PIECE_CONTACT_POINTS):
             olds, news = spans_of(old[row]), spans_of(new[row])
             flight = flying.get(point.side) if point.is_foot else None
-            leaves, lands = (flight.leaves, flight.next_contact) if flight else (old_until, new_from)
+            leaves, lands = (flight.last_contact, flight.next_contact) if flight else (old_until, new_from)
             for a, b in olds:
                 meets = any(c <= b + 1 and d >= a for c, d in news)
                 until = leaves if flight and meets else min(b, leaves)
@@ -144,7 +146,7 @@ class BlendedRow(AssembledRow):
 
 def step_seconds(found: ClipAlignment) -> float:
     """Seconds that the steps of a join need."""
-    return sum(BLEND_STEP_SECONDS + each.way for each in found.steps)
+    return sum(BLEND_STEP_SECONDS + each.displacement for each in found.steps)
 
 
 @dataclass(frozen=True)
@@ -152,7 +154,7 @@ class Flight:
     """Step whose last frame of contact is ``leaves``, and whose next one is ``next_contact``."""
 
     step: FootStep
-    leaves: int
+    last_contact: int
     next_contact: int
 
 
@@ -165,8 +167,8 @@ def planned_steps(steps: Sequence[FootStep], first: int, last: int) -> list[Flig
 def raise_feet(channels: FloatArray, flights: Sequence[Flight], first: int) -> None:
     """Lift feet for their steps, in place, in ``channels`` that begin with frame ``first``."""
     for each in flights:
-        frames = np.arange(each.leaves, each.next_contact + 1)
-        height = np.clip(STEP_HEIGHT * each.step.way, *STEP_HEIGHTS)
-        rise = height * np.sin(np.pi * (frames - each.leaves) / max(len(frames) - 1, 1)) ** 2
+        frames = np.arange(each.last_contact, each.next_contact + 1)
+        height = np.clip(STEP_HEIGHT * each.step.displacement, *STEP_HEIGHTS)
+        rise = height * np.sin(np.pi * (frames - each.last_contact) / max(len(frames) - 1, 1)) ** 2
         inside = frames - first < len(channels)
         channels[frames[inside] - first, at.LIMB_SLACK + 2 + each.step.side] += rise[inside]

@@ -54,7 +54,7 @@ class Composite:
         played = tuple(replace(each, first=each.first - frame, last=each.last - frame) for each in self.played)
         return Composite(still, (), Timing(timing.stage_time(frame), timing.frame_rate, 0, 0), played)
 
-    def playing(self, frame: int) -> PlayedPiece:
+    def piece_at(self, frame: int) -> PlayedPiece:
         """Piece that plays in a frame; of two the later one."""
         begun = [each for each in self.played if each.first <= frame]
         return begun[-1] if begun else self.played[0]
@@ -107,7 +107,7 @@ def _filled(row: AssembledRow, pieces: Sequence[MotionPiece]) -> Composite:
     """Composite of a row after ``pieces`` have been added to it."""
     for piece in pieces:
         row.add(piece)
-    row.hold(row.timing.last + 1)
+    row.hold_last_pose(row.timing.last + 1)
     name = " + ".join(dict.fromkeys(each.piece.motion.name for each in row.played))
     row.channels.setflags(write=False)
     known = [each.piece.motion.girdle for each in row.played if each.piece.motion.girdle is not None]

@@ -39,10 +39,10 @@ class PlanarTransform:
 
 @dataclass(frozen=True)
 class FootStep:
-    """Step of the foot of a ``side`` (0 left, 1 right) by the displacement ``way`` in leg lengths."""
+    """Step of the foot of a ``side`` (0 left, 1 right) by ``displacement`` in leg lengths."""
 
     side: int
-    way: float
+    displacement: float
 
 
 @dataclass(frozen=True)

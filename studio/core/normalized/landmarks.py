@@ -92,7 +92,7 @@ def _segment_joints(layout: BodyLayout, body_map: BodyMap) -> IntArray:
     joints = np.full(layout.segment_count, -1, dtype=np.int64)
     joints[: layout.spine_count] = body_map.spine
     for segment in range(layout.spine_count, layout.segment_count):
-        joints[segment] = body_map.parts.get(layout.part(segment), -1)
+        joints[segment] = body_map.parts.get(layout.part_of_segment(segment), -1)
     return joints
 
 

@@ -188,7 +188,7 @@ class _LayeredRow:
                         standing[first : last + 1] = True
                 for each in flights:
                     if point.is_foot and point.side == each.step.side:
-                        standing[each.leaves + 1 : each.next_contact] = False
+                        standing[each.last_contact + 1 : each.next_contact] = False
             elif point in ended:
                 standing = below[row] & (share < HIDDEN_BELOW)
             if np.array_equal(standing, below[row]):

@@ -71,7 +71,7 @@ class AssembledRow:
         last = max(round((piece.end - self.timing.begin) * self.timing.frame_rate), first)
         source = PieceSource(piece, self.spine_places, self.timing)
         if self.played:
-            self.hold(first)  # where nothing plays between them
+            self.hold_last_pose(first)  # where nothing plays between them
             first = min(max(first, 1), self.end)
             last = max(first, last)
             if first <= self.timing.last:
@@ -136,7 +136,7 @@ class AssembledRow:
         self.placement = source.placement_about_root(first, source.piece.own)
         self._put(source.placed(self.placement), first, last)
 
-    def hold(self, until: int) -> None:
+    def hold_last_pose(self, until: int) -> None:
         """Hold the last pose up to frame ``until``, exclusive."""
         if until > self.end:
             self._hold(until)

@@ -57,7 +57,7 @@ class Inertialisation:
         halts[OFF_PLANES] = halts[SLACKS] = halting[len(turns) :]
         return halts
 
-    def left(self, times: FloatArray) -> FloatArray:
+    def remaining_offset(self, times: FloatArray) -> FloatArray:
         """Offset, (N, C), that remains ``times`` (N,) seconds after the transition."""
         place = remaining_offset_fraction(times[:, None], self.seconds) * self.offset
         return np.asarray(place + remaining_speed_offset(times[:, None], self.decay_times) * self.speed)

@@ -227,7 +227,7 @@ def turning_peaks(motion: AdaptedMotion) -> FloatArray:
     rotations = np.ascontiguousarray(motion.rotations[:])
     peaks = np.empty((layout.segment_count, 2))
     segment_peaks(np.full(len(peaks), -1), rotations, motion.frame_rate, peaks)
-    return peaks[[layout.segment(part) for part in BodyPart]]
+    return peaks[[layout.segment_of_part(part) for part in BodyPart]]
 
 
 @lru_cache(maxsize=4)

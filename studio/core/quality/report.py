@@ -27,7 +27,7 @@ from studio.core.solver.asking.releasing import constraint_activations, contact_
 from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow, SolverLimits, targets_of
-from studio.core.solver.standing.stand import Standing
+from studio.core.solver.standing.stand import GroundedMotion
 from studio.core.solver.standing.support_polygon import standing_mask
 
 FloatArray = NDArray[np.float64]
@@ -73,7 +73,7 @@ class QualityReport:
     mass_margins: FloatArray
 
 
-def report_of(standing: Standing, request: AdaptRequest, adapted: AdaptedMotion) -> QualityReport:
+def report_of(standing: GroundedMotion, request: AdaptRequest, adapted: AdaptedMotion) -> QualityReport:
     """Report of ``adapted``, the answer to ``request`` on its grounded motion, in any window."""
     window = _window_of(adapted)
     stands = standing_mask(standing.contacts, request.motion.frame_count)[:, window]
@@ -93,7 +93,7 @@ def report_of(standing: Standing, request: AdaptRequest, adapted: AdaptedMotion)
 
 
 def _misses_and_blockers(
-    standing: Standing, request: AdaptRequest, adapted: AdaptedMotion
+    standing: GroundedMotion, request: AdaptRequest, adapted: AdaptedMotion
 ) -> tuple[FloatArray, IntArray]:
     """Residuals (C, F) measured on the poses of ``adapted``, and their blockers (C, F).
 
@@ -119,7 +119,11 @@ def _misses_and_blockers(
 
 
 def blocking_constraints(
-    standing: Standing, constraints: Sequence[Constraint], tracks: Tracks, adapted: AdaptedMotion, eased: bool = False
+    standing: GroundedMotion,
+    constraints: Sequence[Constraint],
+    tracks: Tracks,
+    adapted: AdaptedMotion,
+    eased: bool = False,
 ) -> IntArray:
     """Row of the constraint, or a ``BLOCKED_BY_*`` number, that keeps each of C constraints from its target in each of
     F frames, (C, F).
@@ -151,7 +155,7 @@ def _window_of(adapted: AdaptedMotion) -> slice:
 class _Problem:
     """C constraints on a grounded motion, with the tracks that they follow."""
 
-    standing: Standing
+    standing: GroundedMotion
     constraints: Sequence[Constraint]
     tracks: Tracks
 
@@ -240,7 +244,7 @@ class _BlockerSearch:
             whole = self._gain_of(replace(standing, arms=None, self_contact=None))
             self._note(names, np.arange(len(self._found)), np.arange(len(self._frames)), whole)
 
-    def _gain_of(self, standing: Standing) -> FloatArray:
+    def _gain_of(self, standing: GroundedMotion) -> FloatArray:
         """Gain (C, F) on another grounded motion where a constraint is fully active: the decrease of its residual."""
         problem, first, last = self._problem, self._window.start, self._window.stop - 1
         posed = solve_constraints(standing, problem.constraints, first, last, problem.tracks, eased=self._eased)
@@ -290,9 +294,9 @@ class _BlockerSearch:
                 self._found[row, numbers[np.isfinite(self._residuals[other, numbers])]] = other
 
 
-def _posed_without(standing: Standing) -> dict[int, Standing]:
+def _posed_without(standing: GroundedMotion) -> dict[int, GroundedMotion]:
     """Grounded motion without each step that poses arms after the solver, by its name among the blockers."""
-    absent, contact = dict[int, Standing](), standing.self_contact
+    absent, contact = dict[int, GroundedMotion](), standing.self_contact
     if standing.arms is not None:
         absent[BLOCKED_BY_CONTACTS] = replace(standing, arms=None)
     if contact is not None and contact.has_contacts:

@@ -51,7 +51,7 @@ def character_body_map(layout: BodyLayout) -> BodyMap:
     """Body map of ``character_skeleton``: the joint of each body part."""
     moving = {segment: joint for joint, segment in enumerate(_joints(layout).segments) if segment >= 0}
     inner = (BodyPart.ABDOMEN, BodyPart.THORAX)
-    parts = {part: moving[layout.segment(part)] for part in BodyPart if part not in inner}
+    parts = {part: moving[layout.segment_of_part(part)] for part in BodyPart if part not in inner}
     return BodyMap(parts, tuple(moving[segment] for segment in range(layout.spine_count)))
 
 

@@ -46,7 +46,7 @@ def segments_of_joints(skeleton: Skeleton, body_map: BodyMap) -> IntArray:
     """(J,) canonical segment that each joint moves: its own, or that of its nearest ancestor with one."""
     layout = BodyLayout(len(body_map.spine))
     own = {joint: place for place, joint in enumerate(body_map.spine)}
-    own |= {joint: layout.segment(part) for part, joint in body_map.parts.items() if joint not in own}
+    own |= {joint: layout.segment_of_part(part) for part, joint in body_map.parts.items() if joint not in own}
     segments = np.zeros(skeleton.joint_count, dtype=np.int64)
     for joint, parent in enumerate(skeleton.parents.tolist()):
         segments[joint] = own.get(joint, segments[parent] if parent >= 0 else 0)
@@ -106,7 +106,7 @@ def measured_by_mesh(
     ``points`` (P, 3) are the canonical points among the vertices; ``weights`` (V, S) assign the vertices.
     """
     layout = body.layout
-    head = vertices[weights[:, layout.segment(BodyPart.HEAD)] > 0.5]
+    head = vertices[weights[:, layout.segment_of_part(BodyPart.HEAD)] > 0.5]
     if len(head):
         crown = float(head[:, 2].max() - points[layout.head_joint, 2])
         body = replace(body, head=float(np.clip(crown, 0.5 * body.head, 1.5 * body.spine_length)))

@@ -20,7 +20,7 @@ from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.level_smoothing import SMOOTHING_HORIZON
 from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow, SolverLimits
-from studio.core.solver.standing.stand import Standing, standing_of
+from studio.core.solver.standing.stand import GroundedMotion, grounded_motion_of
 
 FloatArray = NDArray[np.float64]
 
@@ -33,11 +33,11 @@ def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> Ada
     return solve_request(grounded_motion(request), request, first, last)
 
 
-def grounded_motion(request: AdaptRequest, standing: Standing | None = None) -> Standing:
+def grounded_motion(request: AdaptRequest, standing: GroundedMotion | None = None) -> GroundedMotion:
     """Grounded motion of ``request`` with its corrections below the constraints; ``standing`` is the same without
     corrections, if known.
     """
-    standing = standing or standing_of(request)
+    standing = standing or grounded_motion_of(request)
     if not request.corrections:
         return standing
     from studio.core.solver.correction_layer import with_corrections_below
@@ -45,7 +45,9 @@ def grounded_motion(request: AdaptRequest, standing: Standing | None = None) -> 
     return with_corrections_below(standing, request.corrections)
 
 
-def solve_request(standing: Standing, request: AdaptRequest, first: int = 0, last: int | None = None) -> AdaptedMotion:
+def solve_request(
+    standing: GroundedMotion, request: AdaptRequest, first: int = 0, last: int | None = None
+) -> AdaptedMotion:
     """Adapted motion of ``request`` on its ``grounded_motion`` motion, with its corrections above the constraints."""
     adapted = solve_constraints(standing, request.constraints, first, last, request.tracks, eased=request.eased)
     if any(each.above for each in request.corrections):
@@ -56,7 +58,7 @@ def solve_request(standing: Standing, request: AdaptRequest, first: int = 0, las
 
 
 def solve_constraints(
-    standing: Standing,
+    standing: GroundedMotion,
     constraints: Sequence[Constraint],
     first: int = 0,
     last: int | None = None,
@@ -100,7 +102,7 @@ def solve_constraints(
 
 
 def _solved(
-    window_of: Callable[[slice], SolvedWindow], standing: Standing, touched: slice, eased: bool
+    window_of: Callable[[slice], SolvedWindow], standing: GroundedMotion, touched: slice, eased: bool
 ) -> SolvedWindow:
     """Solution of the frames ``touched``, with the surrounding frames that affect their smoothing."""
     seen = standing.around(touched, SMOOTHING_HORIZON if eased else 0.0)
@@ -123,7 +125,7 @@ def is_frame_subset(frames: slice, others: slice) -> bool:
 
 
 def _answer(
-    standing: Standing, first: int, positions: PoseArray, rotations: PoseArray, residuals: FloatArray
+    standing: GroundedMotion, first: int, positions: PoseArray, rotations: PoseArray, residuals: FloatArray
 ) -> AdaptedMotion:
     body = standing.morphology
     return AdaptedMotion(
@@ -135,7 +137,7 @@ def _answer(
         residuals=residuals,
         animated=body if isinstance(body, AnimatedMorphology) else None,
         volume=standing.volume,
-        unasked=standing.unasked,
+        unconstrained=standing.unconstrained,
         contacts=standing.contacts,
     )
 

@@ -28,7 +28,7 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.solved_window import targets_of
 from studio.core.solver.standing.blends import LET_GO, release_weight, smooth_drops
 from studio.core.solver.standing.footing import Footing
-from studio.core.solver.standing.stand import Standing
+from studio.core.solver.standing.stand import GroundedMotion
 from studio.core.stage.correction import Correction
 
 FloatArray = NDArray[np.float64]
@@ -48,7 +48,7 @@ LIMB_CHANNELS = slice(at.CLAVICLE, at.HEAD_SHIFT)
 
 
 @project_cache(maxsize=4)
-def with_corrections_below(standing: Standing, corrections: tuple[Correction, ...]) -> Standing:
+def with_corrections_below(standing: GroundedMotion, corrections: tuple[Correction, ...]) -> GroundedMotion:
     """Grounded motion with those ``corrections`` that are below the constraints; the same object if there are none."""
     below = tuple(each for each in corrections if not each.above)
     times = standing.motion.times
@@ -86,7 +86,7 @@ def with_corrections_below(standing: Standing, corrections: tuple[Correction, ..
     return replace(standing, motion=motion, footing=footing, positions=positions, rotations=rotations)
 
 
-def with_corrections_above(adapted: AdaptedMotion, standing: Standing, request: AdaptRequest) -> AdaptedMotion:
+def with_corrections_above(adapted: AdaptedMotion, standing: GroundedMotion, request: AdaptRequest) -> AdaptedMotion:
     """Solved motion with those corrections of ``request`` that are above the constraints; residuals are measured again.
 
     ``standing`` is the grounded motion that was solved.
@@ -113,7 +113,7 @@ def segment_turns(layout: BodyLayout, turns: Mapping[BodyPart, FloatArray]) -> T
     found: dict[int, FloatArray] = {}
     for part, vectors in turns.items():
         inner = range(1, layout.spine_count - 1) if part is BodyPart.ABDOMEN else ()
-        segments = inner or (layout.segment(part),)
+        segments = inner or (layout.segment_of_part(part),)
         turn = to_matrix(from_rotation_vector(vectors / len(segments)))
         for segment in segments:
             found[segment] = found[segment] @ turn if segment in found else turn
@@ -151,7 +151,9 @@ def _carried(delta: FloatArray | None, vectors: FloatArray) -> FloatArray:
     return vectors if delta is None else np.asarray((delta @ vectors[..., None])[..., 0])
 
 
-def _posed(standing: Standing, corrections: Sequence[Correction], window: slice, posed: PosedFrames) -> PosedFrames:
+def _posed(
+    standing: GroundedMotion, corrections: Sequence[Correction], window: slice, posed: PosedFrames
+) -> PosedFrames:
     """Poses of the frames of ``window`` with some corrections, one after the other."""
     layout, times = standing.morphology.layout, standing.motion.times[window]
     heading = standing.motion.channels[window, at.YAW]
@@ -175,7 +177,7 @@ def along_heading(vectors: FloatArray, heading: FloatArray) -> FloatArray:
     return np.stack([c * x - s * y, s * x + c * y, z], axis=1)
 
 
-def _limb_channels(standing: Standing, window: slice, posed: PosedFrames) -> FloatArray:
+def _limb_channels(standing: GroundedMotion, window: slice, posed: PosedFrames) -> FloatArray:
     """Channels (N, ...) of arms and legs of posed frames."""
     body, rate = standing.morphology, standing.motion.frame_rate
     if not isinstance(body, AnimatedMorphology):
@@ -189,7 +191,7 @@ def _limb_channels(standing: Standing, window: slice, posed: PosedFrames) -> Flo
 
 
 def _release_feet(
-    standing: Standing,
+    standing: GroundedMotion,
     footing: Footing,
     window: slice,
     before: PosedFrames,
@@ -200,7 +202,7 @@ def _release_feet(
     for side, foot in enumerate((BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT)):
         planted = standing.limb_freedoms[2 + side] == 0.0
         free = release_weight(planted, standing.motion.frame_rate, LET_GO)[window, None]
-        ankle, segment = layout.ankle_point(side), layout.segment(foot)
+        ankle, segment = layout.ankle_point(side), layout.segment_of_part(foot)
         footing.ankles[side, window, :3] += free * (posed.positions[:, ankle] - before.positions[:, ankle])
         for targets, moved in ((footing.feet, segment), (footing.toes, segment + 1)):
             own = from_matrix(np.asarray(targets[side, window]))
@@ -209,7 +211,7 @@ def _release_feet(
 
 
 def _lowering(
-    standing: Standing,
+    standing: GroundedMotion,
     footing: Footing,
     window: slice,
     before: PosedFrames,

@@ -32,8 +32,8 @@ def limb_turns(
 
     ``upper`` is its upper segment; ``positions`` (P, 3) and ``rotations`` (S, 3, 3) of one frame.
     """
-    segment = layout.segment(upper)
-    lower, end = layout.part(segment + 1), layout.part(segment + 2)
+    segment = layout.segment_of_part(upper)
+    lower, end = layout.part_of_segment(segment + 1), layout.part_of_segment(segment + 2)
     root, middle, tip = positions[list(layout.proximal_points()[segment : segment + 3])]
     above, below = float(np.linalg.norm(middle - root)), float(np.linalg.norm(tip - middle))
     least, most = abs(above - below) + 1e-3, NEARLY_STRAIGHT * (above + below)
@@ -58,7 +58,7 @@ def head_turns(layout: BodyLayout, positions: FloatArray, rotations: FloatArray,
     for _ in range(HEAD_ROUNDS):
         for part, gain in zip(HEAD_CHAIN, HEAD_GAINS, strict=True):
             posed, turns = _with(layout, positions, rotations, found)
-            segment = layout.segment(part)
+            segment = layout.segment_of_part(part)
             pivot = posed[layout.proximal_points()[segment]]
             arc = _vector(shortest_arc(_unit(posed[layout.head_joint] - pivot), _unit(target - pivot)))
             step = gain * turns[segment].T @ arc

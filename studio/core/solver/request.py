@@ -65,7 +65,7 @@ class AdaptedMotion:
     ``positions`` (F, K+23, 3) and ``rotations`` (F, K+18, 3, 3) follow ``canonical.BodyLayout``; ``residuals`` (C, F)
     has each constraint's residual in its ``unit`` (metres or radians), in the order of the request, NaN where inactive.
     ``morphology`` of an animated body is its first frame, ``animated`` the whole; ``volume`` is the body's volume, if
-    requested; ``unasked`` are the poses before constraints, in results of the solver.
+    requested; ``unconstrained`` are the poses before constraints, in results of the solver.
     """
 
     morphology: Morphology
@@ -76,7 +76,7 @@ class AdaptedMotion:
     residuals: FloatArray
     animated: AnimatedMorphology | None = None
     volume: BodyVolume | None = None
-    unasked: UnconstrainedPoses | None = None
+    unconstrained: UnconstrainedPoses | None = None
     contacts: tuple[ContactInterval, ...] = ()
     """Contacts of the solver's result: also those of feet that step where clips take over."""
     composite: Composite | None = None

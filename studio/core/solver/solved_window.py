@@ -43,7 +43,7 @@ from studio.core.solver.smoothing.level_smoothing import (
 from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
 from studio.core.solver.smoothing.root_reach import RootReach
 from studio.core.solver.smoothing.target_motion import target_accelerations
-from studio.core.solver.standing.stand import Standing
+from studio.core.solver.standing.stand import GroundedMotion
 from studio.core.solver.standing.support_polygon import mass_path, standing_mask, support_path
 
 FloatArray = NDArray[np.float64]
@@ -68,7 +68,7 @@ class SolvedWindow:
 
     def __init__(
         self,
-        standing: Standing,
+        standing: GroundedMotion,
         constraints: Sequence[Constraint],
         activations: FloatArray,
         tracks: Tracks,
@@ -190,7 +190,7 @@ class SolvedWindow:
     def _pose(self, level: int | None, easing: records.SmoothingRun) -> None:
         """Solve the constraints down to a ``level``, or all, or pose smoothed frames."""
         rows, joints, acts, clearance = self._rows, self._joints, self._activations, self._clearance
-        chain, usual = joints.chain, joints.nominal_weights
+        chain, usual = joints.kernel_weights, joints.nominal_weights
         if level is not None:
             stands, count = self._ranks <= level, len(rows.tasks)
             acts = np.where(stands[:count, None], acts, 0.0)
@@ -349,17 +349,17 @@ class SolvedWindow:
         return residuals
 
 
-def targets_of(standing: Standing, constraints: Sequence[Constraint], window: slice, tracks: Tracks) -> Targets:
+def targets_of(standing: GroundedMotion, constraints: Sequence[Constraint], window: slice, tracks: Tracks) -> Targets:
     """Targets of the constraints that are known before solving."""
     motion, body = standing.motion, standing.morphology.first_frame_body
     known: dict[Follow | OwnPlace | Support, Track] = {}
     for constraint in constraints:
         for place in own_places_of(constraint):
-            known[place] = own_track(place, standing.unasked, standing.morphology, motion.frame_rate)
+            known[place] = own_track(place, standing.unconstrained, standing.morphology, motion.frame_rate)
         for follow in follows_of(constraint):
             track = tracks.get(follow)
             if isinstance(track, OwnPath):
-                track = track.make(standing.unasked, standing.morphology)
+                track = track.make(standing.unconstrained, standing.morphology)
             if track is not None:
                 known[follow] = track.in_frames(window)
             elif not isinstance(follow, FollowBody):

@@ -28,7 +28,7 @@ from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow
 from studio.core.solver.standing.blends import smooth_drops
 from studio.core.solver.standing.footing import Footing
 from studio.core.solver.standing.obliquity import dip_pelvis
-from studio.core.solver.standing.stand import Standing, standing_of
+from studio.core.solver.standing.stand import GroundedMotion, grounded_motion_of
 
 WARM_UP_FRAMES = 4
 WARM_UP_POINT = BodyPoint(BodyPart.LEFT_HAND)
@@ -44,9 +44,9 @@ def warm_up(morphology: Morphology) -> AdaptedMotion:
     return adapt(AdaptRequest(_still_motion(), morphology, (contact,), (_reach(),)))
 
 
-def warm_up_standing(morphology: Morphology) -> Standing:
+def warm_up_grounded_motion(morphology: Morphology) -> GroundedMotion:
     """The part of ``warm_up`` before constraints, a third of it."""
-    return standing_of(AdaptRequest(_still_motion(), morphology))
+    return grounded_motion_of(AdaptRequest(_still_motion(), morphology))
 
 
 def warm_up_easing(morphology: Morphology) -> None:
@@ -54,7 +54,7 @@ def warm_up_easing(morphology: Morphology) -> None:
     charts = LimbCoordinates(
         morphology.layout, np.stack([rest_pose(morphology)[1]] * WARM_UP_FRAMES), limb_limit_records(morphology)
     )
-    turns = charts.turns(charts.clamped_to_limits(np.zeros((WARM_UP_FRAMES, 16, 3))))
+    turns = charts.rotations(charts.clamped_to_limits(np.zeros((WARM_UP_FRAMES, 16, 3))))
     joints, states = np.zeros(1, SEARCH_JOINT), np.zeros((WARM_UP_FRAMES, 1, 3))
     moved, ends = np.ones(len(joints), dtype=bool), np.zeros((1, 2), np.int64)
     SolveNotes.of(_placed(morphology), WARM_UP_FRAMES, joints, moved, ends, 0).peaks_of(states, turns)
@@ -65,7 +65,7 @@ def warm_up_constraints(morphology: Morphology) -> AdaptedMotion:
     return solve_constraints(_placed(morphology), (_reach(),))
 
 
-def _placed(morphology: Morphology) -> Standing:
+def _placed(morphology: Morphology) -> GroundedMotion:
     """Grounded motion of four still frames."""
     positions, rotations = (np.stack([each] * WARM_UP_FRAMES) for each in rest_pose(morphology))
     turns = np.broadcast_to(np.eye(3), (2, WARM_UP_FRAMES, 3, 3))
@@ -75,10 +75,10 @@ def _placed(morphology: Morphology) -> Standing:
         np.zeros((2, WARM_UP_FRAMES, 3)),
     )
     footing = Footing(states, fractions, np.full((2, WARM_UP_FRAMES), np.inf), ankles, turns, turns, fractions[0])
-    return Standing(_still_motion(), morphology, (), Ground(), footing, (), None, positions, rotations)
+    return GroundedMotion(_still_motion(), morphology, (), Ground(), footing, (), None, positions, rotations)
 
 
-def warm_up_support(morphology: Morphology) -> Standing:
+def warm_up_support(morphology: Morphology) -> GroundedMotion:
     """Call the kernels of hands, knees and seat in contact, hand contacts, and feet out of reach."""
     points = ContactPoint.LEFT_TOE, ContactPoint.LEFT_HAND, ContactPoint.LEFT_KNEE, ContactPoint.SEAT
     touches = Touch.HANDS_TOGETHER, Touch.LEFT_HAND_ON_TRUNK
@@ -87,7 +87,9 @@ def warm_up_support(morphology: Morphology) -> Standing:
     smooth_drops(np.full(WARM_UP_FRAMES, 0.1), 30.0)
     pose = (np.stack([each] * WARM_UP_FRAMES) for each in rest_pose(morphology))
     dip_pelvis(np.zeros((2, WARM_UP_FRAMES, 3)), np.ones((2, WARM_UP_FRAMES), np.int64), morphology, 30.0, *pose)
-    return standing_of(AdaptRequest(_still_motion(), morphology, contacts, (), ground, actor=morphology, clears=True))
+    return grounded_motion_of(
+        AdaptRequest(_still_motion(), morphology, contacts, (), ground, actor=morphology, clears=True)
+    )
 
 
 def warm_up_seldom(morphology: Morphology) -> None:

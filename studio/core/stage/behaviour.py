@@ -168,7 +168,7 @@ def advanced_progress(behaviour: Behaviour, running: BehaviourProgress, senses: 
         return initial_progress(behaviour)
     seconds = running.seconds + senses.step
     for each in behaviour.transitions_from(running.state):
-        if all(condition.holds(senses, seconds) for condition in each.conditions):
+        if all(condition.is_met(senses, seconds) for condition in each.conditions):
             return BehaviourProgress(each.target, through=each)
     return replace(running, seconds=seconds)
 

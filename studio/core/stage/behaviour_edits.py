@@ -60,10 +60,10 @@ def with_new_transition(behaviour: Behaviour, source: str, target: str) -> Behav
     return replace(behaviour, transitions=(*behaviour.transitions, new))
 
 
-def with_transition_replaced(behaviour: Behaviour, place: int, transition: Transition) -> Behaviour:
+def with_transition_replaced(behaviour: Behaviour, index: int, transition: Transition) -> Behaviour:
     """Copy with another transition in place of one."""
     transitions = list(behaviour.transitions)
-    transitions[place] = transition
+    transitions[index] = transition
     return replace(behaviour, transitions=tuple(transitions))
 
 
@@ -73,21 +73,21 @@ def without_transitions(behaviour: Behaviour, places: Collection[int]) -> Behavi
     return replace(behaviour, transitions=kept)
 
 
-def order_of(behaviour: Behaviour, place: int) -> tuple[int, int]:
+def order_of(behaviour: Behaviour, index: int) -> tuple[int, int]:
     """Position of a transition in the order of its state, from 1, and the number of that state's transitions."""
-    source = behaviour.transitions[place].source
+    source = behaviour.transitions[index].source
     places = [k for k, each in enumerate(behaviour.transitions) if each.source == source]
-    return places.index(place) + 1, len(places)
+    return places.index(index) + 1, len(places)
 
 
-def with_transition_moved_up(behaviour: Behaviour, place: int) -> tuple[Behaviour, int]:
+def with_transition_moved_up(behaviour: Behaviour, index: int) -> tuple[Behaviour, int]:
     """Behaviour with a transition exchanged with the previous one of the same state, and its new index."""
-    source = behaviour.transitions[place].source
-    before = [k for k in range(place) if behaviour.transitions[k].source == source]
+    source = behaviour.transitions[index].source
+    before = [k for k in range(index) if behaviour.transitions[k].source == source]
     if not before:
-        return behaviour, place
+        return behaviour, index
     order = list(behaviour.transitions)
-    order[before[-1]], order[place] = order[place], order[before[-1]]
+    order[before[-1]], order[index] = order[index], order[before[-1]]
     return replace(behaviour, transitions=tuple(order)), before[-1]
 
 

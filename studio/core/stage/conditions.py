@@ -39,7 +39,7 @@ class DistanceCondition:
             raise ValueError(f"A distance is zero or more, got {self.distance}.")
         PLACE_RANGE.check(self.distance)
 
-    def holds(self, senses: ConditionInput, seconds: float) -> bool:
+    def is_met(self, senses: ConditionInput, seconds: float) -> bool:
         """True if the distance is below or above the limit in this frame; False if it was not measured."""
         apart = senses.gaps.get(self.gap)
         return apart is not None and (apart < self.distance if self.closer else apart > self.distance)
@@ -57,7 +57,7 @@ class TimeCondition:
             raise ValueError(f"A state lasts for zero or more seconds, not for {self.seconds}.")
         TIME_RANGE.check(self.seconds)
 
-    def holds(self, senses: ConditionInput, seconds: float) -> bool:
+    def is_met(self, senses: ConditionInput, seconds: float) -> bool:
         """True if the condition is fulfilled ``seconds`` after the state began."""
         return seconds >= self.seconds
 
@@ -68,7 +68,7 @@ class ClipEndCondition:
 
     kind: ClassVar[str] = "clip_end"
 
-    def holds(self, senses: ConditionInput, seconds: float) -> bool:
+    def is_met(self, senses: ConditionInput, seconds: float) -> bool:
         """True if the state's clip has ended by this frame."""
         return senses.clip_ended
 
@@ -85,7 +85,7 @@ class EventCondition:
         if not self.event:
             raise ValueError("An event needs a name, such as 'attack'.")
 
-    def holds(self, senses: ConditionInput, seconds: float) -> bool:
+    def is_met(self, senses: ConditionInput, seconds: float) -> bool:
         """True if the event came since the previous frame."""
         return self.event in senses.events
 
@@ -103,7 +103,7 @@ class KeyCondition:
         if not key:
             raise ValueError("A key is a letter, a digit, or a name such as Space.")
 
-    def holds(self, senses: ConditionInput, seconds: float) -> bool:
+    def is_met(self, senses: ConditionInput, seconds: float) -> bool:
         """True if the key came since the previous frame."""
         return self.key in senses.keys
 

@@ -73,7 +73,7 @@ def posed_rotations(layout: BodyLayout, pose: LocalPose) -> FloatArray:
         segments = _segments(layout, part)
         rotations[segments] = _matrix(np.array(pose.rotations[part]) / max(len(segments), 1))
     if layout.spine_count == 2:  # the thorax makes the rotation of the missing abdomen
-        thorax = layout.segment(BodyPart.THORAX)
+        thorax = layout.segment_of_part(BodyPart.THORAX)
         rotations[thorax] = _matrix(pose.rotations[BodyPart.ABDOMEN]) @ rotations[thorax]
     for segment, parent in enumerate(layout.parent_segments()[1:], 1):
         rotations[segment] = rotations[parent] @ rotations[segment]
@@ -123,7 +123,7 @@ def _shared(chain: FloatArray, before: FloatArray, goal: FloatArray) -> FloatArr
 def _segments(layout: BodyLayout, part: BodyPart) -> list[int]:
     if part is BodyPart.ABDOMEN:
         return [*range(1, layout.spine_count - 1)]
-    return [layout.segment(part)]
+    return [layout.segment_of_part(part)]
 
 
 def _local_rotations(layout: BodyLayout, rotations: FloatArray) -> FloatArray:

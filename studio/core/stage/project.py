@@ -257,12 +257,12 @@ class Project:
         ids = tuple(getattr(self, collection))
         return ids.index(entity_id) if entity_id in ids else None
 
-    def with_entity(self, collection: str, entity_id: str, entity: Entity | None, place: int | None = None) -> Self:
+    def with_entity(self, collection: str, entity_id: str, entity: Entity | None, index: int | None = None) -> Self:
         """Project with one entity added, replaced or, for None, removed.
 
-        A replaced entity keeps its index; a new one is inserted at ``place``, or at the end.
+        A replaced entity keeps its index; a new one is inserted at ``index``, or at the end.
         """
-        return self.with_entities(collection, ((entity_id, entity, place),))
+        return self.with_entities(collection, ((entity_id, entity, index),))
 
     def with_entities(self, collection: str, changes: Iterable[tuple[str, Entity | None, int | None]]) -> Self:
         """``with_entity`` for many of one collection, (id, entity or None, place) in their order."""

@@ -86,7 +86,7 @@ class InHand(Hold):
 
     def mirrored(self) -> "InHand":
         """Hold by the other side, in the mirror image of the body."""
-        return replace(self, point=MIRROR.point(self.point), turn=MIRROR.own_turn(self.turn, self.point.part))
+        return replace(self, point=MIRROR.body_point(self.point), turn=MIRROR.own_turn(self.turn, self.point.part))
 
 
 @dataclass(frozen=True)
@@ -239,9 +239,9 @@ class Prop:
         """Copy without the holds of one performer."""
         return self.with_holds([each for each in self.holds if each.performer_id != performer_id])
 
-    def release_is_keyed(self, place: int) -> bool:
-        """True if a key of the position sets where the hold of index ``place`` puts the prop down."""
-        hold, after = self.holds[place], self.holds[place + 1 : place + 2]
+    def release_is_keyed(self, index: int) -> bool:
+        """True if a key of the position sets where the hold of index ``index`` puts the prop down."""
+        hold, after = self.holds[index], self.holds[index + 1 : index + 2]
         if not isinstance(self.position, KeyedPlace) or (after and after[0].begin == hold.end):
             return False
         begun = -math.inf if hold.begin is None else hold.begin

@@ -78,18 +78,18 @@ def lined_up(
 
 def _is_clear(
     key: str,
-    place: NDArray[np.float64],
+    position: NDArray[np.float64],
     row: Mapping[str, float],
     across: NDArray[np.float64],
     paths: Mapping[str, NDArray[np.float64]],
 ) -> bool:
-    """True if a performer that begins at ``place`` (2,) meets none of a ``row``."""
+    """True if a performer that begins at ``position`` (2,) meets none of a ``row``."""
     if key not in paths:
         return True
     for other, offset in row.items():
         if other in paths:
             count = min(len(paths[key]), len(paths[other]))
-            apart = place + paths[key][:count] - offset * across - paths[other][:count]
+            apart = position + paths[key][:count] - offset * across - paths[other][:count]
             if count and float(np.linalg.norm(apart, axis=1).min()) < CLEARANCE:
                 return False
     return True

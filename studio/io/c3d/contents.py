@@ -136,12 +136,12 @@ def force_plates(name: str, parameters: Parameters, channels: int, repairs: list
         for which, shape in (("CORNERS", (3, 4)), ("ORIGIN", (3,)), ("CAL_MATRIX", (6, 6)))
     )
 
-    def measuring(place: int) -> ForcePlate:
-        columns = tuple(int(channel) - 1 for channel in feeds[:, place] if 0 < channel <= channels)
-        kind = int(kinds.flat[place])
+    def measuring(index: int) -> ForcePlate:
+        columns = tuple(int(channel) - 1 for channel in feeds[:, index] if 0 < channel <= channels)
+        kind = int(kinds.flat[index])
         size = {1: 6, 2: 6, 3: 8, 4: 6}.get(kind, 0)
-        calibration = matrices[:, :, place] if kind == 4 and matrices.size else None
-        origin, shape = origins[:, place], corners[:, :, place]
+        calibration = matrices[:, :, index] if kind == 4 and matrices.size else None
+        origin, shape = origins[:, index], corners[:, :, index]
         numbers = (shape, origin, *(() if calibration is None else (calibration,)))
         if len(columns) < size or not size or not all(np.isfinite(array).all() for array in numbers):
             raise ValueError
@@ -209,5 +209,5 @@ def _filled(values: FloatArray, count: int, usual: float) -> FloatArray:
     return full
 
 
-def _at(words: tuple[str, ...], place: int) -> str:
-    return words[place] if place < len(words) else ""
+def _at(words: tuple[str, ...], index: int) -> str:
+    return words[index] if index < len(words) else ""

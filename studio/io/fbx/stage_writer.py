@@ -39,10 +39,10 @@ def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
     As ``take_writer.write_take``. Raises StudioError if the file cannot be written.
     """
     document = FbxDocument(stage.name, stage.frame_rate, stage.frame_count)
-    for place, take in enumerate(stage.takes):
+    for index, take in enumerate(stage.takes):
 
-        def reported(share: float, place: int = place) -> None:
-            progress(CURVES_PROGRESS * (place + share) / len(stage.takes), f"Writing {path.name}")
+        def reported(share: float, index: int = index) -> None:
+            progress(CURVES_PROGRESS * (index + share) / len(stage.takes), f"Writing {path.name}")
 
         performer = document.add("Model", take.name, "Null", node(), within=WHOLE_SCENE)
         document.add("NodeAttribute", take.name, "Null", [element("TypeFlags", "Null")], within=performer)

@@ -196,7 +196,11 @@ def _actor(record: _Actor, motion: NormalizedMotion, arrays: dict[str, FloatArra
 def _capture(record: _Record, motion: NormalizedMotion, actor: SourceRig) -> Capture:
     layout, joints = BodyLayout(len(motion.spine_places)), actor.segment_joints.tolist()
     spine = layout.spine_count
-    parts = {layout.part(segment): joint for segment, joint in enumerate(joints) if joint >= 0 and segment >= spine}
+    parts = {
+        layout.part_of_segment(segment): joint
+        for segment, joint in enumerate(joints)
+        if joint >= 0 and segment >= spine
+    }
     if (np.linalg.norm(record.actor.reference_rotations, axis=1) < 0.5).any():
         raise ValueError("reference_rotations are quaternions of length 1.")
     return Capture(

@@ -186,8 +186,8 @@ def _picture_beside(path: Path, named: str) -> bytes:
     return content_of(name, path, path.name)
 
 
-def _material(path: Path, place: int, told: dict[str, Any], part: Arrays, repairs: list[str]) -> Material:
-    picture, name = part.get(f"{place} picture"), PureWindowsPath(told["picture"]).name
+def _material(path: Path, index: int, told: dict[str, Any], part: Arrays, repairs: list[str]) -> Material:
+    picture, name = part.get(f"{index} picture"), PureWindowsPath(told["picture"]).name
     texture = None
     if picture is not None or name:
         try:

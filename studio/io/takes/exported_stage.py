@@ -130,7 +130,7 @@ def _prop(name: str, prop: Prop, seconds: FloatArray, hands: "Mapping[str, Hands
     from studio.core.solver.performers.prop_tracks import stage_track
 
     track = stage_track(prop, seconds, hands)
-    places = np.broadcast_to(track.places, (len(seconds), 3))
+    places = np.broadcast_to(track.positions, (len(seconds), 3))
     rotations = sign_continuous(from_matrix(np.broadcast_to(track.rotations, (len(seconds), 3, 3))))
     return ExportedProp(name, prop_surface(prop), places, rotations)
 

@@ -27,13 +27,13 @@ def has_own_rig(take: Take) -> bool:
     return take.adapted is not None and take.character is not None and take.character.skin.rig is not None
 
 
-def on_own_rig(take: Take, suffix: str, place: Placement) -> Take:
+def on_own_rig(take: Take, suffix: str, placement: Placement) -> Take:
     """Take on the character's own joints, with its skin bound to them.
 
     Every joint moves with its segment of the body, so that its skin deforms as that of the file would. Fingers rotate
     as the take says; other extra joints of a capture are left out. Joints and skin rest where they rest in the
-    original file, and whatever is above the hips stays there; the body moves at ``place`` on the stage. Files with Y up
-    have other joint axes: these are chosen so that those of the original file result in a file of the kind of
+    original file, and whatever is above the hips stays there; the body moves at ``placement`` on the stage. Files
+    with Y up have other joint axes: these are chosen so that those of the original file result in a file of the kind of
     ``suffix``.
     """
     character, adapted = take.character, take.adapted
@@ -69,8 +69,8 @@ def on_own_rig(take: Take, suffix: str, place: Placement) -> Take:
         hand_turns = turned[:, rig.segments[joint]]
         world_turns[:, joint] = (hand_turns @ fingers[joint] if joint in fingers else above) @ rotations[joint]
         world_places[:, joint] = world_places[:, parent] + above @ (positions[joint] - positions[parent])
-    world_turns[:, moving] = place.rotation @ world_turns[:, moving]
-    world_places[:, moving] = place.to_stage(world_places[:, moving])
+    world_turns[:, moving] = placement.rotation @ world_turns[:, moving]
+    world_places[:, moving] = placement.to_stage(world_places[:, moving])
     local_turns, local_places = _local(parents, world_turns, world_places)
     rest_turns, rest_places = (each[0] for each in _local(parents, axes_at_rest[None], at_rest[None]))
     skin = fit_skin(mesh if fingers else character.shown_skin, character.build, body)

@@ -50,14 +50,14 @@ def one_target() -> Project:
 
 
 def target_of(
-    guard: NormalizedMotion, frame: int, body: Morphology, place: tuple[float, float] = (TARGET_AHEAD, TARGET_HEIGHT)
+    guard: NormalizedMotion, frame: int, body: Morphology, position: tuple[float, float] = (TARGET_AHEAD, TARGET_HEIGHT)
 ) -> StrikeQuery:
-    """Search query for strikes from ``frame`` of the guard stance ``guard`` at a target ``place``: metres ahead of the
-    root of ``body``, and above the ground.
+    """Search query for strikes from ``frame`` of the guard stance ``guard`` at a target ``position``: metres ahead of
+    the root of ``body``, and above the ground.
     """
     pose = replace(guard, channels=guard.channels[frame : frame + 1])
     x, y, _ = realize_motion(pose, body)[0][0, 0].tolist()
-    return StrikeQuery(pose, body, (x + place[0], y, place[1]))
+    return StrikeQuery(pose, body, (x + position[0], y, position[1]))
 
 
 def _with_fighter(
@@ -71,7 +71,9 @@ def _with_fighter(
     )
     capture = load_capture(Path(found.clip.take.path))
     contacts = {f"{motion_id} {place}": each for place, each in enumerate(detected_contacts(capture, motion_id))}
-    clip = Clip(motion_id, found.start, found.clip.label.last, begins, f"{key} strike", ease=EASED_IN * found.seconds)
+    clip = Clip(
+        motion_id, found.start, found.clip.label.last, begins, f"{key} strike", ease=EASED_IN * found.seconds_to_hit
+    )
     performer = Performer(character.name, key, (Clip("guard", *GUARD_FRAMES, id=f"{key} guard"), clip), (0.0, y))
     x, aside, z = np.asarray(asked.place).tolist()
     ball = Prop(

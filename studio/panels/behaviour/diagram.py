@@ -105,9 +105,9 @@ class Diagram(QGraphicsView):
             return False
         return True
 
-    def add_state(self, place: QPointF | None = None) -> str:
-        """Add and select a state at ``place``, or at a free place in view; its name, empty if it was refused."""
-        found = place or self._free_place()
+    def add_state(self, position: QPointF | None = None) -> str:
+        """Add and select a state at ``position``, or at a free place in view; its name, empty if it was refused."""
+        found = position or self._free_place()
         before = self.behaviour
         if before is None:
             return ""
@@ -165,21 +165,21 @@ class Diagram(QGraphicsView):
 
     # Items under the mouse
 
-    def state_at(self, place: QPointF) -> StateItem | None:
+    def state_at(self, position: QPointF) -> StateItem | None:
         """Box at a scene position; None if there is none."""
-        return next((item for item in reversed(self.states.values()) if item.takes(place)), None)
+        return next((item for item in reversed(self.states.values()) if item.contains_point(position)), None)
 
-    def arrow_at(self, place: QPointF) -> TransitionItem | None:
+    def arrow_at(self, position: QPointF) -> TransitionItem | None:
         """Arrow at a scene position, labels first; None if there is none."""
-        arrows = sorted(self.arrows, key=lambda item: not item.label.contains(place))
-        return next((item for item in arrows if item.takes(place)), None)
+        arrows = sorted(self.arrows, key=lambda item: not item.label.contains(position))
+        return next((item for item in arrows if item.contains_point(position)), None)
 
-    def item_at(self, place: QPointF) -> Item | None:
+    def item_at(self, position: QPointF) -> Item | None:
         """Item that a click there selects; None if nothing is there."""
-        state = self.state_at(place)
+        state = self.state_at(position)
         if state is not None:
             return "states", state_key(self.behaviour_id, state.box.name)
-        arrow = self.arrow_at(place)
+        arrow = self.arrow_at(position)
         return ("transitions", transition_key(self.behaviour_id, arrow.arrow.place)) if arrow else None
 
     # Mouse
@@ -276,8 +276,8 @@ class Diagram(QGraphicsView):
             menu.addAction(escaped_mnemonics(text)).triggered.connect(lambda _=False, run=run: run())
         menu.exec(event.globalPos())
 
-    def _choices(self, place: QPointF) -> list[tuple[str, Callable[[], object]]]:
-        state, arrow = self.state_at(place), self.arrow_at(place)
+    def _choices(self, position: QPointF) -> list[tuple[str, Callable[[], object]]]:
+        state, arrow = self.state_at(position), self.arrow_at(position)
         if state is not None:
             name = state.box.name
             begin = lambda: self.edit(lambda old: replace(old, start=name), f"Set {name} as start state")  # noqa: E731
@@ -287,7 +287,7 @@ class Diagram(QGraphicsView):
             number, target = arrow.arrow.place, self.document.project.behaviours[self.behaviour_id]
             text = f"Delete transition to {target.transitions[number].target}"
             return [("Delete", lambda: self.edit(lambda old: edits.without_transitions(old, {number}), text))]
-        return [("Add state here", lambda: self.add_state(place)), ("Show all", self.fit)]
+        return [("Add state here", lambda: self.add_state(position)), ("Show all", self.fit)]
 
     def event(self, event: QEvent) -> bool:
         """Reserve Esc for the current gesture during a drag, so that no shortcut of the window takes it."""

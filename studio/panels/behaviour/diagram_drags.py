@@ -24,14 +24,14 @@ STARTS = 3
 class DiagramGesture:
     """Base of mouse gestures, from the press of a button to its release."""
 
-    def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF) -> None:
-        self.view, self.begin, self.now = view, place, place
+    def __init__(self, view: Diagram, event: QMouseEvent, position: QPointF) -> None:
+        self.view, self.begin, self.now = view, position, position
         self._pressed = event.position()
         self.dragged = False
 
-    def move(self, event: QMouseEvent, place: QPointF) -> None:
+    def move(self, event: QMouseEvent, position: QPointF) -> None:
         """Handle a move of the mouse; it is a drag from ``STARTS`` pixels on."""
-        self.now = place
+        self.now = position
         self.dragged = self.dragged or (event.position() - self._pressed).manhattanLength() >= STARTS
         if self.dragged:
             self.drag(event)
@@ -40,7 +40,7 @@ class DiagramGesture:
     def drag(self, event: QMouseEvent) -> None:
         """Continue the drag."""
 
-    def release(self, event: QMouseEvent, place: QPointF) -> None:
+    def release(self, event: QMouseEvent, position: QPointF) -> None:
         """Finish the gesture."""
 
     def cancel(self) -> None:
@@ -50,32 +50,32 @@ class DiagramGesture:
         """Draw a preview of the gesture."""
 
 
-def gesture_at_press(view: Diagram, event: QMouseEvent, place: QPointF) -> DiagramGesture | None:
-    """Gesture for a press at ``place``."""
+def gesture_at_press(view: Diagram, event: QMouseEvent, position: QPointF) -> DiagramGesture | None:
+    """Gesture for a press at ``position``."""
     left = event.button() is Qt.MouseButton.LeftButton
     alt = bool(event.modifiers() & Qt.KeyboardModifier.AltModifier)
     if event.button() is Qt.MouseButton.MiddleButton or (left and alt):
-        return PanDiagram(view, event, place)
+        return PanDiagram(view, event, position)
     if not left:
         return None
-    state = view.state_at(place)
-    if state is not None and state.on_rim(place):
-        return DrawTransition(view, event, place, state)
-    item = view.item_at(place)
+    state = view.state_at(position)
+    if state is not None and state.on_rim(position):
+        return DrawTransition(view, event, position, state)
+    item = view.item_at(position)
     if item is None:
-        return SelectStates(view, event, place)
+        return SelectStates(view, event, position)
     if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
         view.document.selection.toggle(item)
     elif item not in view.document.selection:
         view.select(item)
-    return MoveStates(view, event, place) if state is not None else None
+    return MoveStates(view, event, position) if state is not None else None
 
 
 class MoveStates(DiagramGesture):
     """Move the selected states with the mouse, on a grid, as one undo step."""
 
-    def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF) -> None:
-        super().__init__(view, event, place)
+    def __init__(self, view: Diagram, event: QMouseEvent, position: QPointF) -> None:
+        super().__init__(view, event, position)
         assert view.behaviour is not None
         self._before: Behaviour = view.behaviour
         self._number = view.document.new_gesture()
@@ -107,13 +107,13 @@ class DrawTransition(DiagramGesture):
     to a new state.
     """
 
-    def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF, source: StateItem) -> None:
-        super().__init__(view, event, place)
+    def __init__(self, view: Diagram, event: QMouseEvent, position: QPointF, source: StateItem) -> None:
+        super().__init__(view, event, position)
         self._source = source.box.name
 
-    def release(self, event: QMouseEvent, place: QPointF) -> None:
+    def release(self, event: QMouseEvent, position: QPointF) -> None:
         """Add the transition; a click on the rim, or a release on the same box, only selects."""
-        target = self.view.state_at(place)
+        target = self.view.state_at(position)
         if not self.dragged or (target is not None and target.box.name == self._source):
             self.view.select(("states", state_key(self.view.behaviour_id, self._source)))
             return
@@ -122,7 +122,7 @@ class DrawTransition(DiagramGesture):
             return
         document = self.view.document
         with document.group("Add state and transition"):
-            name = self.view.add_state(place)
+            name = self.view.add_state(position)
             self.view.connect_states(self._source, name)
 
     def paint(self, painter: QPainter) -> None:
@@ -143,9 +143,9 @@ class DrawTransition(DiagramGesture):
 class SelectStates(DiagramGesture):
     """Selection rectangle for states; a click selects the whole behaviour."""
 
-    def release(self, event: QMouseEvent, place: QPointF) -> None:
+    def release(self, event: QMouseEvent, position: QPointF) -> None:
         """Select the states in the rectangle."""
-        area = QRectF(self.begin, place).normalized()
+        area = QRectF(self.begin, position).normalized()
         inside = [name for name, item in self.view.states.items() if self.dragged and area.intersects(item.rect)]
         self.view.select(*(("states", state_key(self.view.behaviour_id, name)) for name in inside))
 
@@ -160,8 +160,8 @@ class SelectStates(DiagramGesture):
 class PanDiagram(DiagramGesture):
     """Pan the view with the mouse."""
 
-    def __init__(self, view: Diagram, event: QMouseEvent, place: QPointF) -> None:
-        super().__init__(view, event, place)
+    def __init__(self, view: Diagram, event: QMouseEvent, position: QPointF) -> None:
+        super().__init__(view, event, position)
         self._last = event.position()
         view.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
 
@@ -170,7 +170,7 @@ class PanDiagram(DiagramGesture):
         self.view.pan((event.position() - self._last).toPoint())
         self._last = event.position()
 
-    def release(self, event: QMouseEvent, place: QPointF) -> None:
+    def release(self, event: QMouseEvent, position: QPointF) -> None:
         """Restore the cursor."""
         self.view.viewport().setCursor(Qt.CursorShape.ArrowCursor)
 

@@ -69,14 +69,14 @@ class StateItem(QGraphicsItem):
         """Bounds of the box with its glow, its rim and the mark of the start state."""
         return self.rect.adjusted(-30.0, -12.0, 12.0, 12.0)
 
-    def on_rim(self, place: QPointF) -> bool:
-        """True if a drag from ``place`` draws an arrow instead of moving the box."""
+    def on_rim(self, position: QPointF) -> bool:
+        """True if a drag from ``position`` draws an arrow instead of moving the box."""
         inner = self.rect.adjusted(RIM, RIM, -RIM, -RIM)
-        return self.takes(place) and not inner.contains(place)
+        return self.contains_point(position) and not inner.contains(position)
 
-    def takes(self, place: QPointF) -> bool:
-        """True if ``place`` is on the box or just outside its edge."""
-        return self.rect.adjusted(-RIM / 2, -RIM / 2, RIM / 2, RIM / 2).contains(place)
+    def contains_point(self, position: QPointF) -> bool:
+        """True if ``position`` is on the box or just outside its edge."""
+        return self.rect.adjusted(-RIM / 2, -RIM / 2, RIM / 2, RIM / 2).contains(position)
 
     def paint(self, painter: QPainter, _option: QStyleOptionGraphicsItem, _widget: QWidget | None = None) -> None:
         """Draw the box and its texts."""
@@ -153,11 +153,11 @@ class TransitionItem(QGraphicsItem):
         """Bounds of the arrow and its head."""
         return self._path.boundingRect().adjusted(-ARROW_REACH_PX, -ARROW_REACH_PX, ARROW_REACH_PX, ARROW_REACH_PX)
 
-    def takes(self, place: QPointF) -> bool:
-        """True if ``place`` is on the arrow or its label."""
+    def contains_point(self, position: QPointF) -> bool:
+        """True if ``position`` is on the arrow or its label."""
         stroker = QPainterPathStroker()
         stroker.setWidth(ARROW_REACH_PX)
-        return self.label.contains(place) or stroker.createStroke(self._path).contains(place)
+        return self.label.contains(position) or stroker.createStroke(self._path).contains(position)
 
     def paint(self, painter: QPainter, _option: QStyleOptionGraphicsItem, _widget: QWidget | None = None) -> None:
         """Draw the arrow."""
@@ -207,10 +207,10 @@ def bow_of(order: int, returns: bool) -> float:
     return (BOW if returns else 0.0) + NEXT_BOW * order
 
 
-def exit_point(rect: QRectF, place: QPointF) -> QPointF:
+def exit_point(rect: QRectF, position: QPointF) -> QPointF:
     """Point at which the line from the centre of a box to a position leaves the box."""
     centre = rect.center()
-    dx, dy = place.x() - centre.x(), place.y() - centre.y()
+    dx, dy = position.x() - centre.x(), position.y() - centre.y()
     share = max(abs(dx) / (rect.width() / 2 + 2.0), abs(dy) / (rect.height() / 2 + 2.0), 1e-6)
     return QPointF(centre.x() + dx / share, centre.y() + dy / share)
 

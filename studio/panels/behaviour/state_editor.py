@@ -189,12 +189,12 @@ class StateEditor(PartEditor[State]):
         if title is not None:
             self._set(f"{self.entity.name}: {title.lower()}", manners=(*self.entity.manners, NEW_MANNERS[title]))
 
-    def _putter(self, place: int) -> PutManner:
+    def _putter(self, index: int) -> PutManner:
         def put(make: Callable[[], Manner] | None, text: str) -> None:
             state, manners = self.entity, self.entity.manners
 
             def made() -> tuple[Manner, ...]:
-                return (*manners[:place], *((make(),) if make else ()), *manners[place + 1 :])
+                return (*manners[:index], *((make(),) if make else ()), *manners[index + 1 :])
 
             self.edit(lambda old: edits.with_state_put(old, state.name, replace(state, manners=made())), text)
 

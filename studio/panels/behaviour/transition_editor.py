@@ -87,14 +87,14 @@ class TransitionEditor(PartEditor[Transition]):
         for section in self._conditions:
             self._box.addWidget(section)
 
-    def _putter(self, place: int) -> PutCondition:
+    def _putter(self, index: int) -> PutCondition:
         def put(make: Callable[[], Condition] | None, text: str) -> None:
             conditions = list(self.entity.conditions)
             if make is None:
-                del conditions[place]
+                del conditions[index]
                 self._set(text, conditions=tuple(conditions))
             else:
-                self._set_by(text, lambda: (*conditions[:place], make(), *conditions[place + 1 :]))
+                self._set_by(text, lambda: (*conditions[:index], make(), *conditions[index + 1 :]))
 
         return put
 

@@ -78,16 +78,16 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         """Update the rows that depend on the playhead."""
         turned = self.entity.shape in TURNED
         self._source.refresh()
-        now = self._source.now()
+        now = self._source.current_numbers()
         if now is not None:
             self._centre.show_values(now)
         self._direction.refresh(turned)
-        self._heading.show_value(math.degrees(self._direction.now))
+        self._heading.show_value(math.degrees(self._direction.current_number))
         for widget in (self._heading, self._heading_caption):
             widget.setVisible(turned)
 
-    def _set_centre(self, place: tuple[float, ...]) -> None:
-        self._source.set_numbers(place, f"Move {self.entity.name}")
+    def _set_centre(self, position: tuple[float, ...]) -> None:
+        self._source.set_numbers(position, f"Move {self.entity.name}")
 
     def _set(self, verb: str, **values: object) -> None:
         self.change(f"{verb} {self.entity.name}", **values)

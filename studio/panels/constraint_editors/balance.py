@@ -40,7 +40,7 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
         mode = OWN_BALANCE if place is None else SUPPORT_BALANCE if isinstance(place, Support) else PLACE_BALANCE
         self._mode.show_value(mode)
         self._source.refresh()
-        now = self._source.now() if mode == PLACE_BALANCE else None
+        now = self._source.current_numbers() if mode == PLACE_BALANCE else None
         height = mode == PLACE_BALANCE and len(now or ()) == 3
         self._place.set_visible(mode == PLACE_BALANCE, mode == PLACE_BALANCE, height)
         if now is not None:
@@ -57,9 +57,9 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
         place = {OWN_BALANCE: None, PLACE_BALANCE: now, SUPPORT_BALANCE: Support()}[mode]
         self.change(f"Set position of {self.entity.name}", place=place)
 
-    def _set_place(self, place: tuple[float, ...]) -> None:
+    def _set_place(self, position: tuple[float, ...]) -> None:
         flat = isinstance(self.entity.place, tuple) and len(self.entity.place) == 2
-        self._source.set_numbers(place[:2] if flat else place, f"Move position of {self.entity.name}")
+        self._source.set_numbers(position[:2] if flat else position, f"Move position of {self.entity.name}")
 
     def _set_margin(self, centimetres: float) -> None:
         self.change(f"Set margin of {self.entity.name}", place=Support(centimetres * BALANCE_STEP))

@@ -69,11 +69,11 @@ class BodyFigure(QWidget):
             return "Click segments to lock or free them."
         return f"{part.label} {'is free' if self._weights[part] > 0.0 else 'is locked'}. Click to change."
 
-    def part_at(self, place: QPointF) -> BodyPart | None:
+    def part_at(self, position: QPointF) -> BodyPart | None:
         """Segment under a point of the widget, if it can be clicked."""
-        place = place / SCALE
+        position = position / SCALE
         grown = ((part, shape.adjusted(-2, -2, 2, 2)) for part, shape in SEGMENT_SHAPES.items())
-        return next((part for part, shape in grown if shape.contains(place) and part in self._weights), None)
+        return next((part for part, shape in grown if shape.contains(position) and part in self._weights), None)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         part = self.part_at(event.position())

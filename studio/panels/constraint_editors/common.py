@@ -93,7 +93,7 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
             return
         self._enabled.blockSignals(True)
         self._enabled.setChecked(constraint.enabled)
-        together = [self.document.project.constraints[key] for key in self.together]
+        together = [self.document.project.constraints[key] for key in self.edited_ids]
         self._enabled.setText("on" if len({each.enabled for each in together}) == 1 else "on (mixed)")
         self._enabled.blockSignals(False)
         self._name.show_name()

@@ -31,7 +31,7 @@ class DistanceEditor(ConstraintEditor[DistanceConstraint]):
         """Update the rows that depend on the playhead."""
         other = self.entity.other
         self._length.refresh()
-        self._distance.show_value(self._length.now)
+        self._distance.show_value(self._length.current_number)
         self._source.refresh()
         outside = not isinstance(other, BodyPoint)
         self._place.set_visible(*[outside] * 3)
@@ -41,15 +41,15 @@ class DistanceEditor(ConstraintEditor[DistanceConstraint]):
             self._other.show_value((other.part, other.at_end))
         else:
             self._other.show_value(OUTSIDE)
-            now = self._source.now()
+            now = self._source.current_numbers()
             if now is not None:
                 self._place.show_values(now)
 
     def _set_distance(self, metres: float) -> None:
         self._length.set_number(metres, f"Set distance of {self.entity.name}")
 
-    def _set_place(self, place: tuple[float, ...]) -> None:
-        self._source.set_numbers(place, f"Move position of {self.entity.name}")
+    def _set_place(self, position: tuple[float, ...]) -> None:
+        self._source.set_numbers(position, f"Move position of {self.entity.name}")
 
     def _set_other(self, choice: tuple[BodyPart, bool] | None) -> None:
         """Set the other end; a fixed position begins at the former one."""

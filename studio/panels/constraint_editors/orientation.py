@@ -23,6 +23,6 @@ class OrientationEditor(ConstraintEditor[OrientationConstraint]):
     def refresh_moment(self) -> None:
         """Update the rows that depend on the playhead."""
         self._source.refresh()
-        now = self._source.now()
+        now = self._source.current_numbers()
         if now is not None:
             self._angles.show_rotation(now)

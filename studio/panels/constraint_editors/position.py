@@ -19,7 +19,7 @@ class PositionEditor(ConstraintEditor[PositionConstraint | LookAtConstraint]):
     def refresh_moment(self) -> None:
         """Update the rows that depend on the playhead."""
         self._source.refresh()
-        now = self._source.now()
+        now = self._source.current_numbers()
         if now is not None:
             self._target.show_values(now)
 

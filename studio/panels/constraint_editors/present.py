@@ -39,9 +39,9 @@ def current_rotation(editor: Editor[Constraint], part: BodyPart) -> np.ndarray |
     if moment is None:
         return None
     motion = moment.pose.motion
-    return np.asarray(motion.rotations[moment.pose.row, motion.morphology.layout.segment(part)])
+    return np.asarray(motion.rotations[moment.pose.row, motion.morphology.layout.segment_of_part(part)])
 
 
-def _vector(place: np.ndarray) -> Vector:
-    x, y, z = (float(number) for number in place)
+def _vector(position: np.ndarray) -> Vector:
+    x, y, z = (float(number) for number in position)
     return x, y, z

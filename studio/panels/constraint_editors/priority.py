@@ -24,11 +24,11 @@ class OrderList(QListWidget):
         else:
             super().keyPressEvent(event)
 
-    def move_row(self, place: int, goal: int) -> None:
+    def move_row(self, index: int, goal: int) -> None:
         """Move a row, as a drag would."""
-        if 0 <= place < self.count() and 0 <= goal < self.count():
+        if 0 <= index < self.count() and 0 <= goal < self.count():
             parent = self.rootIndex()
-            self.model().moveRow(parent, place, parent, goal + (1 if goal > place else 0))
+            self.model().moveRow(parent, index, parent, goal + (1 if goal > index else 0))
             self.setCurrentRow(goal)
 
 

@@ -20,9 +20,9 @@ RULES = (
 _MAKERS = {each.kind: each for each in (CirclePlace, PendulumPlace, NoisePlace)}
 
 
-def ruled_position(kind: str, place: Vector) -> ProceduralPlace:
-    """Position by one of ``RULES`` about ``place``."""
-    return _MAKERS[kind](centre=place)
+def ruled_position(kind: str, position: Vector) -> ProceduralPlace:
+    """Position by one of ``RULES`` about ``position``."""
+    return _MAKERS[kind](centre=position)
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ class RailEditor(ConstraintEditor[RailConstraint]):
     def refresh_moment(self) -> None:
         """Update the rows that depend on the playhead."""
         self._source.refresh()
-        now = self._source.now()
+        now = self._source.current_numbers()
         if now is not None:
             self._centre.show_values(now)
 

@@ -91,12 +91,12 @@ class TargetRows:
         """Current value of the field, of any kind."""
         return getattr(self._editor.entity, self._field)
 
-    def now(self) -> Any:
+    def current_numbers(self) -> Any:
         """Target's numbers at the playhead; None while they are unknown."""
         if isinstance(self.target, tuple):
             return self.target
         moment = current_context(self._editor)
-        fixed = moment.fixed(self._editor.entity) if moment else None
+        fixed = moment.with_targets_fixed(self._editor.entity) if moment else None
         return getattr(fixed, self._field, None)
 
     def set_numbers(self, numbers: Any, text: str) -> None:
@@ -109,7 +109,7 @@ class TargetRows:
         elif self._turns:
             editor.replace_entity(lambda: moment.with_target_rotation(editor.entity, numbers), text)
         else:
-            editor.replace_entity(lambda: moment.moved(editor.entity, numbers), text)
+            editor.replace_entity(lambda: moment.with_target_moved(editor.entity, numbers), text)
 
     def refresh(self) -> None:
         """Show the target's kind and its rows; nothing if the value is no target."""
@@ -222,7 +222,7 @@ class TargetRows:
 
     def _first(self, kind: str, things: Sequence[tuple[Any, str]]) -> Place | Turn:
         """First target of another kind, at the present position of the old one if possible."""
-        editor, point, now = self._editor, self._editor.entity.point, self.now()
+        editor, point, now = self._editor, self._editor.entity.point, self.current_numbers()
         moment = current_context(editor)
         match kind:
             case FollowBody.kind:
@@ -259,7 +259,7 @@ class TargetRows:
         return not self._turns and (own_place_of(self.target) is not None or isinstance(self.target, FollowBody))
 
     def _known_now(self) -> Any:
-        now = self.now()
+        now = self.current_numbers()
         if now is None:
             raise ValueError("The target is not solved yet. Wait until the character is adapted.")
         return now
@@ -294,7 +294,7 @@ class TargetRows:
         if now is None or moment is None:
             return follow
         held = with_fields(self._editor.entity, **{self._field: follow})
-        moved = moment.with_target_rotation(held, now) if self._turns else moment.moved(held, _full(now))
+        moved = moment.with_target_rotation(held, now) if self._turns else moment.with_target_moved(held, _full(now))
         result: Place | Turn = getattr(moved, self._field)
         return result
 
@@ -406,7 +406,7 @@ class NumberRows:
         self._keys.refresh(shown)
 
     @property
-    def now(self) -> float:
+    def current_number(self) -> float:
         """Number at the playhead."""
         value = getattr(self._editor.entity, self._field)
         return float(value.at([self._keys._seconds()])[0, 0]) if isinstance(value, KeyedNumber) else float(value)
@@ -418,7 +418,7 @@ class NumberRows:
         self._editor.change(text, **{self._field: new})
 
     def _toggle(self, keyed: bool) -> None:
-        value = KeyedNumber((self._keys._seconds(),), (self.now,)) if keyed else self.now
+        value = KeyedNumber((self._keys._seconds(),), (self.current_number,)) if keyed else self.current_number
         text = f"{'Key' if keyed else 'Remove keys of the'} {self._field} of {self._editor.entity.name}"
         self._editor.change(text, **{self._field: value})
 

@@ -37,7 +37,7 @@ class BodyResidual:
             return self.unsolved, colours.TEXT_THIRD
         if self.worst is None:
             return self.inactive, self.inactive.colour
-        if self.worst.held:
+        if self.worst.is_invisible:
             return "held", colours.mixed_colour(colours.HELD, colours.TEXT, 0.35)
         if self.worst.is_hardly_visible:
             return "partly", colours.PARTLY
@@ -51,11 +51,11 @@ def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyR
         BodyResidual(
             performer.name,
             project.characters[performer.character_id].colour,
-            worst_residual(project, key, live.reported(key), constraint_id),
+            worst_residual(project, key, live.reported_motion(key), constraint_id),
             unsolved
-            if constraint.enabled and residuals_on(project, key, live.reported(key), constraint_id) is None
+            if constraint.enabled and residuals_on(project, key, live.reported_motion(key), constraint_id) is None
             else "",
-            inactivity(project, key, live.reported(key), constraint_id),
+            inactivity(project, key, live.reported_motion(key), constraint_id),
         )
         for key, performer in project.performers.items()
         if performer.visible
@@ -135,7 +135,7 @@ def words_of(residual: BodyResidual) -> str:
     if residual.worst is None or word == "held":
         return word
     remark = f", {residual.worst.remark}" if residual.worst.remark else ""
-    return f"{word} by {residual.worst.words} at {residual.worst.frame}{remark}"
+    return f"{word} by {residual.worst.text} at {residual.worst.frame}{remark}"
 
 
 def short_words_of(residual: BodyResidual) -> str:
@@ -147,7 +147,7 @@ def short_words_of(residual: BodyResidual) -> str:
         return residual.inactive.short
     if word == "held":
         return word
-    return f"{residual.worst.words}{'*' if residual.worst.remark else ''}"
+    return f"{residual.worst.text}{'*' if residual.worst.remark else ''}"
 
 
 class ResidualSection(Section):

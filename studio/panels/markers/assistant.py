@@ -96,7 +96,7 @@ class MarkerAssistant(QWidget):
         return box
 
     @property
-    def words(self) -> str:
+    def summary(self) -> str:
         """Sentence about the limbs that can be tracked with the marker map, or the missing markers."""
         there = self.marker_map.restricted_to(self._labels())
         parts = [word for word, has in (("legs", there.has_legs()), ("arms", there.has_arms())) if has]

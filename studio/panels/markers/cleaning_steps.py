@@ -70,23 +70,23 @@ class StepList(QWidget):
             note.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)
             self._rows.addWidget(note)
 
-    def _make_row(self, place: int, step: Step) -> Section:
-        section = Section(f"{place + 1}  {step.title}")
-        for text, to in (("Move up", place - 1), ("Move down", place + 1)):
+    def _make_row(self, index: int, step: Step) -> Section:
+        section = Section(f"{index + 1}  {step.title}")
+        for text, to in (("Move up", index - 1), ("Move down", index + 1)):
             if 0 <= to < len(self.steps):
-                section.head.addWidget(press_button(text, partial(self._move, place, to), "link"))
-        section.head.addWidget(press_button("Remove", partial(self._remove, place), "link"))
+                section.head.addWidget(press_button(text, partial(self._move, index, to), "link"))
+        section.head.addWidget(press_button("Remove", partial(self._remove, index), "link"))
         match step:
             case FillShortGaps():
                 field = NumberField("Longest gap", "s", 0.01, 5.0, 0.01)
                 self._number(
-                    section, place, "Max. gap", field, step.longest, lambda value: FillShortGaps(longest=value)
+                    section, index, "Max. gap", field, step.longest, lambda value: FillShortGaps(longest=value)
                 )
             case LowPass():
                 field = NumberField("Cut-off", "Hz", 0.5, 500.0, 0.5, 1)
-                self._number(section, place, "Cut-off", field, step.cutoff, lambda value: LowPass(cutoff=value))
-        if place < len(self._reports):
-            report = self._reports[place]
+                self._number(section, index, "Cut-off", field, step.cutoff, lambda value: LowPass(cutoff=value))
+        if index < len(self._reports):
+            report = self._reports[index]
             section.add_wide(styled_label(report.summary, "value"))
             if report.details:
                 section.add_wide(styled_label("; ".join(report.details), "hint"))
@@ -95,7 +95,7 @@ class StepList(QWidget):
     def _number(
         self,
         section: Section,
-        place: int,
+        index: int,
         label: str,
         field: NumberField,
         value: float,
@@ -104,16 +104,16 @@ class StepList(QWidget):
         field.show_value(value)
 
         def put(number: float) -> None:
-            self.steps = (*self.steps[:place], make(number), *self.steps[place + 1 :])
+            self.steps = (*self.steps[:index], make(number), *self.steps[index + 1 :])
 
         field.edited.connect(put)
         field.ended.connect(self.changed)
         section.add_row(label, field)
 
-    def _move(self, place: int, to: int) -> None:
+    def _move(self, index: int, to: int) -> None:
         steps = list(self.steps)
-        steps.insert(to, steps.pop(place))
+        steps.insert(to, steps.pop(index))
         self._set(tuple(steps))
 
-    def _remove(self, place: int) -> None:
-        self._set((*self.steps[:place], *self.steps[place + 1 :]))
+    def _remove(self, index: int) -> None:
+        self._set((*self.steps[:index], *self.steps[index + 1 :]))

@@ -97,9 +97,9 @@ class MarkerCloud(QWidget):
             self._labels[k]: middle + QPointF(-scale * across[k], -scale * points[k, 2]) for k in np.flatnonzero(seen)
         }
 
-    def label_at(self, place: QPointF) -> str:
+    def label_at(self, position: QPointF) -> str:
         """Marker under a point of the widget; empty without one."""
-        near = {label: (dot - place).manhattanLength() for label, dot in self.dots().items()}
+        near = {label: (dot - position).manhattanLength() for label, dot in self.dots().items()}
         label = min(near, key=lambda each: near[each], default="")
         return label if label and near[label] < 1.4 * CLOUD_REACH else ""
 

@@ -55,7 +55,7 @@ class DragHandle(EditGesture[Constraint]):
             time = time_of(curve, self.part) + seconds
             return with_time(curve, self.part, min(max(time, min(0.0, curve.start)), last))
 
-        self.put_all(lambda _, each: replace(each, activation=moved(each)))
+        self.show_all_edited(lambda _, each: replace(each, activation=moved(each)))
         time = time_of(moved(self.original), self.part)
         text = f"{self.part}  {self.shown.moment(time * subject.frame_rate)}"
         self.mark = DragHint(subject.to_stage(time), text, caught.magnet)
@@ -83,7 +83,7 @@ class MoveActivation(EditGesture[Constraint]):
         curves = [each.activation for each in self.originals.values()]
         last = subject.last_frame / subject.frame_rate
         seconds = min(max(seconds, *(-each.end for each in curves)), *(last - each.start for each in curves))
-        self.put_all(lambda _, each: moved(each, seconds, free))
+        self.show_all_edited(lambda _, each: moved(each, seconds, free))
         start = curve.start + seconds
         text = f"{seconds:+.3f} s  starts {self.shown.moment(start * subject.frame_rate)}"
         self.mark = DragHint(subject.to_stage(start), text, caught.magnet)

@@ -81,7 +81,7 @@ class DragContact(EditGesture[ContactInterval]):
             caught = Snapped(end.time - behind, end.magnet) if end.magnet is not None else caught
         grabbed = old.last if self.part == ItemPart.LAST else old.first
         frames = self._within(round(subject.motion_frame(caught.time)) - grabbed)
-        self.put_all(lambda key, each: self._dragged(key, each, frames))
+        self.show_all_edited(lambda key, each: self._dragged(key, each, frames))
         contact = self._dragged(self.entity_id, old, frames)
         shown_frame = contact.last if self.part == ItemPart.LAST else contact.first
         text = self.shown.moment(shown_frame)

@@ -31,7 +31,7 @@ class DragCorrectionRange(EditGesture[Correction]):
             curve = correction.activation
             return replace(correction, activation=with_time(curve, self.part, time_of(curve, self.part) + seconds))
 
-        self.put_all(lambda _, each: moved(each))
+        self.show_all_edited(lambda _, each: moved(each))
         words = time_text(caught.time * self.shown.axis.frame_rate, caught.time)
         self.mark = DragHint(caught.time, f"{self.part}  {words}", caught.magnet)
 
@@ -55,6 +55,6 @@ class MoveCorrection(EditGesture[Correction]):
             later = correction.moved(seconds)
             return replace(later, keys=correction.keys) if free else later
 
-        self.put_all(lambda _, each: moved(each))
+        self.show_all_edited(lambda _, each: moved(each))
         words = time_text(caught.time * self.shown.axis.frame_rate, caught.time)
         self.mark = DragHint(caught.time, f"{seconds:+.3f} s  starts {words}", caught.magnet)

@@ -73,9 +73,9 @@ class EditGesture(TimelineGesture, Generic[EntityT]):
 
     def show_edited(self, entity: EntityT) -> None:
         """Show the grabbed entity with the edit of the drag."""
-        self.put_all(lambda key, each: entity if key == self.entity_id else each)
+        self.show_all_edited(lambda key, each: entity if key == self.entity_id else each)
 
-    def put_all(self, edit: Callable[[str, EntityT], EntityT]) -> None:
+    def show_all_edited(self, edit: Callable[[str, EntityT], EntityT]) -> None:
         """Apply the edit of the drag to every dragged entity; removed ones are skipped."""
         document = self.shown.document
         with document.group(self.text, self._number):
@@ -89,7 +89,7 @@ class EditGesture(TimelineGesture, Generic[EntityT]):
 
     def cancel(self) -> None:
         """Restore everything; the step vanishes."""
-        self.put_all(lambda _, original: original)
+        self.show_all_edited(lambda _, original: original)
         self.finish()
 
     def moved(self, position: QPointF) -> float:

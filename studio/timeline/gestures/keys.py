@@ -54,14 +54,14 @@ class BoxSelect(TimelineGesture):
 
     def __init__(self, sheet: TimelineLayout, press: QPointF, add: bool) -> None:
         self._sheet, self._press = sheet, press
-        self._before = sheet.shown.document.keys.items
+        self._before = sheet.context.document.keys.items
         self._kept = self._before if add else frozenset()
-        self._items = sheet.shown.document.selection.items if add else ()
+        self._items = sheet.context.document.selection.items if add else ()
         self.box = QRectF(press, press)
 
     def update(self, position: QPointF, free: bool) -> None:
         """Select all keys between the press and the mouse, in the rows that the box touches."""
-        sheet, shown = self._sheet, self._sheet.shown
+        sheet, shown = self._sheet, self._sheet.context
         self.box = QRectF(self._press, position).normalized()
         reach = self.box.adjusted(-KEY_REACH, -KEY_REACH, KEY_REACH, KEY_REACH)
         begin, end = shown.axis.time_at(self.box.left()), shown.axis.time_at(self.box.right())
@@ -69,7 +69,7 @@ class BoxSelect(TimelineGesture):
         for row in sheet.rows:
             if reach.top() <= key_height(row, sheet.rect(row)) <= reach.bottom():
                 found.update(keys_between(shown, fields_in(shown, row), begin, end))
-        if not shown.dope:
+        if not shown.shows_dope_sheet:
             owners = dict.fromkeys(key.field.item for key in sorted(found) if key.field.collection != "characters")
             bodies = (
                 row.id
@@ -81,4 +81,4 @@ class BoxSelect(TimelineGesture):
 
     def cancel(self) -> None:
         """Restore the selection."""
-        self._sheet.shown.document.keys.set(self._before)
+        self._sheet.context.document.keys.set(self._before)

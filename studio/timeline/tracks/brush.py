@@ -58,9 +58,9 @@ def paint_dot(painter: QPainter, centre: QPointF, radius: float, fill: str, edge
     painter.drawEllipse(centre, radius, radius)
 
 
-def paint_key(painter: QPainter, place: QPointF, colour: str, selected: bool = False) -> None:
+def paint_key(painter: QPainter, position: QPointF, colour: str, selected: bool = False) -> None:
     """Draw the diamond of a key, with a light edge if it is selected."""
-    x, y, reach = place.x(), place.y(), KEY_REACH + (1.0 if selected else 0.0)
+    x, y, reach = position.x(), position.y(), KEY_REACH + (1.0 if selected else 0.0)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.setPen(hairline(colours.SELECTED_HANDLE, 2.0) if selected else hairline(colours.PANEL, 1.0))
     painter.setBrush(QColor(colour))

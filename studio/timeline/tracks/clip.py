@@ -53,7 +53,7 @@ def clip_text(shown: RowContext, clip: Clip) -> str:
 def row_text(shown: RowContext, clip: Clip) -> str:
     """As ``clip_text``, with the number of bodies if one row represents several, or a note that all are hidden."""
     text = clip_text(shown, clip)
-    if shown.apart:
+    if shown.rows_per_performer:
         return text
     bodies = len(shown.subject.bodies)
     if not bodies:
@@ -134,7 +134,7 @@ def paint_clip_bar(painter: QPainter, shown: RowContext, performer_id: str, clip
     """Draw a bar in the colour of its body, or of all bodies, stronger if it is selected."""
     project = shown.project
     colour = colours.KINDS["position"]
-    if shown.apart:
+    if shown.rows_per_performer:
         colour = project.characters[project.performers[performer_id].character_id].colour
     selected = shown.is_selected("clips", clip.id)
     tint = SELECTED_TINT if selected else TINT
@@ -186,13 +186,13 @@ def paint_clip_label(painter: QPainter, row: QRect, shown: RowContext, performer
     name = performer.name if performer.visible else f"{performer.name}, hidden"
     paint_label(painter, label_area(row).adjusted(14, 0, 0, 0), name, text)
     if is_foldable(shown, performer_id):
-        paint_fold(painter, row, not shown.apart)
+        paint_fold(painter, row, not shown.rows_per_performer)
 
 
 def is_foldable(shown: RowContext, performer_id: str) -> bool:
     """True if this performer's row folds and unfolds those of all performers."""
     performers = list(shown.project.performers)
-    return len(performers) > 1 and (not shown.apart or performer_id == performers[0])
+    return len(performers) > 1 and (not shown.rows_per_performer or performer_id == performers[0])
 
 
 def clip_hit(bars: list[tuple[Clip, QRectF]], performer_id: str, point: QPointF) -> Hit:

@@ -160,9 +160,9 @@ def _curve_path(shown: RowContext, row: QRect, constraint: Constraint) -> QPaint
     return path
 
 
-def strip_top(row: QRect, place: int) -> int:
-    """Top pixel of the strip of the ``place``-th body."""
-    return baseline(row) + 1 + STRIP_GAP_PX + PITCH * place
+def strip_top(row: QRect, index: int) -> int:
+    """Top pixel of the strip of the ``index``-th body."""
+    return baseline(row) + 1 + STRIP_GAP_PX + PITCH * index
 
 
 def _paint_strips(painter: QPainter, row: QRect, shown: RowContext, constraint_id: str) -> None:
@@ -211,7 +211,7 @@ def residual_text(shown: RowContext, constraint_id: str) -> tuple[str, str]:
         who = "" if unknown == len(strips) else f" for {unknown} of {len(strips)}"
         return f"{unsolved_words(shown.live)}{who}", colours.TEXT_THIRD
     found = [(shown.residual(constraint_id, body.performer_id), body.name) for body in bodies]
-    missed = [(residual, name) for residual, name in found if residual is not None and not residual.held]
+    missed = [(residual, name) for residual, name in found if residual is not None and not residual.is_invisible]
     if not missed:
         acting = sum(residual is not None for residual, _ in found)
         if not acting:
@@ -225,7 +225,7 @@ def residual_text(shown: RowContext, constraint_id: str) -> tuple[str, str]:
         on = f" on {which} characters" if len(strips) > 1 else ""
         return f"held{on}{' at full activation' if eases else ''}", colours.TEXT_THIRD
     worst, name = max(missed, key=lambda each: each[0].weight)
-    text = f"{name} {worst.words} at {shown.frame_words(worst.frame)}"
+    text = f"{name} {worst.text} at {shown.frame_words(worst.frame)}"
     colour = (
         colours.PARTLY if worst.is_hardly_visible else colours.mixed_colour(colours.NOT_REACHED, colours.TEXT, 0.25)
     )

@@ -179,14 +179,14 @@ class PlotPicture(QObject):
             unit = shown_unit(self.quantity.unit(shown))
             return f"{value * unit.factor:.2f} {unit.symbol}"
         measure = error_measure(shown)
-        return measure.words(value / measure.factor)
+        return measure.text_of(value / measure.factor)
 
     def nearest(self, row: QRect, seconds: float, y: float) -> tuple[Curve, float] | None:
         """Curve nearest to a height at a time, with its value there."""
         values = [(curve, curve.at(seconds)) for curve in self.curves]
         return min(values, key=lambda pair: abs(self.y_of(row, pair[1]) - y), default=None)
 
-    def forget(self) -> None:
+    def drop_curves(self) -> None:
         """Drop the curves of results that are not shown any more."""
         self._known, self._asked, self.curves = {}, {}, []
 

@@ -142,10 +142,10 @@ class ValueCurves:
         span = self.range_of(shown, channel)
         return pixels / area.height() * (span.high - span.low)
 
-    def point(self, shown: RowContext, area: QRect, channel: Channel, keyed: Keyed, place: int) -> QPointF:
+    def point(self, shown: RowContext, area: QRect, channel: Channel, keyed: Keyed, index: int) -> QPointF:
         """Pixel of a key."""
-        value = float(key_values(channel, keyed)[place])
-        x = shown.axis.x_of_time(stage_time(shown, channel.field, keyed.times[place]))
+        value = float(key_values(channel, keyed)[index])
+        x = shown.axis.x_of_time(stage_time(shown, channel.field, keyed.times[index]))
         return QPointF(x, self.y_of(shown, area, channel, value))
 
     def handle_point(self, shown: RowContext, area: QRect, handle: HandleRef, keyed: Keyed) -> QPointF | None:

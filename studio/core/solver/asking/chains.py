@@ -50,7 +50,7 @@ class ChainJoints:
         return np.ascontiguousarray(np.vstack([self.weights, np.nan_to_num(self.limits)])[:, self.recruited])
 
     @property
-    def chain(self) -> records.JointWeights:
+    def kernel_weights(self) -> records.JointWeights:
         """Copy for the kernels, which write the availability of limbs at a frame into weights and limits."""
         return records.JointWeights(self.weights.copy(), self.joints, self.joint_of_segment, self.limits.copy())
 
@@ -83,7 +83,7 @@ def joints_of_chains(chains: tuple[Chain, ...], ranks: tuple[int, ...], layout: 
     segments = np.array([*range(k), k + 2, k + 6, k, k + 1, k + 3, k + 7, k + 10, k + 14, ROOT_TRANSLATION])
     trunk = [*[VERTEBRA_LIMIT] * k, *[CLAVICLE_LIMIT] * 2, *[NECK_LIMIT] * 2]
     limits = [*trunk, *[SHOULDER_LIMIT] * 2, *[HIP_LIMIT] * 2, np.pi / 2]
-    parts = [layout.part(segment) for segment in segments[:-1]]
+    parts = [layout.part_of_segment(segment) for segment in segments[:-1]]
     usual = np.array([*(JOINT_WEIGHTS.get(part, 1.0) for part in parts), ROOT_WEIGHT])
     weights = (
         np.array([[*(_weight(chain, part) for part in parts), chain.root] for chain in chains]).reshape(

@@ -21,7 +21,7 @@ from studio.core.project_cache import project_cache
 from studio.core.solver.request import AdaptedMotion
 
 if TYPE_CHECKING:
-    from studio.core.solver.standing.stand import Standing
+    from studio.core.solver.standing.stand import GroundedMotion
 
 FloatArray = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ def pack_clearance(
     held: int,
     activations: FloatArray,
     misses: FloatArray,
-    standing: "Standing",
+    standing: "GroundedMotion",
     window: slice,
 ) -> ClearanceArrays:
     """Arrays of Q self-collision constraints for the kernels, which write residuals into ``misses`` (Q, F).

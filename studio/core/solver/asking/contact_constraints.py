@@ -53,7 +53,11 @@ def contact_constraints(
     found = []
     for hold in holds:
         place = track_of(hold.point, body, positions)
-        rotation = rotations[:, body.layout.segment(_part(hold.point, "hand"))] if hold.point.member == "hand" else None
+        rotation = (
+            rotations[:, body.layout.segment_of_part(_part(hold.point, "hand"))]
+            if hold.point.member == "hand"
+            else None
+        )
         rotation_matrices = np.broadcast_to(np.eye(3), (len(place), 3, 3)) if rotation is None else rotation
         point = _body_point(hold.point, body)
         name, standing = f"{hold.point.words} contact", hold.standing

@@ -10,12 +10,14 @@ from studio.core.body.canonical import BodyLayout
 from studio.core.body.morphology import AnyMorphology, at_frames, sole_rows
 from studio.core.constraints.base import Constraint
 from studio.core.solver.asking.points import limb_of, point_indices
-from studio.core.solver.standing.stand import Standing
+from studio.core.solver.standing.stand import GroundedMotion
 
 FloatArray = NDArray[np.float64]
 
 
-def target_above_ground(constraint: Constraint, target: FloatArray, standing: Standing, window: slice) -> FloatArray:
+def target_above_ground(
+    constraint: Constraint, target: FloatArray, standing: GroundedMotion, window: slice
+) -> FloatArray:
     """Target positions (F or 1, 3) in metres, raised to the least height of their point; ``target`` itself if none
     is below that.
     """
@@ -48,7 +50,7 @@ def _height_over_sole(point: int, side: int, layout: BodyLayout, measures: Float
     return np.asarray(measures[:, 2] + measures[:, 3]) if point == ankle + 1 else np.zeros(1)
 
 
-def ground_planes(standing: Standing, window: slice) -> FloatArray:
+def ground_planes(standing: GroundedMotion, window: slice) -> FloatArray:
     """Planes (4, F or 1, 3) of the ground under the end of each limb in the unconstrained motion, z = a + b x + c y."""
     ground, layout = standing.ground, standing.morphology.layout
     if ground.is_level:

@@ -19,7 +19,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.solver.asking.points import limb_of
 from studio.core.solver.standing.blends import smooth_penetrations
 from studio.core.solver.standing.held_foot import FootPath
-from studio.core.solver.standing.stand import Standing
+from studio.core.solver.standing.stand import GroundedMotion
 from studio.core.solver.standing.tipping import heights_of, tipped, tipped_about_ankle
 
 FloatArray = NDArray[np.float64]
@@ -50,7 +50,7 @@ def _followed_parts(constraint: Constraint) -> Iterable[BodyPart]:
 
 
 def lift_ends(
-    standing: Standing, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray
+    standing: GroundedMotion, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray
 ) -> None:
     """Rotate hands and feet of solved frames of a ``window``, (F, P, 3) and (F, S, 3, 3), in place.
 
@@ -102,11 +102,11 @@ def without_negligible_rises(rises: FloatArray) -> FloatArray:
 
 
 class LimbEnd(NamedTuple):
-    """Hand or foot: the point of its ``joint``, its ``segment``, and its ``size`` in points, and in segments."""
+    """Hand or foot: the point of its ``joint``, its ``segment``, and the counts of its points and segments."""
 
     joint: int
     segment: int
-    size: int
+    point_and_segment_counts: int
 
     def tip_heights(self, ground: Ground, positions: PoseArray) -> FloatArray:
         """Heights (F,) in metres of its first point above the ground."""
@@ -120,7 +120,8 @@ class LimbEnd(NamedTuple):
     def rotate(self, turns: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
         """Rotate it by ``turns`` (F, 3, 3) about its joint, in place."""
         points, segments = (
-            slice(at + 1 - of, at + 1 - of + self.size) for at, of in ((self.joint, 0), (self.segment, 1))
+            slice(at + 1 - of, at + 1 - of + self.point_and_segment_counts)
+            for at, of in ((self.joint, 0), (self.segment, 1))
         )
         offsets = positions[:, points] - positions[:, self.joint, None]
         positions[:, points] += np.einsum("fij,fpj->fpi", turns, offsets) - offsets

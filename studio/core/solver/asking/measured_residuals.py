@@ -34,7 +34,7 @@ def with_residuals_remeasured(adapted: AdaptedMotion, request: AdaptRequest) -> 
     """``adapted`` with residuals measured on the ``final_tracks`` of ``request``, for constraints that follow these and
     are fully active.
     """
-    final, unasked = request.final_tracks, adapted.unasked
+    final, unasked = request.final_tracks, adapted.unconstrained
     rows = [row for row, each in enumerate(request.constraints) if not final.keys().isdisjoint(follows_of(each))]
     if not rows or unasked is None:
         return adapted

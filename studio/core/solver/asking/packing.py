@@ -57,7 +57,7 @@ def pack_tasks(
         if kind is None:
             raise TypeError(f"'{constraint.name}': the solver has no kind '{constraint.kind}'.")
         rows.tasks["kind"][c] = kind.code
-        kind.write(rows, c, constraint)
+        kind.write_task(rows, c, constraint)
     for c, constraint in enumerate(constraints):
         if constraint.chain.free_arms or constraint.chain.free_legs:
             _blend_tasks_on_redundant_limbs(rows, c, constraint.chain)

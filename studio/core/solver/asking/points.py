@@ -9,7 +9,7 @@ from studio.core.constraints.base import CLAVICLES, TRUNK_PARTS, BodyPoint, Chai
 @lru_cache(maxsize=1024)
 def point_indices(point: BodyPoint, layout: BodyLayout) -> tuple[int, int]:
     """(origin point of a constraint point's offset, segment whose axes it uses)."""
-    segment = layout.segment(point.part)
+    segment = layout.segment_of_part(point.part)
     ends = layout.distal_points() if point.at_end else layout.proximal_points()
     return ends[segment], segment
 

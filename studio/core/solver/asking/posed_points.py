@@ -22,4 +22,4 @@ def target_positions(target: object, targets: Targets, adapted: AdaptedMotion) -
     """Target positions (F or 1, 3), or positions of a followed point of the body."""
     if isinstance(target, FollowBody | BodyPoint):
         return point_positions(target.point if isinstance(target, FollowBody) else target, adapted)
-    return targets.places(target)  # type: ignore[arg-type]
+    return targets.positions(target)  # type: ignore[arg-type]

@@ -14,12 +14,14 @@ from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.position import PositionConstraint
 from studio.core.rotations import normalized
 from studio.core.solver.asking.points import limb_of, point_indices
-from studio.core.solver.standing.stand import Standing
+from studio.core.solver.standing.stand import GroundedMotion
 
 FloatArray = NDArray[np.float64]
 
 
-def contact_release(constraints: Sequence[Constraint], standing: Standing, window: slice = slice(None)) -> FloatArray:
+def contact_release(
+    constraints: Sequence[Constraint], standing: GroundedMotion, window: slice = slice(None)
+) -> FloatArray:
     """Release fraction (C, F) of the limb of each constraint from its contacts, 1 without limb."""
     freedoms = standing.limb_freedoms[:, window]
     fractions = np.ones((len(constraints), freedoms.shape[1]))
@@ -30,7 +32,7 @@ def contact_release(constraints: Sequence[Constraint], standing: Standing, windo
     return fractions
 
 
-def constraint_activations(constraints: Sequence[Constraint], standing: Standing) -> FloatArray:
+def constraint_activations(constraints: Sequence[Constraint], standing: GroundedMotion) -> FloatArray:
     """Activations (C, F) in [0, 1], 0 under a contact."""
     motion, activations = standing.motion, contact_release(constraints, standing)
     for row, constraint in zip(activations, constraints, strict=True):
@@ -47,7 +49,7 @@ def is_ramped(constraint: Constraint) -> bool:
 
 
 def ramped_target(
-    constraint: Constraint, target: FloatArray, fraction: FloatArray, standing: Standing, window: slice
+    constraint: Constraint, target: FloatArray, fraction: FloatArray, standing: GroundedMotion, window: slice
 ) -> FloatArray:
     """Target positions (F or 1, 3) in metres, ramped from the contact by the release ``fraction`` (F,).
 

@@ -115,7 +115,7 @@ class SelfContact:
         """Copy without contacts of hands, in which arms only stay out of the body."""
         return replace(self, firm=np.zeros_like(self.firm), resting=())
 
-    def part(self, frames: slice) -> "SelfContact":
+    def in_frames(self, frames: slice) -> "SelfContact":
         """Copy for some frames."""
         return replace(
             self,
@@ -168,7 +168,7 @@ class SelfContact:
             weights[first:past] = smoothstep_array(np.minimum(np.minimum(since, until) / fades, 1.0))
         return weights
 
-    def close(self, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
+    def close_contacts(self, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
         """Correct the arms of grounded frames of a ``window`` (F, P, 3), (F, S, 3, 3), in place.
 
         ``free`` (F, 2, 2) are the weights of wrist and elbow of each arm. Frames are final if all frames ``around``
@@ -201,7 +201,7 @@ class SelfContact:
         self._solve_hand_contacts(window, parted, positions, rotations)
 
     def push_out(self, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
-        """Push the arms of solved frames of a ``window`` out of the body, as ``close`` does; hands stay in contact."""
+        """Push the arms of solved frames of ``window`` out of the body; hands stay in contact (``close_contacts``)."""
         all_frames = np.ones(len(positions), dtype=np.bool_)
         self._clear(window, free, self._lying(window), self.firm[window], all_frames, positions, rotations)
 

@@ -30,35 +30,35 @@ class UnsolvedTask:
     body: Morphology
 
     @property
-    def row(self) -> Any:
+    def task_record(self) -> Any:
         """Its record of ``TASK``."""
         return self.rows.tasks[self.c]
 
     @property
-    def segment(self) -> FloatArray:
+    def segment_rotations(self) -> FloatArray:
         """Rotations (F, 3, 3) of its segment."""
-        return self.rotations[:, self.row["segments"][0]]
+        return self.rotations[:, self.task_record["segments"][0]]
 
     @cached_property
-    def place(self) -> FloatArray:
+    def point_positions(self) -> FloatArray:
         """Positions (F, 3) of its point."""
         return self._end(0)
 
     @cached_property
     def target_positions(self) -> FloatArray:
         """Target positions (F or 1, 3), or the other point of the body."""
-        return self.rows.positions[self.c] if self.row["points"][1] < 0 else self._end(1)
+        return self.rows.positions[self.c] if self.task_record["points"][1] < 0 else self._end(1)
 
     @property
     def target_rotation(self) -> FloatArray:
         """Target rotations (F or 1, 3, 3), or those of the followed segment."""
-        if self.row["points"][1] < 0:
+        if self.task_record["points"][1] < 0:
             return self.rows.rotations[self.c]
-        return np.asarray(self.rotations[:, self.row["segments"][1]] @ self.row["relative"])
+        return np.asarray(self.rotations[:, self.task_record["segments"][1]] @ self.task_record["relative"])
 
     def _end(self, end: int) -> FloatArray:
-        point, segment = self.row["points"][end], self.row["segments"][end]
-        return np.asarray(self.positions[:, point] + self.rotations[:, segment] @ self.row["offsets"][end])
+        point, segment = self.task_record["points"][end], self.task_record["segments"][end]
+        return np.asarray(self.positions[:, point] + self.rotations[:, segment] @ self.task_record["offsets"][end])
 
 
 def trajectory_to(target: FloatArray, begin: FloatArray) -> TargetTrajectory:
@@ -71,4 +71,4 @@ def trajectory_to(target: FloatArray, begin: FloatArray) -> TargetTrajectory:
 
 def point_trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
     """Trajectory from a task's point to its target."""
-    return trajectory_to(unsolved.target_positions, unsolved.place)
+    return trajectory_to(unsolved.target_positions, unsolved.point_positions)

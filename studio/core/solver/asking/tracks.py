@@ -29,12 +29,12 @@ FloatArray = NDArray[np.float64]
 class Track:
     """Track of a followed object: ``places`` (F, 3) metres and ``rotations`` (F, 3, 3), or one frame for all."""
 
-    places: FloatArray
+    positions: FloatArray
     rotations: FloatArray
 
     def in_frames(self, window: slice) -> "Track":
         """The frames of ``window``."""
-        return self if len(self.places) == 1 else Track(self.places[window], self.rotations[window])
+        return self if len(self.positions) == 1 else Track(self.positions[window], self.rotations[window])
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,19 +58,19 @@ class Targets:
     masses: Callable[[], FloatArray]
     leg_length: float
 
-    def places(self, target: Place | Support) -> FloatArray:
+    def positions(self, target: Place | Support) -> FloatArray:
         """Positions (F or 1, 3) in metres."""
         if isinstance(target, KeyedOwnPlace):
-            return self.tracks[target.origin].places + self.leg_length * target.at(self.times)
+            return self.tracks[target.origin].positions + self.leg_length * target.at(self.times)
         if isinstance(target, ProceduralPlace) and target.origin is not None:
-            return self.tracks[target.origin].places + target.at(self.times)
+            return self.tracks[target.origin].positions + target.at(self.times)
         if isinstance(target, KeyedPlace | ProceduralPlace):
             return target.at(self.times)
         if isinstance(target, (*FOLLOWS, OwnPlace, Support)):
-            return self.tracks[target].places
+            return self.tracks[target].positions
         return np.array(target, dtype=np.float64)[None]
 
-    def turns(self, target: Turn) -> FloatArray:
+    def rotations(self, target: Turn) -> FloatArray:
         """Rotations (F or 1, 3, 3)."""
         if isinstance(target, KeyedTurn):
             return target.at(self.times)
@@ -118,9 +118,9 @@ def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
     for name in (field.name for field in fields(constraint)):
         value = getattr(constraint, name)
         if isinstance(value, KeyedTurn) or (isinstance(value, FOLLOWS) and constraint.kind == "orientation"):
-            changes[name] = tuple(from_matrix(targets.turns(value)[0]).tolist())
+            changes[name] = tuple(from_matrix(targets.rotations(value)[0]).tolist())
         elif isinstance(value, (KeyedPlace, KeyedOwnPlace, ProceduralPlace, OwnPlace, *FOLLOWS)):
-            changes[name] = tuple(targets.places(value)[0].tolist())
+            changes[name] = tuple(targets.positions(value)[0].tolist())
         elif isinstance(value, KeyedNumber):
             changes[name] = float(targets.numbers(value)[0])
     if "centre" in changes and isinstance(constraint, AreaConstraint) and constraint.shape is AreaShape.HALF_SPACE:
@@ -135,18 +135,18 @@ def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
     return replace(constraint, **changes) if changes else constraint
 
 
-def moved_target(target: Place, place: Vector, seconds: float, track: Track | None) -> Place:
-    """``target`` moved to ``place`` at ``seconds``: with a key, another centre of a rule, or another offset from a
+def moved_target(target: Place, position: Vector, seconds: float, track: Track | None) -> Place:
+    """``target`` moved to ``position`` at ``seconds``: with a key, another centre of a rule, or another offset from a
     followed object, whose ``track`` begins at that time.
     """
     if isinstance(target, KeyedPlace):
-        return target.with_key(seconds, place)
+        return target.with_key(seconds, position)
     if isinstance(target, ProceduralPlace):
-        return target.passing(place, seconds)
+        return target.passing(position, seconds)
     if not isinstance(target, FOLLOWS) or track is None:
-        return place
+        return position
     axes = track.rotations[0] @ to_matrix(np.array(target.turn)).T
-    further = axes.T @ (np.array(place) - track.places[0])
+    further = axes.T @ (np.array(position) - track.positions[0])
     if isinstance(target, FollowProp | FollowTracked):
         return replace(target, offset=_sum(target.offset, further))
     return replace(target, point=replace(target.point, offset=_sum(target.point.offset, further)))

@@ -37,16 +37,16 @@ def with_anticipated_targets(tracks: Tracks, constraints: Sequence[Constraint], 
     for constraint in constraints:
         for follow in follows_of(constraint):
             track = tracks.get(follow) if isinstance(follow, FollowPerformer) and follow.awaits else None
-            if isinstance(track, Track) and len(track.places) > 1:
+            if isinstance(track, Track) and len(track.positions) > 1:
                 found[follow] = _awaited(track, constraint.activation, frame_rate)
     return found
 
 
 def _awaited(track: Track, curve: ActivationCurve, frame_rate: float) -> Track:
-    rows = np.arange(len(track.places))
+    rows = np.arange(len(track.positions))
     first, full, full_end, last = np.rint(
         np.array([curve.start, curve.full, curve.full_end, curve.end]) * frame_rate
     ).clip(0, len(rows) - 1)
     coming, leaving = (rows >= first) & (rows < full), (rows > full_end) & (rows <= last)
     rows[coming], rows[leaving] = full, full_end
-    return Track(track.places[rows], track.rotations[rows])
+    return Track(track.positions[rows], track.rotations[rows])

@@ -215,12 +215,12 @@ def _meet(
         asked, theirs = players[me].request.constraints[row], players[other].request.constraints[column]
         assert isinstance(asked, PositionConstraint)
         follow = _target(asked)
-        mine, other_place = _point(players[me], results[me], asked), tracks[me, follow].places
+        mine, other_place = _point(players[me], results[me], asked), tracks[me, follow].positions
         if (me, follow) not in before:
             fraction = meeting.share if first else 1.0 - meeting.share
             place = mine + fraction * (other_place - mine)
         else:
-            place = before[me, follow].places
+            place = before[me, follow].positions
             times = players[me].times
             held = asked.activation.at(times)[:, None] ** 3
             held_there = theirs.activation.at(times + _apart(players[me], players[other]))[:, None] ** 3
@@ -250,7 +250,7 @@ def _moved(
     """Greatest displacement in metres of followed points, weighted by activation."""
     moved = 0.0
     for (key, follow), track in after.items():
-        displacements = np.linalg.norm(track.places - before[key, follow].places, axis=1)
+        displacements = np.linalg.norm(track.positions - before[key, follow].positions, axis=1)
         for each in players[key].request.constraints:
             if follow in follows_of(each):
                 moved = max(moved, float((displacements * each.activation.at(players[key].times)).max(initial=0.0)))
@@ -258,4 +258,4 @@ def _moved(
 
 
 def _halfway(before: Track, after: Track) -> Track:
-    return Track((before.places + after.places) / 2, after.rotations)
+    return Track((before.positions + after.positions) / 2, after.rotations)

@@ -65,7 +65,7 @@ def performer_track(
         point_track(point, turn, adapted.positions[each], adapted.rotations[each], adapted.morphology)
         for each in (before, after)
     )
-    places = earlier.places + fraction * (later.places - earlier.places)
+    places = earlier.positions + fraction * (later.positions - earlier.positions)
     begin, end = Rotation.from_matrix(earlier.rotations), Rotation.from_matrix(later.rotations)
     axes = (begin * Rotation.from_rotvec(fraction * (begin.inv() * end).as_rotvec())).as_matrix()
     return Track(own.to_motion(placement.to_stage(places)), own.rotation.T @ placement.rotation @ axes)
@@ -105,6 +105,6 @@ def tracked_in_row(
         own = captured_joint_track(follow, capture, rows)
         carry = clip_transform(played, composite.timing, leg_length)
         c, s = np.cos(carry.turn), np.sin(carry.turn)
-        places[frames] = carry.places(own.places)
+        places[frames] = carry.positions(own.positions)
         axes[frames] = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ own.rotations
     return Track(places, axes)

@@ -33,7 +33,7 @@ class Performance:
     """Iterations of its dependency cycle; 0 outside of one."""
 
     @property
-    def played(self) -> AdaptedMotion:
+    def adapted_on_stage(self) -> AdaptedMotion:
         """Its frames on the stage."""
         timing = self.composite.timing
         return self.adapted.frames(timing.first, timing.last)

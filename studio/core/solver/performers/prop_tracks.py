@@ -36,7 +36,7 @@ class Hands(Protocol):
     def track(self, hold: InHand | Carried) -> Track:
         """Track of a held prop on the stage; one frame for each time."""
 
-    def at(self, time: float) -> "Hands":
+    def pose_at(self, time: float) -> "Hands":
         """The same at one second of the stage."""
 
 
@@ -53,7 +53,7 @@ class Holder:
     whole: AdaptedMotion | None = None
     timing: Timing | None = None
 
-    def at(self, time: float) -> "Holder":
+    def pose_at(self, time: float) -> "Holder":
         """The same at one second of the stage."""
         passed = self.motion.passed_constraints.get(time)
         whole = passed or self.whole or self.motion
@@ -66,10 +66,10 @@ class Holder:
         motion, placement = self.motion, self.placement
         if isinstance(hold, InHand):
             return performer_track(hold.point, hold.turn, motion, self.rows, placement, Placement())
-        if motion.unasked is None:
+        if motion.unconstrained is None:
             return Track(np.array([[0.0, 0.0, 0.0]]), np.eye(3)[None])
         frames = np.rint(np.asarray(self.rows)).astype(np.int64) + motion.first_frame
-        return OwnHands(motion.unasked, motion.body, placement, frames).track(hold)
+        return OwnHands(motion.unconstrained, motion.body, placement, frames).track(hold)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,26 +79,26 @@ class OwnHands:
     Constraints that keep hands on the prop do not move it.
     """
 
-    unasked: UnconstrainedPoses
+    unconstrained: UnconstrainedPoses
     body: AnyMorphology
     placement: Placement
     rows: NDArray[np.int64]
     timing: Timing | None = None
 
-    def at(self, time: float) -> "OwnHands":
+    def pose_at(self, time: float) -> "OwnHands":
         """The same at one second of the stage."""
         rows = np.rint(self.timing.frames_at([time])).astype(np.int64) if self.timing else np.zeros(1, dtype=np.int64)
         return replace(self, rows=rows)
 
     def track(self, hold: InHand | Carried) -> Track:
         """Track of a held prop on the stage."""
-        rows = self.rows.clip(0, len(self.unasked.positions) - 1)
-        positions, rotations = self.unasked.positions[rows], self.unasked.rotations[rows]
+        rows = self.rows.clip(0, len(self.unconstrained.positions) - 1)
+        positions, rotations = self.unconstrained.positions[rows], self.unconstrained.rotations[rows]
         if isinstance(hold, Carried):
             track = carried_track(hold, positions, rotations, self.body)
         else:
             track = point_track(hold.point, hold.turn, positions, rotations, self.body.first_frame_body)
-        return Track(self.placement.to_stage(track.places), self.placement.rotation @ track.rotations)
+        return Track(self.placement.to_stage(track.positions), self.placement.rotation @ track.rotations)
 
 
 def stage_track(prop: Prop, seconds: ArrayLike, hands: Mapping[str, Hands] = MappingProxyType({})) -> Track:
@@ -127,14 +127,14 @@ def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mappin
     for moment, sign, before in ((hold.begin, 1.0, places[:-1]), (hold.end if put else None, -1.0, ())):
         if moment is None:
             continue
-        there, here = _at(moment, before, prop, hands), theirs.at(moment).track(hold)
-        far = float(np.linalg.norm(there.places[0] - here.places[0]))
+        there, here = _at(moment, before, prop, hands), theirs.pose_at(moment).track(hold)
+        far = float(np.linalg.norm(there.positions[0] - here.positions[0]))
         seconds = min(hand_over_seconds(far), lasting / 2)
         weights = ease(sign * (times - moment) / max(seconds, 1e-6), EaseShape.QUINTIC)
         giver = prop.holds[before[-1]] if before else None
         gone_on = hands[giver.performer_id].track(giver) if giver is not None and giver.end == moment else there
         other = _spread(gone_on, len(times))
-        track.places[:] = other.places + weights[:, None] * (track.places - other.places)
+        track.positions[:] = other.positions + weights[:, None] * (track.positions - other.positions)
         turns = _part_of(other.rotations.transpose(0, 2, 1) @ track.rotations, weights)
         track.rotations[:] = other.rotations @ turns
     if hold.begin is not None:
@@ -151,19 +151,19 @@ def hand_over_seconds(distance: float) -> float:
 
 def _at(moment: float, places: Sequence[int], prop: Prop, hands: Mapping[str, Hands]) -> Track:
     """``_left_by`` at one second."""
-    return _left_by(places, prop, np.array([moment]), {key: each.at(moment) for key, each in hands.items()})
+    return _left_by(places, prop, np.array([moment]), {key: each.pose_at(moment) for key, each in hands.items()})
 
 
 def _spread(track: Track, count: int) -> Track:
     """Copy of a track with ``count`` frames."""
-    places, rotations = np.broadcast_to(track.places, (count, 3)), np.broadcast_to(track.rotations, (count, 3, 3))
+    places, rotations = np.broadcast_to(track.positions, (count, 3)), np.broadcast_to(track.rotations, (count, 3, 3))
     return Track(places.copy(), rotations.copy())
 
 
 def _put(track: Track, chosen: NDArray[np.bool_], other: Track) -> None:
     """Copy another track in the ``chosen`` (F,) frames, in place."""
     other = _spread(other, len(chosen))
-    track.places[chosen], track.rotations[chosen] = other.places[chosen], other.rotations[chosen]
+    track.positions[chosen], track.rotations[chosen] = other.positions[chosen], other.rotations[chosen]
 
 
 def _unheld(prop: Prop, times: FloatArray) -> Track:
@@ -187,7 +187,7 @@ def _part_of(rotations: FloatArray, weights: FloatArray) -> FloatArray:
 def track_in_motion_space(follow: FollowProp, prop: Prop, track: Track, own: Placement) -> Track:
     """Track of the followed point of a prop at ``track`` on the stage, in the space of a performer at ``own``."""
     offset = np.array(follow.offset) + np.array(follow.share) * np.array(prop.size) / 2
-    places = track.places + track.rotations @ offset
+    places = track.positions + track.rotations @ offset
     return Track(own.to_motion(places), own.rotation.T @ track.rotations @ to_matrix(np.array(follow.turn)))
 
 
@@ -202,7 +202,7 @@ def carried_track(held: Carried, positions: FloatArray, rotations: FloatArray, b
     """
     layout = body.first_frame_body.layout
     ends = [point_indices(BodyPoint(part, at_end=end), layout)[0] for part in CARRYING_HANDS for end in (False, True)]
-    chest = rotations[:, layout.segment(BodyPart.THORAX), :, 0]
+    chest = rotations[:, layout.segment_of_part(BodyPart.THORAX), :, 0]
     heading = np.arctan2(chest[:, 1], chest[:, 0])
     origin = positions[:, 0] if held.steady else positions[:, ends].mean(axis=1)
     places = origin + body.leg_length * rotations_about_z(heading) @ np.array(held.offset)

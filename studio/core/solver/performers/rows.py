@@ -96,15 +96,15 @@ def corrections_in(project: Project, performer_id: str, timing: Timing) -> tuple
 
 
 def pieces_of(
-    project: Project, performer_id: str, clip: Clip, motion_of: MotionOf, place: int = 0
+    project: Project, performer_id: str, clip: Clip, motion_of: MotionOf, index: int = 0
 ) -> tuple[MotionPiece, ...]:
-    """Pieces of a clip at a ``place`` of a performer's row, one for each repeat."""
+    """Pieces of a clip at a ``index`` of a performer's row, one for each repeat."""
     motion, contacts = motion_of(clip.motion_id), tuple(project.contacts_for(performer_id, clip).values())
     own, once = PlanarTransform(clip.turn, clip.offset), clip.length(motion.frame_rate) / clip.repeats
     return tuple(
         MotionPiece(
             motion, contacts, clip.first, clip.last, clip.start + repeat * once, clip.speed, clip.mirrored,
-            own if repeat == 0 else PlanarTransform(), clip.joined or repeat > 0, clip.ease, (place, repeat),
+            own if repeat == 0 else PlanarTransform(), clip.joined or repeat > 0, clip.ease, (index, repeat),
         )
         for repeat in range(clip.repeats)
     )  # fmt: skip
@@ -140,12 +140,12 @@ def constraints_in(
     for each in asked:
         by_place[places[each.clip, each.repeat]].append(each)
 
-    def goes_on(each: ClipConstraint, place: int) -> bool:
-        """True if the clip at ``place`` has the same constraint, and continues the one before."""
+    def goes_on(each: ClipConstraint, index: int) -> bool:
+        """True if the clip at ``index`` has the same constraint, and continues the one before."""
         return (
-            0 < place < len(carries)
-            and carries[place - 1].goes_on_in(carries[place], 1.5 / composite.timing.frame_rate)
-            and all(any(_is_same(each, other) for other in by_place[at]) for at in (place - 1, place))
+            0 < index < len(carries)
+            and carries[index - 1].goes_on_in(carries[index], 1.5 / composite.timing.frame_rate)
+            and all(any(_is_same(each, other) for other in by_place[at]) for at in (index - 1, index))
         )
 
     def carried(each: ClipConstraint) -> Constraint:

@@ -26,7 +26,7 @@ from studio.core.runs import runs_of
 from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
 from studio.core.solver.smoothing.root_reach import RootReach
 from studio.core.solver.standing.blends import LOOK_AHEAD, hann_window
-from studio.core.solver.standing.stand import Standing
+from studio.core.solver.standing.stand import GroundedMotion
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -58,7 +58,7 @@ class SolvedArrays(NamedTuple):
 
     positions: FloatArray
     rotations: FloatArray
-    misses: FloatArray
+    residuals: FloatArray
     cleared_positions: FloatArray
     cleared_rotations: FloatArray
 
@@ -134,7 +134,7 @@ class SolveNotes:
 
     @staticmethod
     def of(
-        standing: Standing,
+        standing: GroundedMotion,
         frames: int,
         joints: NDArray[np.void],
         moved: NDArray[np.bool_],
@@ -193,15 +193,19 @@ class SolveNotes:
         return sharp
 
 
-def own_peaks(standing: Standing, searched: IntArray, legs_asked: bool) -> FloatArray:
+def own_peaks(standing: GroundedMotion, searched: IntArray, legs_asked: bool) -> FloatArray:
     """Peaks (3,) of the unsolved motion as in ``SolveNotes.peaks_of``, for a search of segments ``searched`` (n,).
 
     Legs count where they have a constraint; root and searched joints are then allowed at least the legs' peaks.
     """
     layout = standing.morphology.layout
-    peaks = standing.peaks if legs_asked else standing.peaks[: layout.thigh_segment(0)]
+    peaks = (
+        standing.peak_angular_accelerations
+        if legs_asked
+        else standing.peak_angular_accelerations[: layout.thigh_segment(0)]
+    )
     joints = peaks[searched[(searched != ROOT_TRANSLATION) & (searched < len(peaks))]]
-    leg = max(QUIET_PEAK, *(peaks[layout.segment(part)] for part in LEG_BONES)) if legs_asked else QUIET_PEAK
+    leg = max(QUIET_PEAK, *(peaks[layout.segment_of_part(part)] for part in LEG_BONES)) if legs_asked else QUIET_PEAK
     most = peaks.max(initial=QUIET_PEAK)
     return np.array([min(max(leg, standing.root_peak), most), joints.max(initial=leg), most])
 
@@ -257,7 +261,7 @@ class LevelSmoother:
         values = charts.unsolved_coordinates
         self._eased = SmoothedPose(np.zeros((frames, joints, 3)), values)
         self._moved = SmoothedPose(np.zeros((frames, joints, 3)), np.zeros_like(values))
-        self._told = levels[0].solved.misses
+        self._told = levels[0].solved.residuals
         self._touched, self._jolts = np.zeros(frames), np.zeros((frames, 3))
         first = levels[0].solved
         self._kept = HigherLevelPoses(
@@ -270,13 +274,13 @@ class LevelSmoother:
         for number, level in enumerate(self._levels):
             if number > 0 and not level.own.any():
                 continue
-            self._told = np.where(level.above, self._told, level.solved.misses)
+            self._told = np.where(level.above, self._told, level.solved.residuals)
             now.copy_from(level.solved)
             if number >= level.solve.held:
                 self._ease_level(number)
             else:
                 self._eased = SmoothedPose(level.solve.states.copy(), self._posed_limbs())
-            self._told = np.where(level.above, self._told, now.misses)
+            self._told = np.where(level.above, self._told, now.residuals)
             states, back = self._eased.states.copy(), np.zeros(len(now.positions))
             self._kept = HigherLevelPoses(now.positions.copy(), now.rotations.copy(), states, back)
 
@@ -291,7 +295,7 @@ class LevelSmoother:
             bump = self._to_ease(number, now)
         if number > 0:
             now = self._left(number, now)
-        self._jolts = level.solve.peaks_of(now.states, self._charts.turns(now.charts))
+        self._jolts = level.solve.peaks_of(now.states, self._charts.rotations(now.charts))
         self._eased, self._moved = now, SmoothedPose(now.states - solved.states, now.charts - solved.charts)
 
     def _left(self, number: int, posed: SmoothedPose) -> SmoothedPose:
@@ -329,7 +333,7 @@ class LevelSmoother:
         if not len(frames):
             return first
         level.solve.states[:] = _blend(first.states, second.states, fraction)
-        rotation_matrices = self._charts.turns(_blend(first.charts, second.charts, fraction))
+        rotation_matrices = self._charts.rotations(_blend(first.charts, second.charts, fraction))
         told = np.ascontiguousarray(self._told.T)  # kernels are compiled for no other
         self._pose(number, level.solve.easing(frames, rotation_matrices, level.rank, meets, holds, told, self._kept))
         return SmoothedPose(level.solve.states.copy(), self._posed_limbs(first.charts))
@@ -344,7 +348,7 @@ class LevelSmoother:
 
     def _posed_limbs(self, beside: FloatArray | None = None) -> FloatArray:
         """Coordinates of the limbs as solved last, on the branches of the coordinates ``beside``."""
-        return self._charts.values(self._charts.joint_rotations(self._solved.rotations), beside)
+        return self._charts.coordinates(self._charts.joint_rotations(self._solved.rotations), beside)
 
     def _smoothed(self, number: int, solved: SmoothedPose) -> SmoothedPose:
         """Displacement of a level, averaged in time at peaks."""
@@ -377,7 +381,7 @@ class LevelSmoother:
         """
         level = self._levels[number]
         allowed = np.maximum(level.allowed, self._jolts / SMOOTHING_RANGE.begin)
-        sharp = level.solve.peaks_of(poses.states, self._charts.turns(poses.charts)) / allowed
+        sharp = level.solve.peaks_of(poses.states, self._charts.rotations(poses.charts)) / allowed
         return self._spread(number, _excess(sharp, limits), around)
 
 

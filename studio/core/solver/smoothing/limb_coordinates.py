@@ -44,7 +44,7 @@ class LimbCoordinates:
     @property
     def unsolved_coordinates(self) -> FloatArray:
         """Coordinates (F, 16, n) of the unsolved rotations."""
-        return self.values(self._unsolved)
+        return self.coordinates(self._unsolved)
 
     def joint_rotations(self, rotations: FloatArray) -> FloatArray:
         """Joint rotations (F, 16, 3, 3) of poses."""
@@ -52,7 +52,7 @@ class LimbCoordinates:
         write_limb_rotations(self._carriers, self._segments, rotations, rotation_matrices)
         return rotation_matrices
 
-    def values(self, rotation_matrices: FloatArray, beside: FloatArray | None = None) -> FloatArray:
+    def coordinates(self, rotation_matrices: FloatArray, beside: FloatArray | None = None) -> FloatArray:
         """Coordinates (F, 16, n) of joint rotations (F, 16, 3, 3) relative to the unsolved ones; signs follow
         ``beside``.
         """
@@ -67,7 +67,7 @@ class LimbCoordinates:
             return sign_continuous(quaternions)
         return np.where((quaternions * beside).sum(axis=-1, keepdims=True) < 0.0, -quaternions, quaternions)
 
-    def turns(self, values: FloatArray) -> FloatArray:
+    def rotations(self, values: FloatArray) -> FloatArray:
         """Joint rotations of coordinates."""
         if not len(self._limits):
             length = np.linalg.norm(values, axis=-1, keepdims=True)

@@ -24,7 +24,7 @@ class RootReach:
     ``ankles`` (2, F, 3) and the greatest ``lengths`` (2, F) of the legs in metres, inf for free feet.
     """
 
-    places: FloatArray
+    root_positions: FloatArray
     hips: FloatArray
     ankles: FloatArray
     lengths: FloatArray
@@ -45,7 +45,7 @@ class RootReach:
         """Correction (F, 3) of the root for joints (N, 5) at ``states`` (F, N, 3): the maximal shortage over ``width``
         frames on either side, averaged over as many.
         """
-        back = np.zeros_like(self.places)
+        back = np.zeros_like(self.root_positions)
         found = np.flatnonzero(joints["segment"] == ROOT_TRANSLATION)
         if not len(found):
             return back
@@ -54,7 +54,7 @@ class RootReach:
             gibbs = states[:, pelvis[0]]
             rotation_matrices = Rotation.from_quat(np.concatenate([gibbs, np.ones((len(gibbs), 1))], axis=1))
             hips = np.stack([rotation_matrices.apply(each) for each in hips])
-        root = self.places + states[:, found[0]]
+        root = self.root_positions + states[:, found[0]]
         for _ in range(ROOT_SWEEPS):
             for side in range(2):
                 displacement = self.ankles[side] - (root + back + hips[side])

@@ -301,10 +301,10 @@ def median_position(track: FloatArray) -> FloatArray:
     return np.asarray(geometric_median(np.ascontiguousarray(track[:, :2])))
 
 
-def _place_on(place: FloatArray, height: float, ground: Ground) -> tuple[FloatArray, FloatArray]:
-    """Position (3,) ``height`` metres above ``place`` (2,) on the ground, and the ground's normal."""
-    normal = ground.normal_at(place)
-    return np.array([*place, ground.height_at(place)]) + height * normal, normal
+def _place_on(position: FloatArray, height: float, ground: Ground) -> tuple[FloatArray, FloatArray]:
+    """Position (3,) ``height`` metres above ``position`` (2,) on the ground, and the ground's normal."""
+    normal = ground.normal_at(position)
+    return np.array([*position, ground.height_at(position)]) + height * normal, normal
 
 
 def _fingers(body: AnyMorphology, side: int) -> FloatArray:

@@ -37,7 +37,7 @@ from studio.core.solver.standing.stepping import FootFlight, carrying, flights_o
 from studio.core.solver.standing.tipping import depths_of, heights_of, out_of_ground, seen_coming
 
 if TYPE_CHECKING:
-    from studio.core.solver.standing.stand import Standing
+    from studio.core.solver.standing.stand import GroundedMotion
 
 FloatArray = NDArray[np.float64]
 
@@ -62,36 +62,36 @@ class Stance:
     root_peak: float
 
     @classmethod
-    def of(cls, standing: "Standing", frames: NDArray[np.int64]) -> "Stance":
+    def of(cls, standing: "GroundedMotion", frames: NDArray[np.int64]) -> "Stance":
         """Stance in the last two of ``frames``."""
         rows, footing = frames[-2:], standing.footing
         legs = footing.ankles[:, rows, :3], footing.feet[:, rows], footing.toes[:, rows]
         stood = footing.states[:, rows[0]] & footing.states[:, rows[-1]]  # what comes down only now still moves
-        known = stood, footing.soft_thresholds[:, rows[-1]], standing.peaks
+        known = stood, footing.soft_thresholds[:, rows[-1]], standing.peak_angular_accelerations
         return cls(standing.positions[rows], standing.rotations[rows], *legs, *known, standing.root_peak)
 
     @classmethod
-    def last_of(cls, standing: "Standing") -> "Stance":
+    def last_of(cls, standing: "GroundedMotion") -> "Stance":
         """Stance in the last two frames."""
         last = standing.motion.frame_count - 1
         return cls.of(standing, np.array([max(last - 1, 0), last]))
 
     @classmethod
-    def before(cls, standing: "Standing", first: int) -> "Stance":
+    def before(cls, standing: "GroundedMotion", first: int) -> "Stance":
         """Stance in two frames extrapolated before ``first``."""
         rows, footing = [first, min(first + 1, standing.motion.frame_count - 1)], standing.footing
         places = standing.positions[rows], *footing.ankles[:, rows, :3]
         rotation_matrices = standing.rotations[rows], *footing.feet[:, rows], *footing.toes[:, rows]
         positions, *ankles = (np.stack([3.0 * now - 2.0 * then, 2.0 * now - then]) for now, then in places)
         rotations, *legs = (_turned_back(*each) for each in rotation_matrices)
-        known = footing.states[:, first], footing.soft_thresholds[:, first], standing.peaks
+        known = footing.states[:, first], footing.soft_thresholds[:, first], standing.peak_angular_accelerations
         stance = np.array(ankles), np.array(legs[:2]), np.array(legs[2:])
         return cls(positions, rotations, *stance, *known, standing.root_peak)
 
 
 def inertialised_from(
-    standing: "Standing", first: int, seen: Stance, seconds: float = 0.0, planned: bool = False
-) -> "Standing":
+    standing: "GroundedMotion", first: int, seen: Stance, seconds: float = 0.0, planned: bool = False
+) -> "GroundedMotion":
     """``standing`` from frame ``first`` on, inertialised from the previous stance ``seen`` in ``seconds``, or in the
     time that the joints need if that is 0. In a ``planned`` transition feet in the air step to where they land.
     """
@@ -119,7 +119,9 @@ def inertialised_from(
     )
 
 
-def _with_limbs(standing: "Standing", near: slice, positions: FloatArray, rotations: FloatArray) -> NormalizedMotion:
+def _with_limbs(
+    standing: "GroundedMotion", near: slice, positions: FloatArray, rotations: FloatArray
+) -> NormalizedMotion:
     """The motion with limb channels of posed frames ``near`` the transition: knees keep their directions."""
     body, channels = standing.morphology, standing.motion.channels.copy()
     still = body.at(near.start) if isinstance(body, AnimatedMorphology) else body
@@ -140,7 +142,7 @@ class _InertialisedFoot(NamedTuple):
 class _Change:
     """Transition to ``standing`` at ``first``: its ``own`` stance before, and the previous one ``seen``."""
 
-    standing: "Standing"
+    standing: "GroundedMotion"
     first: int
     seen: Stance
     own: Stance
@@ -159,7 +161,7 @@ class _Change:
     @cached_property
     def peaks(self) -> FloatArray:
         """Acceleration peaks (S,) in rad/s2, the greater of both motions."""
-        return np.maximum(self.standing.peaks, self.seen.peaks)
+        return np.maximum(self.standing.peak_angular_accelerations, self.seen.peaks)
 
     @cached_property
     def legs(self) -> FloatArray:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from studio.core.solver.standing.stand import Standing
+    from studio.core.solver.standing.stand import GroundedMotion
 
 FloatArray = NDArray[np.float64]
 
@@ -15,7 +15,7 @@ _PLACE, _KNEE_FACES = 2, 5
 """Columns of heights of an ankle, see ``Footing.ankles``."""
 
 
-def lifted(standing: "Standing", height: float) -> "Standing":
+def lifted(standing: "GroundedMotion", height: float) -> "GroundedMotion":
     """``standing`` on its ground at another ``height``."""
     rise = height - standing.ground.height
     positions, ankles = standing.positions.copy(), standing.footing.ankles.copy()

@@ -11,7 +11,7 @@ from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing.footing import Footing, foot_contacts
 
 if TYPE_CHECKING:
-    from studio.core.solver.standing.stand import Standing
+    from studio.core.solver.standing.stand import GroundedMotion
 
 
 def parts_of(request: AdaptRequest) -> list[tuple[slice, AdaptRequest]]:
@@ -46,7 +46,7 @@ def _part(request: AdaptRequest, frames: slice) -> AdaptRequest:
     )
 
 
-def joined(request: AdaptRequest, parts: Sequence["Standing"]) -> "Standing":
+def joined(request: AdaptRequest, parts: Sequence["GroundedMotion"]) -> "GroundedMotion":
     """Parts joined in time as the result of the ``request``."""
     if len(parts) == 1:
         return parts[0]

@@ -41,7 +41,7 @@ CONTEXT_SECONDS = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class Standing:
+class GroundedMotion:
     """Grounded motion on one body, independent of constraints, so that these can be dragged quickly."""
 
     motion: NormalizedMotion
@@ -59,16 +59,16 @@ class Standing:
     self_contact: SelfContact | None = None
 
     @property
-    def unasked(self) -> UnconstrainedPoses:
+    def unconstrained(self) -> UnconstrainedPoses:
         """Poses before constraints."""
         return UnconstrainedPoses(self.positions, self.rotations)
 
-    def kept(self, store: Callable[[PoseArray], CompactArray] = single) -> "Standing":
+    def kept(self, store: Callable[[PoseArray], CompactArray] = single) -> "GroundedMotion":
         """Copy with poses in half the memory, see ``core.compact_array``; ``store`` chooses where."""
         footing = replace(self.footing, feet=store(self.footing.feet), toes=store(self.footing.toes))
         return replace(self, footing=footing, positions=store(self.positions), rotations=store(self.rotations))
 
-    def with_arms_right(self, windows: Sequence[slice]) -> "Standing":
+    def with_arms_right(self, windows: Sequence[slice]) -> "GroundedMotion":
         """Copy with self-contacts solved, in place, at least in some ``windows``.
 
         There, and a second around, the result equals that of all frames in one window. To be called before ``kept``.
@@ -86,7 +86,7 @@ class Standing:
         free = 1.0 - standing_hand_weights(self.contacts, motion.frame_count, motion.frame_rate)
         positions, rotations = np.asarray(self.positions), np.asarray(self.rotations)
         for run in runs_in(slice(0, motion.frame_count), target, 1):
-            contact.close(run, free[run], positions[run], rotations[run])
+            contact.close_contacts(run, free[run], positions[run], rotations[run])
         raise_arms(self.morphology, self.ground, self.arms, motion.frame_rate, positions, rotations)
         return self
 
@@ -102,7 +102,7 @@ class Standing:
         return np.array([limb_freedom(self.contacts, limb, count, rate) for limb in range(4)])
 
     @cached_property
-    def peaks(self) -> FloatArray:
+    def peak_angular_accelerations(self) -> FloatArray:
         """Greatest angular acceleration (S,) of each segment in its parent, rad/s2."""
         parents = np.array(self.morphology.layout.parent_segments())
         greatest, peaks = np.zeros(len(parents)), np.empty((len(parents), 2))
@@ -120,18 +120,18 @@ class Standing:
         return float(pushes.max(initial=0.0)) * self.motion.frame_rate**2 / RADIAN_LENGTH
 
 
-def standing_of(request: AdaptRequest, windows: Sequence[slice] | None = None) -> Standing:
+def grounded_motion_of(request: AdaptRequest, windows: Sequence[slice] | None = None) -> GroundedMotion:
     """Grounded motion of ``request`` before its constraints; self-contacts, the most expensive part, at least in
     ``windows``.
 
     Clips of a row are grounded separately, and inertialised at their transitions.
     """
-    motion, parts = request.motion, list[Standing]()
+    motion, parts = request.motion, list[GroundedMotion]()
     self_contact = self_contact_of(
         motion, request.morphology, request.contacts, request.volume, request.actor, request.clears
     )
     for frames, part in parts_of(request):
-        own = self_contact and self_contact.part(frames)
+        own = self_contact and self_contact.in_frames(frames)
         alone = replace(_stand_alone(part), self_contact=own)
         alone.with_arms_right(windows_in(frames, motion.frame_count, windows))
         change = motion.changes[len(parts) - 1] if parts else None
@@ -155,16 +155,16 @@ def stand(
     actor: Morphology | None = None,
     limited: bool = True,
     clears: bool = False,
-) -> Standing:
+) -> GroundedMotion:
     """Ground a motion on a body: feet, and all other contacts (K05 sections 6 and 7).
 
     Hands touch what the actor's touch; with ``clears`` arms stay out of the body (``solver.self_contact``).
     """
     known = motion, morphology, tuple(contacts)
-    return standing_of(AdaptRequest(*known, (), ground, {}, volume, actor, limited, False, clears))
+    return grounded_motion_of(AdaptRequest(*known, (), ground, {}, volume, actor, limited, False, clears))
 
 
-def _stand_alone(request: AdaptRequest) -> Standing:
+def _stand_alone(request: AdaptRequest) -> GroundedMotion:
     """Grounded motion without transitions, before its self-contacts."""
     motion, morphology, contacts, ground = request.motion, request.morphology, request.contacts, request.ground
     volume, actor, limited = request.volume, request.actor, request.limited
@@ -191,7 +191,7 @@ def _stand_alone(request: AdaptRequest) -> Standing:
         stance = records.ArmTargets(motion.channels, arms.soft_thresholds, arms.wrists, arms.hands, arms.bends)
         place_arms(measures, stance, positions, rotations)
     raise_arms(morphology, ground, arms, motion.frame_rate, positions, rotations)
-    return Standing(
+    return GroundedMotion(
         motion=motion,
         morphology=morphology,
         contacts=contacts,

@@ -13,7 +13,7 @@ from studio.core.solver.asking.task_rows import TaskRecords
 def write_task(rows: TaskRecords, c: int, constraint: AreaConstraint) -> None:
     """Write the shape of the area, followed by its distance field for a mesh."""
     if not rows.set_followed_point(c, constraint.centre):
-        rows.positions[c] = rows.targets.places(constraint.centre)
+        rows.positions[c] = rows.targets.positions(constraint.centre)
     if constraint.shape is AreaShape.HALF_SPACE:
         rows.rotations[c] = rows.targets.tilted_rotations(constraint.heading, constraint.centre, constraint.size)
     else:

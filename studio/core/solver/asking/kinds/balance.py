@@ -25,7 +25,7 @@ def write_task(rows: TaskRecords, c: int, constraint: BalanceConstraint) -> None
         rows.positions[c] = rows.targets.masses()
         rows.positions[c][:, :2] = place
     elif place is not None and rows.tasks["blends"][c]:
-        rows.positions[c] = rows.targets.places(place)
+        rows.positions[c] = rows.targets.positions(place)
 
 
 def residual(constraint: BalanceConstraint, targets: Targets, adapted: AdaptedMotion) -> FloatArray:

@@ -28,7 +28,7 @@ def write_task(rows: TaskRecords, c: int, constraint: DistanceConstraint) -> Non
         if row["limbs"][0] < 2 <= row["limbs"][1]:
             row["limb_weights"][1] = 0.0
     else:
-        rows.positions[c] = rows.targets.places(constraint.other)
+        rows.positions[c] = rows.targets.positions(constraint.other)
     free = np.array([row["limbs"][end] >= 0 and row["limb_weights"][end, 0] > 0.0 for end in range(2)], dtype=float)
     row["end_fractions"] = free / max(free.sum(), 1.0)
 
@@ -41,7 +41,7 @@ def residual(constraint: DistanceConstraint, targets: Targets, adapted: AdaptedM
 
 def trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
     """Trajectory of the distance between both ends."""
-    now = np.linalg.norm(unsolved.place - unsolved.target_positions, axis=1, keepdims=True)
+    now = np.linalg.norm(unsolved.point_positions - unsolved.target_positions, axis=1, keepdims=True)
     return unsolved.rows.distances[unsolved.c][:, None] - now, goals.RADIAN_LENGTH
 
 

@@ -19,14 +19,14 @@ FloatArray = NDArray[np.float64]
 class SolverKind:
     """Functions of the solver for one kind.
 
-    ``code`` is its number in the kernels. ``write`` writes constraint c of the records. ``trajectory`` is its target
-    relative to the unsolved poses. ``residual`` measures poses: (F,) metres or radians at full activation, None if only
-    the solver knows it. ``enters``: the kind is active only inside a region, so that it begins and ends within its
-    activation.
+    ``code`` is its number in the kernels. ``write_task`` writes constraint c of the records. ``trajectory`` is its
+    target relative to the unsolved poses. ``residual`` measures poses: (F,) metres or radians at full activation, None
+    if only the solver knows it. ``enters``: the kind is active only inside a region, so that it begins and ends within
+    its activation.
     """
 
     code: int
-    write: Callable[[TaskRecords, int, Any], None]
+    write_task: Callable[[TaskRecords, int, Any], None]
     trajectory: Callable[[UnsolvedTask], TargetTrajectory]
     residual: Callable[[Any, Targets, AdaptedMotion], FloatArray] | None = None
     enters: bool = False

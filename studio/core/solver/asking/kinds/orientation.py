@@ -21,7 +21,7 @@ FloatArray = NDArray[np.float64]
 def write_task(rows: TaskRecords, c: int, constraint: OrientationConstraint) -> None:
     """Write the target rotation, or the followed segment."""
     if not rows.set_followed_point(c, constraint.target):
-        rows.rotations[c] = rows.targets.turns(constraint.target)
+        rows.rotations[c] = rows.targets.rotations(constraint.target)
 
 
 def residual(constraint: OrientationConstraint, targets: Targets, adapted: AdaptedMotion) -> FloatArray:
@@ -34,7 +34,7 @@ def _turns(target: object, targets: Targets, adapted: AdaptedMotion) -> FloatArr
     if isinstance(target, FollowBody):
         segment = point_indices(target.point, adapted.morphology.layout)[1]
         return np.asarray(adapted.rotations[:, segment] @ to_matrix(np.array(target.turn)))
-    return targets.turns(target)  # type: ignore[arg-type]
+    return targets.rotations(target)  # type: ignore[arg-type]
 
 
 def _angle(one: FloatArray, other: FloatArray) -> FloatArray:
@@ -50,7 +50,7 @@ def _angle(one: FloatArray, other: FloatArray) -> FloatArray:
 
 def trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
     """Rotation vector from the segment to its target."""
-    errors = unsolved.target_rotation @ np.swapaxes(unsolved.segment, 1, 2)
+    errors = unsolved.target_rotation @ np.swapaxes(unsolved.segment_rotations, 1, 2)
     return np.asarray(Rotation.from_matrix(errors).as_rotvec()), 1.0
 
 

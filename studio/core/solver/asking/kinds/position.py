@@ -28,7 +28,7 @@ def write_task(rows: TaskRecords, c: int, constraint: PositionConstraint) -> Non
         rows.tasks["limb_weights"][c, 1] = 0.0
         return
     if not rows.set_followed_point(c, target):
-        rows.tasks["blends"][c], rows.positions[c] = 1, rows.targets.places(target)
+        rows.tasks["blends"][c], rows.positions[c] = 1, rows.targets.positions(target)
 
 
 def _is_pair(constraint: Constraint) -> bool:

@@ -17,7 +17,7 @@ _SHAPES = {
 def write_task(rows: TaskRecords, c: int, constraint: RailConstraint) -> None:
     """Write the rail as an area, with its centre and the rotation that takes x to its direction."""
     if not rows.set_followed_point(c, constraint.centre):
-        rows.positions[c] = rows.targets.places(constraint.centre)
+        rows.positions[c] = rows.targets.positions(constraint.centre)
     rows.rotations[c] = rows.targets.tilted_rotations(0.0, constraint.centre, constraint.direction)
     half = constraint.length / 2 * np.array(constraint.direction)
     rows.areas[c, : area_shapes.AREA_NUMBERS] = *_SHAPES[constraint.shape], *np.zeros(3), *half, 1.0, 0.0, 0.0

@@ -30,9 +30,9 @@ def residual(constraint: UprightConstraint, _targets: Targets, adapted: AdaptedM
 def trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
     """Displacement of the axis from its cone, towards its direction."""
     direction, cone = unsolved.rows.positions[unsolved.c], unsolved.rows.distances[unsolved.c][:, None]
-    if unsolved.row["points"][1] >= 0:
+    if unsolved.task_record["points"][1] >= 0:
         direction = unsolved.target_rotation[..., 0]
-    axes = unsolved.segment @ unsolved.row["offsets"][1]
+    axes = unsolved.segment_rotations @ unsolved.task_record["offsets"][1]
     lean = np.arccos(np.clip(np.sum(axes * direction, axis=1, keepdims=True), -1.0, 1.0))
     return (direction - axes) * np.maximum(lean - cone, 0.0) / np.maximum(lean, 1e-9), 1.0
 
