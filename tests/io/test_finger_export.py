@@ -249,7 +249,7 @@ def test_the_stage_shows_the_fingers_that_are_exported_in_every_row_of_clips(her
     project = playing(hero, *ROWS[row])
     [(key, performance)] = stage_performances(project).performances.items()
     take = take_of_performer(project, key, performance, along=True)
-    character, adapted = take.character, performance.played
+    character, adapted = take.character, performance.adapted_on_stage
     exported = ExportOptions(at_origin=True).applied_to(take, Path("out.glb"))
     positions, rotations = joint_world(exported.skeleton, exported.poses)
     plain, body = replace(character.skin, centres=character.skin.vertices), character.morphology
