@@ -46,6 +46,7 @@ from studio.io.staged_export import take_of_performer
 from studio.jobs.performances import prepared_capture, stage_performances
 from studio.live.playing_stage import LiveStage
 from tests.builders import BODY_MAP, make_capture, make_poses, make_project, make_skeleton
+from tests.io.blender import opened_in_blender
 from tests.io.test_fbx_take import carried
 
 DIGITS = ("Thumb", "Index", "Middle", "Ring", "Pinky")
@@ -290,6 +291,22 @@ def test_a_mirrored_clip_bends_the_fingers_of_the_other_hand_in_every_kind_of_fi
         like = fingers[finger._replace(side=0)]
         expected = turned_from_rest(one_hand, like, np.array([0.0, 0.0, 0.0, 1.0]))
         assert np.abs(turned - (expected if finger.side == 1 else 0.0)).max() < 1.0, finger
+
+
+def test_mirrored_fingers_drop_on_the_original_in_blender(hero: Project, tmp_path: Path) -> None:
+    original, path = tmp_path / "hero.glb", tmp_path / "out.glb"
+    write_fingered_character(original)
+    project = playing(hero, *ROWS["mirrored"])
+    [(key, performance)] = stage_performances(project).performances.items()
+    take = ExportOptions().applied_to(take_of_performer(project, key, performance, along=True), path)
+    take = replace(take, capture=replace(take.capture, frame_rate=30.0))
+    write_take(take, path)
+    frames = take.poses.frame_count
+    found = opened_in_blender(original, frames=frames, rate=30.0, action_of=path)
+    mesh = max(found["meshes"].values(), key=lambda each: each["vertices"].shape[1])  # another draws Blender's bones
+    positions, rotations = joint_world(take.skeleton, take.poses)
+    expected = [carried(skin_of(take), positions[frame], rotations[frame]) for frame in range(frames)]
+    assert np.abs(mesh["vertices"] - np.array(expected)).max() < 1e-5
 
 
 def tips_and_knuckles(hero: Project, grip: float) -> tuple[np.ndarray, np.ndarray]:
