@@ -128,11 +128,11 @@ def test_gestures_do_not_swing_a_box_that_the_motion_does_not_hold(played):
     unasked, layout = motion.unconstrained, motion.morphology.layout
     positions, rotations = unasked.positions.copy(), unasked.rotations
     arms = [layout.wrist_point(side) + end for side in range(2) for end in range(2)]
-    before = carried_track(hold, positions, rotations, motion.body).places
+    before = carried_track(hold, positions, rotations, motion.body).positions
     positions[:, arms] += [0.2, 0.1, 0.5]
-    assert carried_track(hold, positions, rotations, motion.body).places == pytest.approx(before)
+    assert carried_track(hold, positions, rotations, motion.body).positions == pytest.approx(before)
     held = replace(hold, steady=False)
-    assert np.abs(carried_track(held, positions, rotations, motion.body).places - before).max() > 0.4
+    assert np.abs(carried_track(held, positions, rotations, motion.body).positions - before).max() > 0.4
 
 
 def test_who_takes_a_box_face_to_face_leaves_it_its_heading_and_finds_free_places(played, qtbot):
