@@ -1,6 +1,5 @@
 """Present state of a performer on the stage: frame of its clip, pose and placement."""
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -9,16 +8,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.canonical import BodyPart
+from studio.core.body.finger_poses import FingerPoses
 from studio.core.body.rest_pose import rest_pose
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import FOOT_POINTS, ContactInterval
-from studio.core.curves.activation import EaseShape, ease
 from studio.core.normalized.pieces import PlayedPiece
-from studio.core.rigs.driven_fingers import has_fingers
-from studio.core.solver.performers.rows import is_plain, timing_of
+from studio.core.rigs.played_fingers import captures_of_clips, fingers_of_row, weighted_pieces
+from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.clip import Clip
-from studio.core.stage.holding import grip_on
+from studio.core.stage.holding import grips_on_props
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Performer, Project
 from studio.core.stage.timing import Timing
@@ -26,8 +25,6 @@ from studio.document.document import Document
 from studio.engine.live_interface import Live
 
 FloatArray = NDArray[np.float64]
-CLOSING, CLOSING_STEPS = 0.2, 9
-"""Seconds in which hands change from the grip of one clip to that of the next, and in how many steps."""
 PATH_RATE = 15.0
 """Hertz at which paths over the stage are sampled."""
 Results = Callable[[str], AdaptedMotion | None]
@@ -64,8 +61,8 @@ class PosedPerformer:
     frames_around: AdaptedMotion | None = None
     """The newest motion over time, where ``motion`` is only the frame that is shown."""
 
-    capture: Capture | None = None
-    """Capture whose fingers it has, where its only clip plays unchanged."""
+    captures: tuple[Capture, ...] = ()
+    """Captures of its clips, where its character has fingers of its own."""
 
     holding: float = 0.0
     """From 0 to 1, as its hands come to a prop and leave it."""
@@ -125,14 +122,35 @@ class PosedPerformer:
         """
         own += self.holding * (self.holding_grip - own)
         clips, composite = self.performer.clips, self.motion.composite
-        if composite is None or all(clip.grip is None for clip in clips):
+        before = composite.fingers_before if composite else None
+        if composite is None or (before is None and all(clip.grip is None for clip in clips)):
             return own
-        reach = CLOSING * self.motion.frame_rate
-        around = [
-            composite.piece_at(round(self.frame + part * reach)) for part in np.linspace(-0.5, 0.5, CLOSING_STEPS)
-        ]
-        grips = [clips[min(played.piece.origin[0], len(clips) - 1)].grip for played in around]
-        return sum(own if grip is None else grip for grip in grips) / CLOSING_STEPS
+        closed = 0.0
+        for piece, weight in weighted_pieces(composite, np.array([self.frame])):
+            place = min(piece.piece.origin[0], len(clips) - 1)
+            if place < 0 and before is not None:
+                grip = own + before.asked[0] * (before.grips[0] - own)
+            else:
+                asked = clips[place].grip
+                grip = own if asked is None else asked
+            closed += float(weight[0] * grip)
+        return closed
+
+    @property
+    def shape_of_hands(self) -> tuple[object, ...]:
+        """Values on which ``fingers`` depend beside the frame of the motion."""
+        return self.performer.clips, tuple(map(id, self.captures)), self.holding, self.holding_grip
+
+    @cached_property
+    def fingers(self) -> FingerPoses | None:
+        """Fingers of a character that has some of its own; None where they are at rest."""
+        composite, held = self.motion.composite, (self.holding, self.holding_grip)
+        if composite is None or not self.captures:
+            return None
+        weight, grip = (np.array([each]) for each in held)
+        frames = np.array([self.frame])
+        poses = fingers_of_row(composite, self.performer.clips, self.captures, frames, (weight, grip))
+        return None if poses.is_at_rest else poses
 
     @cached_property
     def clip_placement(self) -> Placement:
@@ -186,37 +204,22 @@ def posed_performers(
         motion = result_of(performer_id) if character is not None else None
         # A result may still be of the body that the performer had before.
         if motion is not None and character is not None and motion.morphology.layout == character.build.layout:
-            weight, grip = _holding(project, performer_id, time)
+            weights, grips = grips_on_props(project.props.values(), performer_id, np.array([time]))
             posed[performer_id] = replace(
                 pose_of(project, performer, motion, time),
                 frames_around=around(performer_id),
-                capture=_fingers_from(project, performer),
-                holding=weight,
-                holding_grip=grip,
+                captures=_captures_for_fingers(project, performer),
+                holding=float(weights[0]),
+                holding_grip=float(grips[0]),
             )
     return posed
 
 
-def _fingers_from(project: Project, performer: Performer) -> Capture | None:
-    """Capture with fingers that a performer plays unchanged, as they are exported with it."""
-    if len(performer.clips) != 1 or not is_plain(performer.clips[0]):
-        return None
-    capture = project.captures[project.motions[performer.clips[0].motion_id].capture_id]
-    return capture if has_fingers(capture) else None
-
-
-def _holding(project: Project, performer_id: str, time: float) -> tuple[float, float]:
-    """Weight from 0 to 1 of a performer's hold of a prop at a second of the stage, and the grip for it."""
-    found = (0.0, 0.0)
-    for prop in project.props.values():
-        for hold in prop.holds:
-            grip = grip_on(prop, hold) if hold.performer_id == performer_id else None
-            if grip is not None:
-                since = math.inf if hold.begin is None else time - hold.begin
-                left = math.inf if hold.end is None else hold.end - time
-                weight = float(ease(1.0 + min(since, left) / CLOSING, EaseShape.QUINTIC))
-                found = max(found, (weight, grip))
-    return found
+def _captures_for_fingers(project: Project, performer: Performer) -> tuple[Capture, ...]:
+    """Captures of a performer's clips, if its character has joints of its own."""
+    if project.characters[performer.character_id].skin.rig is None or project.missing_references(performer):
+        return ()
+    return captures_of_clips(project, performer)
 
 
 def displayed_stage(document: Document, live: Live) -> tuple[Project, float, dict[str, PosedPerformer]]:

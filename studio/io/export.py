@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.finger_poses import FingerPoses
 from studio.core.body.pose import PoseSequence
 from studio.core.body.rest_pose import rest_pose
 from studio.core.body.skeleton import Skeleton
@@ -20,6 +21,7 @@ from studio.core.normalized.realize import actor_joint_poses
 from studio.core.rigs.carried_joints import carried_joints, with_carried_joints
 from studio.core.rigs.character_skeleton import character_body_map, character_poses, character_skeleton, joint_segments
 from studio.core.rigs.joint_skin import JointSkin, bone_skin, character_skin
+from studio.core.rigs.played_fingers import fingers_of_capture
 from studio.core.rotations import IDENTITY_QUATERNION
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.placement import Placement
@@ -53,6 +55,8 @@ class Take:
     """The skin on the joints as they are written, where options have changed these; else ``skin_of`` makes it."""
     rest_rotations: FloatArray | None = None
     """(J, 4) local rotations in which the joints rest, None where they rest without any."""
+    fingers: FingerPoses | None = None
+    """Fingers of a character that has some of its own, in all frames; None where they are at rest."""
     place: Placement = Placement()
     """Placement on the stage of the space of its poses."""
     begin: float = 0.0
@@ -121,7 +125,8 @@ def take_of_adapted(
 ) -> Take:
     """Take of an adapted motion on the skeleton of its body; ``name`` is used in errors.
 
-    ``along`` is the capture whose ``carried_joints`` (fingers, props) are exported too, with its actor.
+    ``along`` is the capture whose ``carried_joints`` (fingers, props) are exported too, with its actor; its fingers
+    also move those of the character.
     """
     try:
         skeleton, poses = character_skeleton(adapted.morphology), character_poses(adapted)
@@ -145,7 +150,8 @@ def take_of_adapted(
         guesses=(),
         repairs=(),
     )
-    return Take(capture, _met(request, adapted), character, adapted, request)
+    fingers = along and fingers_of_capture(along[0], adapted.first_frame, adapted.frame_count)
+    return Take(capture, _met(request, adapted), character, adapted, request, fingers=fingers)
 
 
 def take_of_actor(

@@ -9,7 +9,7 @@ RESTING = (".bvh", ".fbx", ".glb", ".gltf", ".usd", ".usda", ".usdc", ".usdz")
 """Kinds of files whose skeleton rests in a pose that can be chosen."""
 SKELETAL = (*RESTING, ".vrma")
 """Kinds of files that hold a skeleton: a character carries the capture's fingers, props and other joints along."""
-JOINTED = (*RESTING, ".csv", ".npz")
-"""Kinds of files that hold any joints; the others hold a body or its markers."""
+JOINTED = (*SKELETAL, ".csv", ".npz")
+"""Kinds of files that hold joints; the others hold a body or its markers."""
 ROOTLESS = (".vrma",)
 """Kinds of files in which nothing but the hips travels."""

@@ -10,6 +10,7 @@ from studio.core.captures.capture import Capture
 from studio.core.names import safe_name
 from studio.core.normalized.normalize import normalize_capture
 from studio.core.rigs.carried_joints import carried_joints
+from studio.core.rigs.played_fingers import fingers_of_performer
 from studio.core.solver.performers.performing import Performance
 from studio.core.solver.performers.rows import is_plain, timing_of
 from studio.core.stage.placement import Placement
@@ -25,19 +26,24 @@ def file_name(project: Project, performer_id: str, suffix: str = ".bvh") -> str:
 
 
 def take_of_performer(project: Project, performer_id: str, performance: Performance, *, along: bool = False) -> Take:
-    """Take of one performer on its character; with ``along`` it has the other joints of its only capture."""
+    """Take of one performer on its character; with ``along`` it has the other joints of its only capture, and the
+    character's own fingers move.
+    """
     performer = project.performers[performer_id]
     character = project.characters[performer.character_id]
     clips = performer.clips
     capture = project.captures[project.motions[clips[0].motion_id].capture_id]
     alone = len(clips) == 1 and is_plain(clips[0])
+    composite, timing = performance.composite, performance.composite.timing
+    frames = np.arange(timing.first, timing.last + 1)
     carried = (capture, normalize_capture(capture)[1]) if along and alone and other_joints(capture) else None
     take = take_of_adapted(performer.name, performance.adapted_on_stage, character, performance.request, carried)
     return replace(
         take,
         annotations=replace(take.annotations, labels=labels_played(project, performer_id)),
         place=Placement.of(performer),
-        begin=performance.composite.timing.start,
+        begin=timing.start,
+        fingers=fingers_of_performer(project, performer_id, composite, frames) if along else None,
     )
 
 

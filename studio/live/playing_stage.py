@@ -17,6 +17,7 @@ from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
 from studio.core.normalized.transition import LEAST_TRANSITION
+from studio.core.rigs.played_fingers import fingers_of_performer
 from studio.core.solver.adapt import body_point_positions, solve_constraints, solve_request
 from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.performers.awaiting import anticipated_time, with_expected_positions
@@ -304,7 +305,10 @@ class LiveStage:
         """Let ``act`` take over now."""
         part, act = self._parts[key], replace(act, clip=replace(act.clip, start=self.seconds))
         staged = _staged(self.project, self._parts, {key: act})
-        part.playing = motion_after_takeover(staged, key, part.playing, part.frame, part.tracks, self._prepare)
+        before, frame = part.playing, part.frame
+        fingers = fingers_of_performer(self._staged, key, before.composite, np.array([frame]))
+        playing = motion_after_takeover(staged, key, before, frame, part.tracks, self._prepare)
+        part.playing = replace(playing, composite=replace(playing.composite, fingers_before=fingers))
         part.act, self._staged = act, staged
         self._note(key)
 

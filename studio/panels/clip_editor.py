@@ -73,7 +73,7 @@ class ClipEditor(Editor[Clip]):
         section.add_row("Mirror", self._mirrored)
         self._grip = Choice("Hands", GRIP_CHOICES)
         self._grip.setToolTip(
-            "Pose of the hands while the clip plays, for characters whose fingers it does not animate"
+            "Pose of the hands while the clip plays. From character: as captured where both have fingers, else its own"
         )
         self._grip.value_chosen.connect(lambda grip: self._set("Set hands of", grip=grip))
         section.add_row("Hands", self._grip)

@@ -2,6 +2,7 @@
 
 import math
 from concurrent.futures import Future
+from functools import partial
 from typing import NamedTuple
 
 import pyvista as pv
@@ -9,7 +10,7 @@ import pyvista as pv
 from studio.core.body.canonical import BodyLayout
 from studio.core.mesh.character import Character
 from studio.core.mesh.skin import SkinnedMesh, skin_vertices, with_grip
-from studio.core.rigs.driven_fingers import hand_pose
+from studio.core.rigs.driven_fingers import bound_hands
 from studio.core.stage.placement import Placement
 from studio.engine.performance import PosedPerformer
 from studio.viewport.bone_figure import BoneFigure
@@ -127,7 +128,7 @@ class BodyVisual:
             set_actor_placement(self.bones_actor, posed.placement)
             return
         mesh, shown = self._drawn.mesh, with_grip(self._drawn.skin, posed.grip(self._character.grip))
-        posing = mesh, shown, self._character.blending, motion, row, id(posed.capture)
+        posing = mesh, shown, self._character.blending, motion, row, posed.shape_of_hands
         if posing == self._posing:
             return
         self._posing = posing
@@ -135,11 +136,11 @@ class BodyVisual:
             # As it was bound: needs no kernel, which may not be compiled yet.
             mesh.points[:], mesh.normals[:] = shown.vertices, shown.normals
         else:
-            body, hands = motion.morphology_at(row), None
-            if posed.capture is not None and shown.rig is not None:
-                hands = hand_pose(shown, self._character.build, body, posed.capture, posed.frame)
+            body, fingers = motion.morphology_at(row), posed.fingers
+            hands = bound_hands(shown, self._character.build, body) if fingers else None
             skin_vertices(
                 shown, self._character.build, body, motion.positions[row], motion.rotations[row],
-                mesh.points, mesh.normals, self._character.blending, hands.shaped if hands else None,
+                mesh.points, mesh.normals, self._character.blending,
+                partial(hands.shaped, poses=fingers) if hands and fingers else None,
             )  # fmt: skip
         mesh.touch()

@@ -1,9 +1,6 @@
 """The example package of plug-ins, installed beside the studio, and packages that fail."""
 
 import json
-import os
-import subprocess
-import sys
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
@@ -16,26 +13,28 @@ from studio.app.settings import Settings
 from studio.cli.main import main
 from studio.core.constraints import kinds
 from studio.core.constraints.position import PositionConstraint
-from studio.core.quality import motion_measures
 from studio.document.document import Document
 from studio.io import plug_ins
 from studio.io.project.project_file import read_project, write_project
 from studio.panels.constraint_editors import editor_of_kind
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.timeline.curves import plotted_quantities
+from tests.api.conftest import ROOT, installed, run_beside
 from tests.builders import make_project
 
-ROOT = Path(__file__).parents[2]
 WALK = ROOT / "examples" / "captures" / "walk_turn.bvh"
 
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory) -> Path:
     """A folder into which pip has installed the example."""
-    target = tmp_path_factory.mktemp("site")
-    command = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation", "--no-index"]
-    subprocess.run([*command, "--target", str(target), str(ROOT / "examples" / "plug_ins")], check=True)
-    return target
+    return installed(ROOT / "examples" / "plug_ins", tmp_path_factory.mktemp("site"))
+
+
+@pytest.fixture
+def registered(site: Path, register) -> None:
+    """Registers what the example adds."""
+    register(site)
 
 
 @pytest.fixture
@@ -58,16 +57,8 @@ def open_window(qtbot, tmp_path):
     QTest.qWait(0)
 
 
-def _run(site: Path, *command: str) -> str:
-    """Output of a program with the example package beside it; its exit code has to be 0."""
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join((str(site), str(ROOT)))}
-    done = subprocess.run([sys.executable, *command], env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
 def test_a_verb_of_a_package_is_run_and_listed(site: Path, registered, capsys) -> None:
-    assert "left heel: " in _run(site, str(ROOT / "main.py"), "contacts", str(WALK), "--at-least", "0.2")
+    assert "left heel: " in run_beside(site, str(ROOT / "main.py"), "contacts", str(WALK), "--at-least", "0.2")
     for words, expected in (
         (["--help"], "added by morpho-studio-example-plug-ins"),
         (["contacts", "--help"], "--at-least SECONDS"),
@@ -141,29 +132,12 @@ print(json.dumps({"away": away.max(), "before": np.abs(before[full, 2] - height)
 """
 
 
-@pytest.fixture
-def registered(site: Path, monkeypatch):
-    """Registers what the example adds, and takes it away again."""
-    monkeypatch.syspath_prepend(str(site))
-    known = (kinds.CONSTRAINT_KINDS, motion_measures.ADDED_MEASURES)
-    before = [dict(each) for each in known]
-    for looked_up in (plug_ins.entry_points, plug_ins.load_registered):
-        looked_up.cache_clear()
-    assert plug_ins.load_registered() == ()
-    yield
-    for looked_up in (plug_ins.entry_points, plug_ins.load_registered):
-        looked_up.cache_clear()
-    for each, was in zip(known, before, strict=True):
-        each.clear()
-        each.update(was)
-
-
 def test_a_kind_of_constraint_and_a_measure_of_a_package_are_solved_saved_and_reported(
     site: Path, tmp_path: Path, request
 ) -> None:
     script, saved = tmp_path / "height.py", tmp_path / "height.studio"
     script.write_text(HEIGHT_SCRIPT)
-    found = json.loads(_run(site, str(script), str(WALK), str(saved)).splitlines()[-1])
+    found = json.loads(run_beside(site, str(script), str(WALK), str(saved)).splitlines()[-1])
     assert found["away"] < 2e-4 < 0.01 < found["before"]
     assert found["told"] == pytest.approx(found["away"], abs=1e-6)
     assert found["same"]

@@ -58,8 +58,11 @@ def row_of_two(*grips, change=60):
     motion = results_of(project)["performer 0"]
     clips = tuple(Clip("motion", 0, 5, place, grip=grip) for place, grip in enumerate(grips))
     performer = replace(project.performers["performer 0"], clips=clips)
-    playing = lambda frame: SimpleNamespace(piece=SimpleNamespace(origin=(int(frame >= change),)))  # noqa: E731
-    adapted = SimpleNamespace(first_frame=0, frame_rate=motion.frame_rate, composite=SimpleNamespace(piece_at=playing))
+    played = [SimpleNamespace(first=place * change, piece=SimpleNamespace(origin=(place, 0))) for place in range(2)]
+    composite = SimpleNamespace(
+        played=played, fingers_before=None, timing=SimpleNamespace(frame_rate=motion.frame_rate)
+    )
+    adapted = SimpleNamespace(first_frame=0, frame_rate=motion.frame_rate, composite=composite)
     return [PosedPerformer(performer, adapted, frame, Placement()).grip(0.25) for frame in range(2 * change)]
 
 

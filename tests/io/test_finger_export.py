@@ -1,6 +1,7 @@
 """Fingers of a capture on a character that has fingers of its own: each joint turns as it was captured."""
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -8,27 +9,44 @@ import pytest
 from scipy.spatial import cKDTree
 
 from studio.core.body.canonical import BodyPart
-from studio.core.body.finger_joints import Digit, find_fingers
+from studio.core.body.finger_joints import Digit, FingerJoint, find_fingers
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_world
 from studio.core.body.morphology import Proportions
 from studio.core.body.pose import PoseSequence
-from studio.core.body.rest_pose import rest_pose
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
+from studio.core.constraints.base import BodyPoint
+from studio.core.mesh.hand_shapes import grip_round
 from studio.core.mesh.skin import skin_vertices
 from studio.core.normalized.normalize import normalize_capture
-from studio.core.rigs.driven_fingers import hand_pose
+from studio.core.rigs.driven_fingers import bound_hands
+from studio.core.rigs.played_fingers import fingers_of_capture
 from studio.core.rigs.zero_pose import with_zero_pose
-from studio.core.rotations import angle_between, from_rotation_vector, inverse, multiply, normalized, to_matrix
+from studio.core.rotations import (
+    angle_between,
+    from_matrix,
+    from_rotation_vector,
+    inverse,
+    multiply,
+    normalized,
+    to_matrix,
+)
 from studio.core.solver.adapt import adapt
-from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.request import AdaptRequest
+from studio.core.stage.clip import Clip
+from studio.core.stage.project import Project
+from studio.core.stage.prop import InHand, Prop
 from studio.engine.performance import posed_performers
 from studio.io.export import Take, skin_of, take_of_adapted, take_of_standing, write_take
 from studio.io.export_options import ExportOptions
 from studio.io.importing import load_capture, load_character
 from studio.io.project.character_file import bundled_characters
+from studio.io.staged_export import take_of_performer
+from studio.jobs.performances import prepared_capture, stage_performances
+from studio.live.playing_stage import LiveStage
 from tests.builders import BODY_MAP, make_capture, make_poses, make_project, make_skeleton
+from tests.io.blender import opened_in_blender
 from tests.io.test_fbx_take import carried
 
 DIGITS = ("Thumb", "Index", "Middle", "Ring", "Pinky")
@@ -176,11 +194,15 @@ def assert_shown_as_exported(take: Take, capture: Capture, frames: tuple[int, ..
     positions, rotations = joint_world(exported.skeleton, exported.poses)
     plain, body, bends = replace(character.skin, centres=character.skin.vertices), character.morphology, 0.0
     for frame in frames:
-        pose = hand_pose(plain, character.build, body, capture, adapted.first_frame + frame)
+        hands = bound_hands(plain, character.build, body)
+        fingers = fingers_of_capture(capture, adapted.first_frame + frame, 1)
         posed = plain, character.build, body, adapted.positions[frame], adapted.rotations[frame]
-        (shown, _), (stiff, _) = skin_vertices(*posed, shaped=pose.shaped), skin_vertices(*posed)
+        (shown, _), (stiff, _) = (
+            skin_vertices(*posed, shaped=partial(hands.shaped, poses=fingers)),
+            skin_vertices(*posed),
+        )
         written = carried(skin_of(exported), positions[frame], rotations[frame])
-        apart = np.linalg.norm(shown - written, axis=1)[pose.rows]
+        apart = np.linalg.norm(shown - written, axis=1)[hands.rows]
         assert np.quantile(apart, 0.9) < 1e-4  # the studio keeps four influences of a vertex
         assert apart.max() < 5e-3
         bends = max(bends, float(np.linalg.norm(shown - stiff, axis=1).max()))
@@ -197,22 +219,155 @@ def test_the_stage_shows_the_fingers_that_are_exported(take: Take, scaled: dict[
     assert assert_shown_as_exported(moving, capture, (0, 15, 29)) > 0.02
 
 
-def test_fingers_are_shown_where_a_clip_plays_unchanged() -> None:
-    project = make_project(characters=1)
-    [(performer_id, performer)] = project.performers.items()
-    [clip] = performer.clips
-    [capture_id] = project.captures
-    project = project.with_entity("captures", capture_id, fist_capture())
-    motion = AdaptedMotion(
-        project.characters[performer.character_id].morphology, 30.0, 0,
-        *(each[None] for each in rest_pose(project.characters[performer.character_id].morphology)), np.empty((0, 1)),
+@pytest.fixture(scope="module")
+def hero(tmp_path_factory: pytest.TempPathFactory) -> Project:
+    """The character with fingers, which plays the closing hands."""
+    path = tmp_path_factory.mktemp("hero") / "hero.glb"
+    write_fingered_character(path)
+    return replace(
+        make_project(characters=1, constraints=0, contacts=0),
+        captures={"capture": fist_capture(60)}, characters={"character 0": load_character(path).character},
     )  # fmt: skip
-    [posed] = posed_performers(project, lambda _: motion, 0.0).values()
-    assert posed.capture is project.captures[capture_id]
-    mirrored = replace(performer, clips=(replace(clip, mirrored=True),))
-    project = project.with_entity("performers", performer_id, mirrored)
-    [posed] = posed_performers(project, lambda _: motion, 0.0).values()
-    assert posed.capture is None
+
+
+def playing(hero: Project, *clips: Clip) -> Project:
+    """The hero with another row of clips."""
+    return hero.with_entity("performers", "performer 0", replace(hero.performers["performer 0"], clips=clips))
+
+
+ROWS = {
+    "cut": (Clip("motion", 20, 50, id="a"),),
+    "mirrored": (Clip("motion", 0, 59, id="a", mirrored=True),),
+    "twice as fast": (Clip("motion", 0, 59, id="a", speed=2.0),),
+    "joined": (Clip("motion", 30, 59, id="a"), Clip("motion", 0, 40, 1.0, id="b")),
+    "fists": (Clip("motion", 0, 59, id="a", grip=1.0),),
+    "from fists to captured": (Clip("motion", 0, 30, id="a", grip=1.0), Clip("motion", 0, 40, 1.0, id="b")),
+}
+
+
+@pytest.mark.parametrize("row", ROWS)
+def test_the_stage_shows_the_fingers_that_are_exported_in_every_row_of_clips(hero: Project, row: str) -> None:
+    project = playing(hero, *ROWS[row])
+    [(key, performance)] = stage_performances(project).performances.items()
+    take = take_of_performer(project, key, performance, along=True)
+    character, adapted = take.character, performance.adapted_on_stage
+    exported = ExportOptions(at_origin=True).applied_to(take, Path("out.glb"))
+    positions, rotations = joint_world(exported.skeleton, exported.poses)
+    plain, body = replace(character.skin, centres=character.skin.vertices), character.morphology
+    hands, bends = bound_hands(plain, character.build, body), []
+    for frame in np.linspace(0, adapted.frame_count - 1, 5).astype(int).tolist():
+        time = performance.composite.timing.stage_time(adapted.first_frame + frame)
+        [posed] = posed_performers(project, lambda _: performance.adapted, time).values()
+        args = plain, character.build, body, adapted.positions[frame], adapted.rotations[frame]
+        stiff, shown = skin_vertices(*args)[0], skin_vertices(*args)[0]
+        if posed.fingers is not None:
+            shown, _ = skin_vertices(*args, shaped=partial(hands.shaped, poses=posed.fingers))
+        written = carried(skin_of(exported), positions[frame], rotations[frame])
+        apart = np.linalg.norm(shown - written, axis=1)[hands.rows]
+        assert np.quantile(apart, 0.9) < 1e-4
+        assert apart.max() < 5e-3
+        bends.append(float(np.linalg.norm(shown - stiff, axis=1).max()))
+    assert max(bends) > 0.02
+
+
+@pytest.mark.parametrize("suffix", [".bvh", ".fbx", ".glb", ".usda", ".vrma"])
+def test_a_mirrored_clip_bends_the_fingers_of_the_other_hand_in_every_kind_of_file(
+    hero: Project, tmp_path: Path, suffix: str
+) -> None:
+    one_hand = fist_capture(60)
+    rotations = np.array(one_hand.poses.local_rotations)
+    fingers = find_fingers(one_hand.skeleton, one_hand.body_map)
+    rotations[:, [joint for each, joint in fingers.items() if each.side == 1]] = [0.0, 0.0, 0.0, 1.0]
+    one_hand = replace(one_hand, poses=replace(one_hand.poses, local_rotations=rotations))
+    project = playing(hero, *ROWS["mirrored"]).with_entity("captures", "capture", one_hand)
+    [(key, performance)] = stage_performances(project).performances.items()
+    path = tmp_path / f"out{suffix}"
+    write_take(ExportOptions().applied_to(take_of_performer(project, key, performance, along=True), path), path)
+    back = load_capture(path)
+    own = find_fingers(back.skeleton, back.body_map)
+    assert len(own) == 30
+    for finger, joint in own.items():
+        turned = turned_from_rest(back, joint, back.poses.local_rotations[0, joint])
+        like = fingers[finger._replace(side=0)]
+        expected = turned_from_rest(one_hand, like, np.array([0.0, 0.0, 0.0, 1.0]))
+        assert np.abs(turned - (expected if finger.side == 1 else 0.0)).max() < 1.0, finger
+
+
+def test_mirrored_fingers_drop_on_the_original_in_blender(hero: Project, tmp_path: Path) -> None:
+    original, path = tmp_path / "hero.glb", tmp_path / "out.glb"
+    write_fingered_character(original)
+    project = playing(hero, *ROWS["mirrored"])
+    [(key, performance)] = stage_performances(project).performances.items()
+    take = ExportOptions().applied_to(take_of_performer(project, key, performance, along=True), path)
+    take = replace(take, capture=replace(take.capture, frame_rate=30.0))
+    write_take(take, path)
+    frames = take.poses.frame_count
+    found = opened_in_blender(original, frames=frames, rate=30.0, action_of=path)
+    mesh = max(found["meshes"].values(), key=lambda each: each["vertices"].shape[1])  # another draws Blender's bones
+    positions, rotations = joint_world(take.skeleton, take.poses)
+    expected = [carried(skin_of(take), positions[frame], rotations[frame]) for frame in range(frames)]
+    assert np.abs(mesh["vertices"] - np.array(expected)).max() < 1e-5
+
+
+def tips_and_knuckles(hero: Project, grip: float) -> tuple[np.ndarray, np.ndarray]:
+    """Degrees from the direction of the hand to that of the middle bone of each finger but the thumb, and metres from
+    its last joint to the wrist over those of its first, in the exported rig of the hero with a grip.
+    """
+    project = playing(hero, Clip("motion", 0, 59, id="a", grip=grip))
+    [(key, performance)] = stage_performances(project).performances.items()
+    take = ExportOptions().applied_to(take_of_performer(project, key, performance, along=True), Path("out.glb"))
+    places, body = joint_world(take.skeleton, take.poses)[0][0], take.capture.body_map
+    fingers, angles, reach = find_fingers(take.skeleton, body), [], []
+    for side, part in enumerate((BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)):
+        for digit in list(Digit)[1:]:
+            first, middle, last = (places[fingers[FingerJoint(side, digit, place)]] for place in range(3))
+            row = [places[fingers[FingerJoint(side, each, 0)]] for each in list(Digit)[1:]]
+            ahead, bone = np.mean(row, axis=0) - places[body[part]], last - middle
+            angles.append(np.degrees(np.arccos(ahead @ bone / np.linalg.norm(ahead) / np.linalg.norm(bone))))
+            reach.append(np.linalg.norm(last - places[body[part]]) / np.linalg.norm(first - places[body[part]]))
+    return np.array(angles), np.array(reach)
+
+
+@pytest.mark.parametrize(("grip", "bend", "nearer"), [(-1.0, 0.0, False), (0.0, 40.0, False), (1.0, 170.0, True)])
+def test_a_grip_of_a_clip_opens_or_closes_the_fingers_of_a_dropped_character(hero, grip, bend, nearer) -> None:
+    angles, reach = tips_and_knuckles(hero, grip)
+    assert angles == pytest.approx(np.full(8, bend), abs=8.0)  # fingers are splayed
+    assert (reach < 1.1).all() == nearer
+
+
+def test_a_held_stick_closes_the_hands_of_a_dropped_character(hero: Project) -> None:
+    stick = Prop("Stick", (0.03, 0.03, 1.0), held=InHand("performer 0", BodyPoint(BodyPart.RIGHT_HAND), begin=0.5))
+    project = playing(hero, Clip("motion", 0, 59, id="a")).with_entity("props", "stick", stick)
+    [(key, performance)] = stage_performances(project).performances.items()
+    fingers = take_of_performer(project, key, performance, along=True).fingers
+    held = np.arange(60) / performance.adapted.frame_rate - 0.5
+    assert (fingers.asked[held > 0.0] == 1.0).all()
+    assert (fingers.asked[held < -0.2] == 0.0).all()
+    assert fingers.grips[-1] == pytest.approx(grip_round(0.03))
+
+
+def test_a_live_takeover_moves_fingers_evenly(hero: Project) -> None:
+    stage = LiveStage(playing(hero, Clip("motion", 0, 59, id="a", grip=1.0)), prepared_capture)
+    character = hero.characters["character 0"]
+    hands, turns = bound_hands(character.skin, character.build, character.morphology), []
+    grips: list[float] = []
+    for step in range(40):
+        if step == 15:
+            stage.start("performer 0", Clip("motion", 30, 59, id="b", grip=-1.0))
+        stage.step(1.0 / 60.0)
+        [posed] = posed_performers(stage.staged, stage.results.get, stage.seconds).values()
+        turned = hands.drive.rotations(posed.fingers)
+        turns.append(from_matrix(np.array([turned[joint][0] for joint in hands.drive.rest.joints.values()])))
+        grips.append(posed.grip(0.0))
+    middle = np.array(turns)[:, list(hands.drive.rest.joints).index(FingerJoint(0, Digit.INDEX, 0))]
+    steps, bent = (np.degrees(angle_between(*each)) for each in ((middle[1:], middle[:-1]), (middle, middle[-1:])))
+    assert bent[0] == pytest.approx(90.0, abs=1.0)
+    assert (np.diff(bent) < 1e-3).all()  # they open, and bend no other way
+    assert steps[:12].max() < 1e-3
+    assert steps[-8:].max() < 1e-3
+    assert steps.max() < 20.0
+    assert (grips[0], grips[-1]) == (1.0, -1.0)
+    assert np.abs(np.diff(grips)).max() < 0.4
 
 
 def test_without_captured_fingers_hands_keep_their_shape(take: Take) -> None:

@@ -29,6 +29,11 @@ class FingerJoint(NamedTuple):
     place: int
     """0 is the joint next to the palm; 2 is the last that bends."""
 
+    @property
+    def cell(self) -> tuple[int, int, int]:
+        """Index in arrays with an element for each finger joint."""
+        return self.side, tuple(Digit).index(self.digit), self.place
+
 
 JOINTS_PER_FINGER = 3
 _WORDS = {

@@ -1,12 +1,23 @@
 """Appearance of a skin: colours and textures of its materials, and texture coordinates."""
 
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+NORMAL_MAP, EMISSIVE_MAP, OCCLUSION_MAP, METALLIC_ROUGHNESS_MAP, METALLIC_MAP, ROUGHNESS_MAP = MATERIAL_MAPS = (
+    "normal",
+    "emissive",
+    "occlusion",
+    "metallic_roughness",
+    "metallic",
+    "roughness",
+)
+"""glTF has metallic and roughness in one picture, FBX in two."""
 _COLOUR = re.compile(r"#[0-9A-Fa-f]{6}")
 
 
@@ -24,15 +35,30 @@ class Material:
     two_sided: bool = False
     cut_out: bool = False
     """True if the surface has holes where its texture is transparent: lashes, hair, leaves."""
+    metallic: float = 0.0
+    roughness: float = 1.0
+    """From 0 to 1; they scale the map of both."""
+    emission: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Linear light that it emits; it scales the emissive map."""
+    maps: Mapping[str, NDArray[np.uint8]] = field(default_factory=dict)
+    """Pictures (B,) at the same coordinates, by their names in ``MATERIAL_MAPS``; kept for exports and not drawn."""
 
     def __post_init__(self) -> None:
         if not _COLOUR.fullmatch(self.colour):
             raise ValueError(f"colour: expected #RRGGBB, got '{self.colour}'.")
         if self.texture is not None:
-            texture = self.texture if _is_frozen(self.texture) else _frozen(self.texture, np.uint8)
-            if texture.ndim != 1 or not len(texture):
-                raise ValueError("texture: expected the bytes of a picture.")
-            object.__setattr__(self, "texture", texture)
+            object.__setattr__(self, "texture", _picture(self.texture))
+        if unknown := sorted(set(self.maps) - set(MATERIAL_MAPS)):
+            raise ValueError(f"maps: a material has no map '{unknown[0]}'.")
+        maps = {name: _picture(picture) for name, picture in self.maps.items()}
+        object.__setattr__(self, "maps", MappingProxyType(maps))
+        if not np.isfinite([self.metallic, self.roughness, *self.emission]).all():
+            raise ValueError("metallic, roughness and emission are finite numbers.")
+
+    @property
+    def pictures(self) -> tuple[NDArray[np.uint8], ...]:
+        """Texture and maps."""
+        return (*(() if self.texture is None else (self.texture,)), *self.maps.values())
 
     @property
     def linear_colour(self) -> tuple[float, float, float]:
@@ -66,6 +92,13 @@ class Appearance:
         indices = self.triangle_materials
         if len(indices) and (indices.min() < 0 or indices.max() >= len(self.materials)):
             raise ValueError("appearance: a triangle names a material that is not there.")
+
+
+def _picture(content: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    picture: NDArray[np.uint8] = content if _is_frozen(content) else _frozen(content, np.uint8)
+    if picture.ndim != 1 or not len(picture):
+        raise ValueError("texture: expected the bytes of a picture.")
+    return picture
 
 
 def _is_frozen(array: NDArray[Any]) -> bool:

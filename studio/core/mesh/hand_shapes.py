@@ -6,6 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 OPEN_GRIP, RELAXED_GRIP, HALF_CLOSED_GRIP, FIST_GRIP = -1.0, 0.0, 0.5, 1.0
+GRIPS = (OPEN_GRIP, RELAXED_GRIP, HALF_CLOSED_GRIP, FIST_GRIP)
+FINGER_BENDS = np.radians([[0.0, 0.0, 0.0], [15.0, 40.0, 55.0], [35.0, 85.0, 115.0], [90.0, 190.0, 260.0]])
+"""(4, 3) angles of the three bones of a finger with the palm in each of ``GRIPS``."""
+FINGER_LENGTH, FINGER_RADIUS = 0.08, 0.008
+"""Metres of an adult's finger that close round what it holds."""
 STORED_GRIPS = (OPEN_GRIP, HALF_CLOSED_GRIP, FIST_GRIP)
 """The grip of each shape that is stored; the mesh itself has its hands at ease."""
 
@@ -43,13 +48,18 @@ class HandShapes:
         self, vertices: NDArray[np.float32], normals: NDArray[np.float32], grip: float
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Vertices and normals (V, 3) of the mesh with its hands shaped by ``grip``: -1 open, 0 at ease, 1 fists."""
-        grips = (OPEN_GRIP, RELAXED_GRIP, HALF_CLOSED_GRIP, FIST_GRIP)
         found = []
         for eased, stored in ((vertices, self.vertices), (normals, self.normals)):
             shapes = np.stack([stored[0], eased[-self.count :], stored[1], stored[2]])
-            below = int(np.clip(np.searchsorted(grips, grip) - 1, 0, len(grips) - 2))
-            share = np.clip((grip - grips[below]) / (grips[below + 1] - grips[below]), 0.0, 1.0)
+            below = int(np.clip(np.searchsorted(GRIPS, grip) - 1, 0, len(GRIPS) - 2))
+            share = np.clip((grip - GRIPS[below]) / (GRIPS[below + 1] - GRIPS[below]), 0.0, 1.0)
             hands = shapes[below] + np.float32(share) * (shapes[below + 1] - shapes[below])
             found.append(np.concatenate([eased[: -self.count], hands]))
         found[1] /= np.linalg.norm(found[1], axis=1, keepdims=True)
         return found[0], found[1]
+
+
+def grip_round(thickness: float) -> float:
+    """Grip, from open (-1) to fists (1), whose fingers lie round a rod of ``thickness`` metres."""
+    bend = FINGER_LENGTH / (thickness / 2.0 + FINGER_RADIUS)
+    return float(np.interp(bend, FINGER_BENDS[:, -1], GRIPS))

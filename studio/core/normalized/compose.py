@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.finger_poses import FingerPoses
 from studio.core.captures.contacts import ContactInterval
 from studio.core.errors import StudioError
 from studio.core.normalized.blending import BlendedRow
@@ -36,6 +37,8 @@ class Composite:
     contacts: tuple[ContactInterval, ...]
     timing: Timing
     played: tuple[PlayedPiece, ...]
+    fingers_before: FingerPoses | None = None
+    """Fingers of the last frame shown, where a row takes over from another."""
 
     @property
     def is_plain(self) -> bool:

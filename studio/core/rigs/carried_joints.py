@@ -93,12 +93,6 @@ def _carriers(body: Morphology, actor: SourceRig) -> tuple[list[int], FloatArray
     return [joint_of[segment] for segment in segments], turns, scales
 
 
-def carried_axes(body: Morphology, actor: SourceRig) -> FloatArray:
-    """(2, 3, 3) rotations C of the hands."""
-    turns = _carriers(body, actor)[1]
-    return turns[[actor.morphology.layout.hand_segment(side) for side in range(2)]]
-
-
 def _lengths(body: Morphology) -> FloatArray:
     """(S,) lengths that scale the children of each segment.
 

@@ -1,6 +1,7 @@
 """Hands that hold a prop between them, for any size of prop and body."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -12,9 +13,9 @@ from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.scope import Scope
-from studio.core.curves.activation import EASE_PEAK, ActivationCurve
+from studio.core.curves.activation import EASE_PEAK, ActivationCurve, EaseShape, ease
 from studio.core.curves.keyed import Quaternion
-from studio.core.mesh.hand_shapes import HALF_CLOSED_GRIP, OPEN_GRIP
+from studio.core.mesh.hand_shapes import OPEN_GRIP, grip_round
 from studio.core.rotations import from_euler, multiply, to_matrix
 from studio.core.stage.prop import Carried, InHand, Prop
 
@@ -35,6 +36,8 @@ HAND_REACH_SECONDS, REACH_SPEED = 0.5, 1.3
 """Seconds, at least, in which hands come to a prop before they pick it up, and leave it once it is put down; and their
 highest speed then, metres a second.
 """
+CLOSING = 0.2
+"""Seconds in which hands change from one grip to another."""
 FLAT_HAND = (-0.5, 0.5, -0.5, 0.5)
 """A hand in a prop's axes: fingers ahead, the palm on the side."""
 
@@ -47,8 +50,27 @@ def reaching_time(distance: float) -> float:
 def grip_on(prop: Prop, hold: InHand | Carried) -> float | None:
     """Grip of the hands that hold a prop, from -1 (open) to 1 (fists); None if no hand holds it."""
     if isinstance(hold, InHand):
-        return HALF_CLOSED_GRIP if hold.point.part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND) else None
-    return HALF_CLOSED_GRIP if min(prop.size[:2]) < THIN else OPEN_GRIP
+        return grip_round(min(prop.size)) if hold.point.part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND) else None
+    breadth = min(prop.size[:2])
+    return grip_round(breadth) if breadth < THIN else OPEN_GRIP
+
+
+def grips_on_props(props: Iterable[Prop], performer_id: str, times: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Weights (N,) from 0 to 1 of a performer's hold of a prop at ``times`` (N,) of the stage, and the grips (N,) for
+    it.
+    """
+    weights, grips = np.zeros(len(times)), np.zeros(len(times))
+    for prop in props:
+        for hold in prop.holds:
+            grip = grip_on(prop, hold) if hold.performer_id == performer_id else None
+            if grip is None:
+                continue
+            since = np.inf if hold.begin is None else times - hold.begin
+            left = np.inf if hold.end is None else hold.end - times
+            weight = ease(1.0 + np.minimum(since, left) / CLOSING, EaseShape.QUINTIC)
+            grips = np.where(weight > weights, grip, grips)
+            weights = np.maximum(weights, weight)
+    return weights, grips
 
 
 def grip_constraints(

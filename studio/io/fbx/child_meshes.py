@@ -78,15 +78,33 @@ def _corners(mesh: Any) -> dict[str, FloatArray]:
 
 
 def _material(material: Any, arrays: dict[str, FloatArray], key: str) -> dict[str, Any]:
-    """Name, colour and picture: inside the file, or named by it."""
+    """Name, colour and pictures: inside the file, or named by it."""
     kinds = keep(material.fbx), keep(material.pbr)
     colour, base = keep(kinds[0].diffuse_color), keep(kinds[1].base_color)
     texture = keep(base.texture) or keep(colour.texture)
     shown = keep(colour.value_vec4)
     told: dict[str, Any] = {"name": material.name, "colour": [shown.x, shown.y, shown.z], "picture": ""}
-    if texture is not None:
-        content = keep(texture.content)
+    told["maps"] = {}
+    slots = {
+        "normal": keep(kinds[0].normal_map),
+        "emissive": keep(kinds[0].emission_color),
+        "metallic": keep(kinds[0].reflection_factor),
+        "roughness": keep(kinds[0].specular_exponent),
+    }
+    for name, slot in {"picture": None, **slots}.items():
+        found = texture if slot is None else keep(slot.texture)
+        if found is None:
+            continue
+        content, file_name = keep(found.content), found.relative_filename or found.filename or ""
         if content:
-            arrays[f"{key} picture"] = np.frombuffer(bytes(content), np.uint8)
-        told["picture"] = texture.relative_filename or texture.filename or ""
+            arrays[f"{key} {name}"] = np.frombuffer(bytes(content), np.uint8)
+        if slot is None:
+            told["picture"] = file_name
+        else:
+            told["maps"][name] = file_name
+    light, strength = keep(kinds[0].emission_color), keep(kinds[0].emission_factor)
+    if light.has_value or told["maps"].get("emissive"):
+        scale = strength.value_real if strength.has_value else 1.0
+        emitted = keep(light.value_vec4)
+        told["emission"] = [scale * emitted.x, scale * emitted.y, scale * emitted.z]
     return told

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.mesh.appearance import Material
+from studio.core.mesh.appearance import EMISSIVE_MAP, METALLIC_MAP, NORMAL_MAP, ROUGHNESS_MAP, Material
 from studio.core.rigs.joint_skin import JointSkin
 from studio.core.rotations import IDENTITY_QUATERNION
 from studio.io.atomic_write import write_pieces
@@ -195,6 +195,15 @@ def _put_mesh(document: FbxDocument, take: Take, skin: JointSkin, parent: Int64)
     return mesh
 
 
+MAP_PROPERTIES = {
+    NORMAL_MAP: "NormalMap",
+    EMISSIVE_MAP: "EmissiveColor",
+    METALLIC_MAP: "ReflectionFactor",
+    ROUGHNESS_MAP: "ShininessExponent",
+}
+"""Properties to which Blender and others connect the maps of a material."""
+
+
 def put_material(document: FbxDocument, material: Material, mesh: Int64) -> None:
     """Add a material of a mesh, with its picture inside the file."""
     colours = "#FFFFFF" if material.texture is not None else material.colour
@@ -203,12 +212,18 @@ def put_material(document: FbxDocument, material: Material, mesh: Int64) -> None
         element("Version", 102),
         element("ShadingModel", "lambert"),
         element("MultiLayer", 0),
-        properties(colour("DiffuseColor", shares)),
+        properties(colour("DiffuseColor", shares), colour("EmissiveColor", list(material.emission))),
     ]
     key = document.add("Material", material.name, "", about, within=mesh)
-    if material.texture is None:
-        return
-    content = material.texture.tobytes()
+    if material.texture is not None:
+        document.connect(_put_picture(document, material.texture.tobytes()), key, "DiffuseColor")
+    for name, picture in material.maps.items():
+        if name in MAP_PROPERTIES:
+            document.connect(_put_picture(document, picture.tobytes()), key, MAP_PROPERTIES[name])
+
+
+def _put_picture(document: FbxDocument, content: bytes) -> Int64:
+    """Number of the texture of a picture, which is added once."""
     suffix = "png" if content.startswith(b"\x89PNG") else "jpg"
     name = f"{hashlib.sha256(content).hexdigest()[:16]}.{suffix}"
     if name not in document.pictures:
@@ -217,14 +232,14 @@ def put_material(document: FbxDocument, material: Material, mesh: Int64) -> None
         document.pictures[name] = document.add("Texture", name, "", texture)
         clip = [element("Type", "Clip"), element("UseMipMap", 0), *path, element("Content", content)]
         document.add("Video", name, "Clip", clip, within=document.pictures[name])
-    document.connect(document.pictures[name], key, "DiffuseColor")
+    return document.pictures[name]
 
 
 def _geometry(skin: JointSkin) -> list[FbxElement]:
     """Vertices, triangles, normals and, with textures, texture coordinates."""
     look = skin.appearance
     kinds = look.triangle_materials if look else np.zeros(len(skin.triangles), np.int32)
-    coordinates = look.coordinates if look and any(each.texture is not None for each in look.materials) else None
+    coordinates = look.coordinates if look and any(each.pictures for each in look.materials) else None
     return geometry(skin.vertices, skin.normals, skin.triangles, kinds, coordinates)
 
 

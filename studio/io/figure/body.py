@@ -429,11 +429,16 @@ def _appearance(pieces: Sequence[MeshPiece]) -> Appearance | None:
         return None
     for piece in pieces:
         material = piece.material or Material("", PLAIN_COLOUR)
-        picture, content = material.texture, b""
+        once = {name: pictures.setdefault(each.tobytes(), each) for name, each in material.maps.items()}
+        picture = material.texture
         if picture is not None:
-            content = picture.tobytes()
-            material = replace(material, texture=pictures.setdefault(content, picture))
-        key = (material.name, material.colour, material.two_sided, material.cut_out, content)
+            picture = pictures.setdefault(picture.tobytes(), picture)
+        material = replace(material, texture=picture, maps=once)
+        key = (
+            material.name, material.colour, material.two_sided, material.cut_out, id(picture),
+            material.metallic, material.roughness, material.emission,
+            *((name, id(each)) for name, each in once.items()),
+        )  # fmt: skip
         materials.setdefault(key, material)
         indices.append(np.full(len(piece.triangles), list(materials).index(key)))
     coordinates = np.concatenate([piece.coordinates for piece in pieces])

@@ -1,4 +1,4 @@
-"""Base colours and base colour textures of a glTF file."""
+"""Materials of a glTF file: base colour, its texture, and the maps beside it."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.mesh.appearance import Material
+from studio.core.mesh.appearance import EMISSIVE_MAP, METALLIC_ROUGHNESS_MAP, NORMAL_MAP, OCCLUSION_MAP, Material
 from studio.io.figure.textures import checked_picture
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import GltfFile
@@ -33,6 +33,10 @@ class TexturePlacing:
         form = np.array([[c, s], [-s, c]]) * moved.numbers("scale", (1.0, 1.0))
         offset = np.array(moved.numbers("offset", (0.0, 0.0)))
         return cls(moved.whole("texCoord", slot.whole("texCoord", 0)), form, offset)
+
+    def is_same(self, other: "TexturePlacing") -> bool:
+        """True if both have the same coordinates."""
+        return self.set == other.set and np.allclose(self.form, other.form) and np.allclose(self.offset, other.offset)
 
     def applied_to(self, coordinates: NDArray[np.float64]) -> NDArray[np.float64]:
         """(V, 2) positions in the picture, from its lower left, for a file's coordinates, from its upper left."""
@@ -64,9 +68,31 @@ class Materials:
         linear = np.clip(surface.numbers("baseColorFactor", (1.0, 1.0, 1.0, 1.0))[:3], 0.0, 1.0)
         slot = surface.inner("baseColorTexture")
         texture = self._texture(slot) if "index" in slot else None
-        cut_out = record.text("alphaMode", "OPAQUE") != "OPAQUE"
-        colour, sides = hex_colour(shown(linear)), record.flag("doubleSided")
-        return Material(record.text("name"), colour, texture, sides, cut_out), TexturePlacing.of(slot)
+        slots = {
+            NORMAL_MAP: record.inner("normalTexture"),
+            EMISSIVE_MAP: record.inner("emissiveTexture"),
+            OCCLUSION_MAP: record.inner("occlusionTexture"),
+            METALLIC_ROUGHNESS_MAP: surface.inner("metallicRoughnessTexture"),
+        }
+        given = {name: each for name, each in slots.items() if "index" in each}
+        placed_by = slot if texture is not None else next(iter(given.values()), slot)
+        placing = TexturePlacing.of(placed_by)
+        maps = {name: self._map(each, placing) for name, each in given.items()}
+        red, green, blue = np.clip(record.numbers("emissiveFactor", (0.0, 0.0, 0.0)), 0.0, 1.0).tolist()
+        material = Material(
+            record.text("name"), hex_colour(shown(linear)), texture, record.flag("doubleSided"),
+            record.text("alphaMode", "OPAQUE") != "OPAQUE",
+            surface.number("metallicFactor", 1.0), surface.number("roughnessFactor", 1.0), (red, green, blue),
+            {name: picture for name, picture in maps.items() if picture is not None},
+        )  # fmt: skip
+        return material, placing
+
+    def _map(self, slot: Record, placing: TexturePlacing) -> NDArray[np.uint8] | None:
+        """Picture of a map; None, with a repair, where its coordinates are not those of the base colour."""
+        if TexturePlacing.of(slot).is_same(placing):
+            return self._texture(slot)
+        self.repairs.append(f"{slot.where}: it has other coordinates than the base colour; it was left out.")
+        return None
 
     def _texture(self, slot: Record) -> NDArray[np.uint8] | None:
         texture = slot.index("index", len(self._textures))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import __version__
-from studio.core.mesh.appearance import Material
+from studio.core.mesh.appearance import EMISSIVE_MAP, METALLIC_ROUGHNESS_MAP, NORMAL_MAP, OCCLUSION_MAP, Material
 from studio.core.rigs.joint_skin import JointSkin
 from studio.core.rotations import from_matrix
 from studio.core.stage.saved_camera import CAMERA_ASPECT, FARTHEST_SEEN, NEAREST_SEEN, VIEW_ANGLE, SavedCamera
@@ -79,6 +79,14 @@ def _with_progress(
         progress(min(0.8 + 0.2 * done / size, 1.0), f"Writing {name}")
         yield piece
         done += len(piece)
+
+
+_MAP_SLOTS = {
+    NORMAL_MAP: "normalTexture",
+    EMISSIVE_MAP: "emissiveTexture",
+    OCCLUSION_MAP: "occlusionTexture",
+    METALLIC_ROUGHNESS_MAP: "metallicRoughnessTexture",
+}
 
 
 class GltfScene:
@@ -218,10 +226,20 @@ class GltfScene:
         """Add materials; the index of the first of them."""
         first = len(self._lists["materials"])
         for material in materials:
-            surface: dict[str, Any] = {"baseColorFactor": [*material.linear_colour, 1.0], "metallicFactor": 0.0}
+            surface: dict[str, Any] = {
+                "baseColorFactor": [*material.linear_colour, 1.0],
+                "metallicFactor": material.metallic,
+                "roughnessFactor": material.roughness,
+            }
             if material.texture is not None:
                 surface["baseColorTexture"] = {"index": self._image(material.texture.tobytes())}
             record: dict[str, Any] = {"name": material.name, "pbrMetallicRoughness": surface}
+            for name, picture in material.maps.items():
+                if name in _MAP_SLOTS:
+                    holder = surface if name == METALLIC_ROUGHNESS_MAP else record
+                    holder[_MAP_SLOTS[name]] = {"index": self._image(picture.tobytes())}
+            if any(material.emission):
+                record["emissiveFactor"] = list(material.emission)
             if material.two_sided:
                 record["doubleSided"] = True
             if material.cut_out:
@@ -278,7 +296,7 @@ def _primitives(skin: JointSkin, buffers: Buffers, first: int) -> list[dict[str,
         for name, values, kind in (("JOINTS", joints, "u2"), ("WEIGHTS", skin.weights, "f4")):
             part = np.pad(values[:, start : start + 4], gap)
             attributes[f"{name}_{start // 4}"] = buffers.add(part, kind, VERTICES)
-    if look and any(material.texture is not None for material in look.materials):
+    if look and any(material.pictures for material in look.materials):
         places = look.coordinates * [1.0, -1.0] + [0.0, 1.0]  # glTF counts downwards
         attributes["TEXCOORD_0"] = buffers.add(places, "f4", VERTICES)
     kind = "u2" if count < 65535 else "u4"

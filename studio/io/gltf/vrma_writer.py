@@ -50,7 +50,8 @@ def humanoid_capture(take: Take) -> tuple[Capture, list[str]]:
     """
     if take.capture.body_map is None:
         raise StudioError(f"'{take.name}' has no body map, so it cannot be a VRM animation. Complete it first.")
-    capture = take.capture if take.character else with_zero_pose(take.capture, t_pose(take.capture))
+    in_t_pose = take.character is not None and take.rest_rotations is None
+    capture = take.capture if in_t_pose else with_zero_pose(take.capture, t_pose(take.capture))
     bones = humanoid_joints(capture.skeleton, take.capture.body_map)
     joints = list(bones.values())
     skeleton, poses = capture.skeleton, capture.poses

@@ -193,8 +193,8 @@ def _rig(file: Mapping[str, Any]) -> Rig | None:
 
 
 def _pictures(look: Appearance) -> list[NDArray[np.uint8]]:
-    """The textures of a look, each once."""
-    return list({id(each.texture): each.texture for each in look.materials if each.texture is not None}.values())
+    """The pictures of a look, each once."""
+    return list({id(picture): picture for each in look.materials for picture in each.pictures}.values())
 
 
 def _material_records(look: Appearance | None) -> list[dict[str, Any]]:
@@ -208,6 +208,10 @@ def _material_records(look: Appearance | None) -> list[dict[str, Any]]:
             "texture": None if each.texture is None else places[id(each.texture)],
             "two_sided": each.two_sided,
             "cut_out": each.cut_out,
+            "metallic": each.metallic,
+            "roughness": each.roughness,
+            "emission": list(each.emission),
+            "maps": {name: places[id(picture)] for name, picture in each.maps.items()},
         }
         for each in look.materials
     ]
@@ -216,14 +220,26 @@ def _material_records(look: Appearance | None) -> list[dict[str, Any]]:
 def _appearance(file: Mapping[str, Any], records: Sequence[Any]) -> Appearance:
     pictures: dict[int, NDArray[np.uint8]] = {}
     materials = []
-    for record in records:
-        place = record["texture"]
-        if place is not None and place not in pictures:
+
+    def picture(place: int) -> NDArray[np.uint8]:
+        if place not in pictures:
             pictures[place] = checked_picture(file[f"texture_{int(place)}"].astype(np.uint8).tobytes())
-        texture = None if place is None else pictures[place]
-        holes = bool(record.get("cut_out", False))
+        return pictures[place]
+
+    for record in records:
+        red, green, blue = map(float, record.get("emission", (0.0, 0.0, 0.0)))
         materials.append(
-            Material(str(record["name"]), str(record["colour"]), texture, bool(record["two_sided"]), holes)
+            Material(
+                str(record["name"]),
+                str(record["colour"]),
+                None if record["texture"] is None else picture(record["texture"]),
+                bool(record["two_sided"]),
+                bool(record.get("cut_out", False)),
+                float(record.get("metallic", 0.0)),
+                float(record.get("roughness", 1.0)),
+                (red, green, blue),
+                {str(name): picture(place) for name, place in dict(record.get("maps", {})).items()},
+            )
         )
     return Appearance(tuple(materials), *(file[name] for name in _LOOK))
 

@@ -5,6 +5,7 @@ from pathlib import Path, PureWindowsPath
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from studio.core.errors import StudioError
@@ -187,12 +188,24 @@ def _picture_beside(path: Path, named: str) -> bytes:
 
 
 def _material(path: Path, index: int, told: dict[str, Any], part: Arrays, repairs: list[str]) -> Material:
-    picture, name = part.get(f"{index} picture"), PureWindowsPath(told["picture"]).name
-    texture = None
-    if picture is not None or name:
+    def picture_of(role: str, named: str) -> NDArray[np.uint8] | None:
+        picture, name = part.get(f"{index} {role}"), PureWindowsPath(named).name
+        if picture is None and not name:
+            return None
         try:
-            content = _picture_beside(path, told["picture"]) if picture is None else picture.tobytes()
-            texture = checked_picture(content)
+            return checked_picture(_picture_beside(path, named) if picture is None else picture.tobytes())
         except (StudioError, ValueError) as error:
-            repairs.append(f"{path.name}: the image '{name}' was left out; the plain colour is shown. {error}")
-    return Material(told["name"], hex_colour(np.ones(3) if texture is not None else np.array(told["colour"])), texture)
+            shown = "; the plain colour is shown" if role == "picture" else ""
+            repairs.append(f"{path.name}: the image '{name}' was left out{shown}. {error}")
+        return None
+
+    texture = picture_of("picture", told["picture"])
+    maps = {name: picture_of(name, named) for name, named in told.get("maps", {}).items()}
+    red, green, blue = told.get("emission", (0.0, 0.0, 0.0))
+    return Material(
+        told["name"],
+        hex_colour(np.ones(3) if texture is not None else np.array(told["colour"])),
+        texture,
+        emission=(red, green, blue),
+        maps={name: picture for name, picture in maps.items() if picture is not None},
+    )

@@ -9,7 +9,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.mesh.rig import NO_SEGMENT, rig_body_map
 from studio.core.mesh.skin import bound_pose, fit_skin
-from studio.core.rigs.driven_fingers import below_hands, bound_hands, bound_joints, finger_drive, still_skeleton
+from studio.core.rigs.driven_fingers import below_hands, bound_joints, finger_drive, still_skeleton
 from studio.core.rigs.joint_skin import FloatArray, JointSkin
 from studio.core.rotations import from_matrix
 from studio.core.stage.placement import Placement
@@ -31,7 +31,7 @@ def on_own_rig(take: Take, suffix: str, placement: Placement) -> Take:
     """Take on the character's own joints, with its skin bound to them.
 
     Every joint moves with its segment of the body, so that its skin deforms as that of the file would. Fingers rotate
-    like those of the take; other extra joints of a capture are left out. Joints and skin rest where they rest in the
+    as the take says; other extra joints of a capture are left out. Joints and skin rest where they rest in the
     original file, and whatever is above the hips stays there; the body moves at ``placement`` on the stage. Files
     with Y up have other joint axes: these are chosen so that those of the original file result in a file of the kind of
     ``suffix``.
@@ -61,9 +61,8 @@ def on_own_rig(take: Take, suffix: str, placement: Placement) -> Take:
     parents = rig.parents.astype(np.int64)
     body_map = rig_body_map(rig, body.layout.spine_count)
     still = still_skeleton(rig, positions)
-    assert take.capture.body_map is not None
-    drive = finger_drive(take.skeleton, take.capture.body_map, still, body_map, bound_hands(mesh, body))
-    fingers = drive.rotations(take.poses.local_rotations)
+    drive = finger_drive(still, body_map, mesh, body) if take.fingers and not take.fingers.is_at_rest else None
+    fingers = drive.rotations(take.fingers) if drive and take.fingers else {}
     for joint in below_hands(still, body_map) if fingers else ():
         parent = parents[joint]
         above = world_turns[:, parent] @ rotations[parent].T

@@ -1,0 +1,211 @@
+"""Fingers of both hands over time, as captures have them and as the clips of a row ask, for any skeleton."""
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.body.finger_joints import Digit, FingerJoint, find_fingers
+from studio.core.body.finger_poses import FingerPoses
+from studio.core.body.kinematics import joint_world, rest_poses
+from studio.core.body.pose import PoseSequence
+from studio.core.body.pose_sampling import poses_at
+from studio.core.captures.capture import Capture
+from studio.core.normalized.compose import Composite
+from studio.core.normalized.pieces import PlayedPiece
+from studio.core.project_cache import project_cache
+from studio.core.rigs.character_skeleton import t_pose_rotations
+from studio.core.rigs.finger_rest import FINGER_CELLS, HAND_PARTS, T_POSE_HANDS, bend, finger_rest, relative_rotations
+from studio.core.rotations import IDENTITY_QUATERNION, from_matrix, inverse, multiply, slerp
+from studio.core.stage.clip import Clip
+from studio.core.stage.holding import CLOSING, grips_on_props
+from studio.core.stage.project import Performer, Project
+
+FloatArray = NDArray[np.float64]
+
+_MIRRORED = np.array([-1.0, 1.0, -1.0, 1.0])
+"""Signs of a quaternion's members in a mirror that reverses y."""
+
+
+def fingers_of_capture(capture: Capture, first: int, count: int) -> FingerPoses:
+    """Fingers in ``count`` frames of a capture from ``first`` on, as captured."""
+    frames, nothing = np.arange(first, first + count, dtype=np.float64), np.zeros(count)
+    return FingerPoses(captured_rotations(capture, frames), nothing + has_fingers(capture), nothing, nothing)
+
+
+def fingers_of_performer(
+    project: Project, performer_id: str, composite: Composite, frames: NDArray[np.int64]
+) -> FingerPoses | None:
+    """Fingers in ``frames`` (N,) of the row of a performer; None if one of its motions has been removed."""
+    performer, timing = project.performers[performer_id], composite.timing
+    if project.missing_references(performer):
+        return None
+    held = grips_on_props(project.props.values(), performer_id, timing.begin + frames / timing.frame_rate)
+    return fingers_of_row(composite, performer.clips, captures_of_clips(project, performer), frames, held)
+
+
+def captures_of_clips(project: Project, performer: Performer) -> tuple[Capture, ...]:
+    """Capture of each clip of a performer."""
+    return tuple(project.captures[project.motions[clip.motion_id].capture_id] for clip in performer.clips)
+
+
+def fingers_of_row(
+    composite: Composite,
+    clips: Sequence[Clip],
+    captures: Sequence[Capture],
+    frames: NDArray[np.int64],
+    held: tuple[FloatArray, FloatArray],
+) -> FingerPoses:
+    """Fingers in ``frames`` (N,) of a row of ``clips`` of these ``captures``.
+
+    Each clip has the grip that it asks for, else that of a held prop (its weights and grips (N,) are ``held``), else
+    the fingers of its capture. From one clip to the next they change within ``CLOSING`` seconds.
+    """
+    rotations = np.tile(IDENTITY_QUATERNION, (len(frames), *FINGER_CELLS, 1))
+    captured, own, asked, grips = (np.zeros(len(frames)) for _ in range(4))
+    before = composite.fingers_before
+    for piece, weight in weighted_pieces(composite, frames):
+        place = min(piece.piece.origin[0], len(clips) - 1)
+        if place < 0:
+            if before is not None:
+                rotations = np.where(weight[:, None, None, None, None] > 0.0, before.rotations, rotations)
+                captured = captured + weight * before.captured * (1.0 - before.asked)
+                asked, grips = asked + weight * before.asked, grips + weight * before.asked * before.grips
+                own = own + weight * (1.0 - before.captured) * (1.0 - before.asked)
+            continue
+        clip, capture, plays = clips[place], captures[place], np.flatnonzero(weight > 0.0)
+        if clip.grip is not None:
+            asked, grips = asked + weight, grips + weight * clip.grip
+        elif has_fingers(capture) and len(plays):
+            captured = captured + weight
+            seen = captured_rotations(
+                capture, piece.motion_frames(frames[plays], composite.timing), mirrored=clip.mirrored
+            )
+            part = (weight[plays] / captured[plays])[:, None, None, None]
+            rotations[plays] = slerp(rotations[plays], seen, part)
+        else:
+            own = own + weight
+    free = captured + own
+    asked, grips = asked + free * held[0], grips + free * held[0] * held[1]
+    return FingerPoses(rotations, _ratio(captured, free), _ratio(grips, asked), asked)
+
+
+def weighted_pieces(composite: Composite, frames: NDArray[np.int64]) -> Iterator[tuple[PlayedPiece, FloatArray]]:
+    """Pieces that shape the hands, each with its weights (N,) in ``frames`` (N,) of the row, whose sum is 1."""
+    closing = CLOSING * composite.timing.frame_rate
+    begins = np.array([each.first for each in composite.played], dtype=np.float64)
+    if composite.played[0].piece.origin[0] < 0:  # a clip that takes over without warning was not seen coming
+        begins[1] += closing / 2.0
+    begun = np.clip((frames - begins[:, None]) / closing + 0.5, 0.0, 1.0)
+    begun[0] = 1.0
+    weights = begun - np.concatenate([begun[1:], np.zeros((1, len(frames)))])
+    for piece, weight in zip(composite.played, np.maximum(weights, 0.0), strict=True):
+        if weight.any():
+            yield piece, weight
+
+
+def _ratio(part: FloatArray, whole: FloatArray) -> FloatArray:
+    return np.divide(part, whole, out=np.zeros(len(part)), where=whole > 0.0)
+
+
+def has_fingers(capture: Capture) -> bool:
+    """True if fingers were captured."""
+    return _captured(_Recorded(capture)) is not None
+
+
+def captured_rotations(capture: Capture, frames: FloatArray, *, mirrored: bool = False) -> FloatArray:
+    """(N, 2, 5, 3, 4) ``FingerPoses.rotations`` at ``frames`` (N,) of a capture, clamped at its ends.
+
+    A joint that it lacks rotates with the joint before it, a finger that it lacks with the finger beside it.
+    """
+    source = _captured(_Recorded(capture))
+    if source is None:
+        return np.tile(IDENTITY_QUATERNION, (len(frames), *FINGER_CELLS, 1))
+    within = np.clip(frames, 0.0, capture.frame_count - 1.0)
+    first, last = int(within.min()), int(np.ceil(within.max()))
+    local = capture.poses.local_rotations[first : last + 1, source.joints]
+    still = np.zeros((len(local), len(source.joints), 3))
+    sampled = poses_at(PoseSequence(local, still), within - first).local_rotations
+    in_hand = multiply(multiply(source.before, _along_chains(sampled, source.chains)), source.after)
+    rotations = relative_rotations(in_hand)
+    return rotations[:, ::-1] * _MIRRORED if mirrored else rotations
+
+
+@dataclass(frozen=True, eq=False)
+class _CapturedFingers:
+    """Finger joints of a capture; with L their rotation in the joint of the hand, ``before`` L ``after`` is that in the
+    axes of the hand, from a straight finger.
+    """
+
+    joints: NDArray[np.int64]
+    """(K,) joints from the hands to the last finger joints."""
+    chains: NDArray[np.int64]
+    """(D, 2, 5, 3) the indices in ``joints`` from the palm to each finger joint; K behind its last one."""
+    before: FloatArray
+    """(2, 1, 1, 4)"""
+    after: FloatArray
+    """(2, 5, 3, 4)"""
+
+
+@dataclass(frozen=True, eq=False)
+class _Recorded:
+    """Capture as a key of caches, equal to itself alone."""
+
+    capture: Capture
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Recorded) and other.capture is self.capture
+
+    def __hash__(self) -> int:
+        return id(self.capture)
+
+
+@project_cache(maxsize=64)
+def _captured(recorded: _Recorded) -> _CapturedFingers | None:
+    capture, body, reference = recorded.capture, recorded.capture.body_map, recorded.capture.reference_rotations
+    if body is None or not find_fingers(capture.skeleton, body):
+        return None
+    from studio.core.normalized.normalize import normalize_capture  # late: what computes is loaded after the window
+
+    actor = normalize_capture(capture)[1]
+    segments = [actor.morphology.layout.hand_segment(side) for side in range(len(HAND_PARTS))]
+    hands = joint_world(capture.skeleton, rest_poses(capture.skeleton, reference))[1][
+        0, [body[part] for part in HAND_PARTS]
+    ]
+    in_t_pose = np.swapaxes(t_pose_rotations(actor.morphology)[segments], 1, 2) @ T_POSE_HANDS
+    rest = finger_rest(capture.skeleton, body, reference, hands @ actor.alignments[segments] @ in_t_pose)
+    like = {finger: nearest for finger in np.ndindex(FINGER_CELLS) if (nearest := _nearest(finger, rest.joints))}
+    chains = {
+        finger: capture.skeleton.path(rest.hands[nearest.side], rest.joints[nearest])[1:]
+        for finger, nearest in like.items()
+    }
+    joints = sorted({joint for chain in chains.values() for joint in chain})
+    table, flexions = np.full((max(map(len, chains.values())), *FINGER_CELLS), len(joints)), np.zeros(FINGER_CELLS)
+    for finger, chain in chains.items():
+        table[(slice(len(chain)), *finger)] = [joints.index(joint) for joint in chain]
+        flexions[finger] = rest.flexions[like[finger].cell]
+    at_rest = _along_chains(reference[None, joints], table)[0]
+    to_joints = from_matrix(np.swapaxes(hands, 1, 2) @ rest.axes)[:, None, None]
+    after = multiply(multiply(inverse(at_rest), to_joints), bend(flexions))
+    return _CapturedFingers(np.array(joints), table, inverse(to_joints), after)
+
+
+def _nearest(finger: tuple[int, ...], known: Collection[FingerJoint]) -> FingerJoint | None:
+    """Joint of the same finger of which ``finger``, (side, digit, place), is the index, else one of the finger beside
+    it.
+    """
+    side, digit, place = finger
+    is_thumb = digit == 0
+    like = [each for each in known if each.side == side and (each.digit is Digit.THUMB) == is_thumb]
+    like = [each for each in like if each.place <= place]
+    return min(like, key=lambda each: (abs(each.cell[1] - digit), place - each.place), default=None)
+
+
+def _along_chains(local: FloatArray, chains: NDArray[np.int64]) -> FloatArray:
+    """(N, 2, 5, 3, 4) products of the rotations ``local`` (N, K, 4) along ``chains`` (D, 2, 5, 3)."""
+    padded = np.concatenate([local, np.tile(IDENTITY_QUATERNION, (len(local), 1, 1))], axis=1)
+    product = padded[:, chains[0]]
+    for joints in chains[1:]:
+        product = multiply(product, padded[:, joints])
+    return product
