@@ -94,7 +94,7 @@ def test_add_box_puts_it_where_the_capture_holds_a_thing_and_pick_up_takes_it_th
     holder = posed_performers(document.project, played.bench.live.result, first / rate)[FIRST]
     layout = holder.motion.morphology.layout
     hands = [layout.wrist_point(side) + end for side in range(2) for end in range(2)]
-    middle = holder.placement.to_stage(holder.motion.unasked.positions[first, hands].mean(axis=0))
+    middle = holder.placement.to_stage(holder.motion.unconstrained.positions[first, hands].mean(axis=0))
     assert document.project.props[prop_id].position[:2] == pytest.approx(middle[:2], abs=0.01)
     document.replace("props", prop_id, replace(document.project.props[prop_id], position=(5.0, 5.0, 0.2)), "Move")
     pick_up(played, FIRST, prop_id, first / rate)
@@ -125,14 +125,14 @@ def test_gestures_do_not_swing_a_box_that_the_motion_does_not_hold(played):
     hold = document.project.props[prop_id].held
     assert hold.steady
     motion = posed_performers(document.project, played.bench.live.result, PICKED)[FIRST].motion
-    unasked, layout = motion.unasked, motion.morphology.layout
+    unasked, layout = motion.unconstrained, motion.morphology.layout
     positions, rotations = unasked.positions.copy(), unasked.rotations
     arms = [layout.wrist_point(side) + end for side in range(2) for end in range(2)]
-    before = carried_track(hold, positions, rotations, motion.body).places
+    before = carried_track(hold, positions, rotations, motion.body).positions
     positions[:, arms] += [0.2, 0.1, 0.5]
-    assert carried_track(hold, positions, rotations, motion.body).places == pytest.approx(before)
+    assert carried_track(hold, positions, rotations, motion.body).positions == pytest.approx(before)
     held = replace(hold, steady=False)
-    assert np.abs(carried_track(held, positions, rotations, motion.body).places - before).max() > 0.4
+    assert np.abs(carried_track(held, positions, rotations, motion.body).positions - before).max() > 0.4
 
 
 def test_who_takes_a_box_face_to_face_leaves_it_its_heading_and_finds_free_places(played, qtbot):

@@ -45,12 +45,12 @@ def task() -> Any:
     from studio.core.solver.asking.posed_points import point_positions
 
     def write(rows: Any, c: int, constraint: HeightConstraint) -> None:
-        AREA_KIND.write(rows, c, constraint.plane)
+        AREA_KIND.write_task(rows, c, constraint.plane)
 
     def residual(constraint: HeightConstraint, _targets: Any, adapted: Any) -> np.ndarray:
         return np.abs(point_positions(constraint.point, adapted)[:, 2] - constraint.height)
 
-    return replace(AREA_KIND, write=write, residual=residual)
+    return replace(AREA_KIND, write_task=write, residual=residual)
 
 
 def make(here: Any) -> HeightConstraint:
