@@ -14,13 +14,15 @@ from numpy.typing import NDArray
 
 from benchmarks.clips import BUNDLED, REAL
 from studio.cli.bench_cases import clip_of
-from studio.core.constraints.fitted_activation import fitted_activation
+from studio.core.constraints.base import BodyPoint
+from studio.core.constraints.fitted_activation import LimbPath, fitted_activation, free_frames
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration, point_heights
 from studio.core.solver.adapt import body_point_positions, solve_constraints
+from studio.core.solver.asking.points import limb_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.io.importing import GUESS_ALL
@@ -70,8 +72,23 @@ def press(standing: GroundedMotion, joint: BodyJoint, row: int) -> PositionConst
     """Constraint that keeps a joint where it is at a frame."""
     before, rate = solve_constraints(standing, ()), standing.motion.frame_rate
     path, seconds = body_point_positions(joint.point, before), np.arange(before.frame_count) / rate
-    times = fitted_activation(seconds, path, float(seconds[row]), 0.0, float(seconds[-1]))
+    limb = limb_of(joint.point.part)
+    stands = standing.limb_freedoms[limb] == 0.0 if limb >= 0 else np.zeros(len(path), dtype=bool)
+    back, on = free_frames(stands, row)
+    begin, end = max(row - back, 0) / rate, min(row + on, len(path) - 1) / rate
+    times = fitted_activation(seconds, path, float(seconds[row]), begin, end, _limb_path(before, joint.point, row))
     return _position(joint, path[row], times)
+
+
+def _limb_path(motion: AdaptedMotion, point: BodyPoint, row: int) -> LimbPath | None:
+    """Path of a point of a forearm, hand, shank or foot to its place at a frame."""
+    limb, layout = limb_of(point.part), motion.morphology.layout
+    if limb < 0:
+        return None
+    upper = layout.part_of_segment(layout.upper_arm_segment(limb) if limb < 2 else layout.thigh_segment(limb - 2))
+    path = body_point_positions(point, motion)
+    ends = (body_point_positions(BodyPoint(upper, at_end=far), motion) for far in (False, True))
+    return LimbPath(*ends, path, path[row]) if point.part is not upper else None
 
 
 def far(standing: GroundedMotion, joint: BodyJoint, row: int, way: FloatArray) -> PositionConstraint:

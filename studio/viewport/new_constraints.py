@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactPoint
@@ -16,7 +15,7 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint, Vector
 from studio.core.constraints.carried_over import other_side
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
-from studio.core.constraints.fitted_activation import LONGEST, LimbPath, fitted_activation
+from studio.core.constraints.fitted_activation import LONGEST, LimbPath, fitted_activation, free_frames
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
@@ -112,10 +111,9 @@ class NewConstraintContext:
             if isinstance(contact.point, ContactPoint) and _is_on(part, contact.point):
                 stands[max(contact.first, 0) : contact.last + 1] = True
         frame = min(round(now * rate), clip.last)
-        before, after = stands[clip.first : frame + 1][::-1], stands[frame:]
-        steps_back, steps_on = (_steps_to_next_stance(each) for each in (before, after))
+        back, on = free_frames(stands[clip.first :], frame - clip.first)
         begin, end = self.span
-        return max(begin, (frame - steps_back) / rate), min(end, (frame + steps_on) / rate)
+        return max(begin, (frame - back) / rate), min(end, (frame + on) / rate)
 
     @cached_property
     def frames_around(self) -> tuple[AdaptedMotion, slice, FloatArray]:
@@ -179,13 +177,6 @@ def _is_on(part: BodyPart, point: ContactPoint) -> bool:
     segments = ("upper_arm", "forearm", "hand") if point.member == "hand" else ("thigh", "shank", "foot", "toe")
     side = ("left", "right")[point.side] if point.limb >= 0 else ""
     return part in {f"{side}_{segment}" for segment in segments}
-
-
-def _steps_to_next_stance(stands: NDArray[np.bool_]) -> int:
-    """Number of frames from the first one of ``stands`` (F,) to the next stance, past the one that is now."""
-    own = int(np.argmin(stands)) if not stands.all() else len(stands)
-    later = np.flatnonzero(stands[own:])
-    return own + int(later[0]) if len(later) else len(stands)
 
 
 def constraint_here(here: NewConstraintContext, kind: str) -> Constraint:

@@ -26,7 +26,7 @@ def tell_time():  # less what the window's thread waited for a processor that ot
 def close():
     [window] = [each for each in qt.topLevelWidgets() if isinstance(each, MainWindow)]
     tell_time()
-    window.leave()
+    window.close_without_saving()
 
 def end(code, end=os._exit):
     tell_time()

@@ -359,3 +359,17 @@ def test_the_child_is_the_first_who_cannot_reach_it() -> None:
     assert missed[0] < 1e-3
     assert missed[-1] > 0.2
     assert np.all(np.diff(missed) > -1e-3)  # what is met is met within less
+
+
+@pytest.mark.parametrize("height", [0.9, 1.0, 1.2, 1.3])
+@pytest.mark.parametrize("name", ["adult_woman", "tall_man", "stocky_man", "giant"])
+def test_a_root_that_may_help_a_kick_never_makes_it_miss_by_more(name: str, height: float) -> None:
+    """In every frame of the kick, those included in which the foot would have to turn far past its ankle's limit."""
+    standing, throughout = _standing(name), ActivationCurve(2.0, 2.2, 2.8, 3.1)
+    alone, helped = (
+        solve_constraints(
+            standing, (PositionConstraint("kick", "Ball", BALL, chain, 0, throughout, target=(1.0, 0.1, height)),)
+        ).residuals[0]
+        for chain in (Chain(), CHAIN)
+    )
+    assert np.nanmax(helped - alone) < 0.001

@@ -113,6 +113,21 @@ def fitted_activation(
     return ActivationCurve(*times, weights=(1.0, weight_in, weight_out, 1.0))
 
 
+def free_frames(stands: NDArray[np.bool_], frame: int) -> tuple[int, int]:
+    """Numbers of frames from ``frame`` back to the last stance of a limb that ``stands`` (F,), and on to the next.
+
+    A stance at ``frame`` counts as one with the motion around it.
+    """
+    return _to_next_stance(stands[frame::-1]), _to_next_stance(stands[frame:])
+
+
+def _to_next_stance(stands: NDArray[np.bool_]) -> int:
+    """Number of frames from the first one of ``stands`` (F,) to the next stance, past the one that is now."""
+    own = int(np.argmin(stands)) if not stands.all() else len(stands)
+    later = np.flatnonzero(stands[own:])
+    return own + int(later[0]) if len(later) else len(stands)
+
+
 def _fitted_side(
     since: FloatArray, rows: IntArray, values: FloatArray, drawn: Drawn, room: float
 ) -> tuple[float, float, float]:

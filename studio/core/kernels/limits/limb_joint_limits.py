@@ -311,7 +311,8 @@ def clamp_joint(limb, joint, anew, noting, limits, pose):
     if noting:
         update_caps(row, joint, desired)
     x, y, twist, sure = clamped_to_caps(row, joint, desired)
-    row.certainty = min(row.certainty, sure)
+    if joint == 0:
+        row.certainty = min(row.certainty, sure)
     if x == swing[0] and y == swing[1] and twist == swing[2]:
         return False
     axes = compose(rotation_from_matrix(rotations[parent]), rotation_from_matrix(row.axes[joint]))
