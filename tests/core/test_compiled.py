@@ -153,7 +153,7 @@ def test_nobody_is_told_of_every_call_of_the_compiler_below() -> None:
 
 SCRIPT = """
 import json
-from tests.core import test_linked as here
+from tests.core import test_compiled as here
 numbers = [here.row_of(1.5, 3).tolist(), here.checked(4.0)]
 print(json.dumps([numbers, len(here.row_of.stats.cache_hits), len(here.doubled.signatures)]))
 """
@@ -176,7 +176,7 @@ BELOW_FIRST = """
 import subprocess
 import sys
 from pathlib import Path
-from tests.core import test_linked as here
+from tests.core import test_compiled as here
 if len(sys.argv) == 2:
     here.two_rows(0.0, 3)
     for file in Path(sys.argv[1]).rglob("*.nb*"):  # so that the other compiles the same, and names it the same

@@ -163,7 +163,9 @@ def _within(room: float, hold: float, ramp: float, weight: float) -> tuple[float
 
 
 def _change(side: tuple[float, float, float]) -> float:
-    """Difference from the default hold and ramp; a shorter ramp counts twice, since a dragged target needs it."""
+    """Difference from the default hold and ramp; a shorter ramp counts twice, since a dragged target needs it, and a
+    lighter weight, with which a limb arrives more sharply, as much as a slower ramp.
+    """
     hold, ramp, weight = side
     ramp_change = ramp - RAMP if ramp > RAMP else 2.0 * (RAMP - ramp)
-    return 3.0 * (HOLD - hold) + ramp_change + 0.1 * (1.0 - weight)
+    return 3.0 * (HOLD - hold) + ramp_change + 0.3 * (1.0 - weight)

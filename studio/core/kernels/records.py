@@ -421,7 +421,7 @@ class SmoothingRun(NamedTuple):
     rate: Array
     """(1,) frames a second."""
     peaks: Array
-    """(F, 3) of ``kernels.time.acceleration_peaks``."""
+    """(F, N + 1) of ``kernels.time.acceleration_peaks``."""
     violations: Array
     """(F,) priority violation of the smoothing, metres or radians."""
 

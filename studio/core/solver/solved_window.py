@@ -213,11 +213,9 @@ class SolvedWindow:
 
     def _solve_of(self, level: int | None = None) -> SolveNotes:
         """Notes for a solve down to a ``level``, or of all levels."""
-        ends, joints = self._rows.tasks["limbs"], self._joints
-        level = self._levels - 1 if level is None else level
-        mobilities = joints.weights[: len(ends) + self._rank_of(level + 1)]
-        moved, ends = np.asarray(mobilities[len(ends) :].any(axis=0)), ends[self._ranks[: len(ends)] <= level]
-        return SolveNotes.of(self.standing, len(self._positions), joints.joints, moved, ends, int(self._held > 0))
+        ends, level = self._rows.tasks["limbs"], self._levels - 1 if level is None else level
+        ends = ends[self._ranks[: len(ends)] <= level]
+        return SolveNotes.of(self.standing, len(self._positions), self._joints.joints, ends, int(self._held > 0))
 
     def _runs(self, window: slice) -> list[tuple[int, int]]:
         """First and past the last row of each run of frames that are smoothed together and touch ``window``."""

@@ -56,8 +56,8 @@ def warm_up_easing(morphology: Morphology) -> None:
     )
     turns = charts.rotations(charts.clamped_to_limits(np.zeros((WARM_UP_FRAMES, 16, 3))))
     joints, states = np.zeros(1, SEARCH_JOINT), np.zeros((WARM_UP_FRAMES, 1, 3))
-    moved, ends = np.ones(len(joints), dtype=bool), np.zeros((1, 2), np.int64)
-    SolveNotes.of(_placed(morphology), WARM_UP_FRAMES, joints, moved, ends, 0).peaks_of(states, turns)
+    ends = np.zeros((1, 2), np.int64)
+    SolveNotes.of(_placed(morphology), WARM_UP_FRAMES, joints, ends, 0).peaks_of(states, turns)
 
 
 def warm_up_constraints(morphology: Morphology) -> AdaptedMotion:

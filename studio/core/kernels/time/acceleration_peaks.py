@@ -1,8 +1,9 @@
 """Acceleration peaks of solved poses relative to those of the motion (METHOD (36)).
 
 For joints of the search it is the angular acceleration of their rotation away from the motion, for the root that of a
-bone that follows it, for limbs with constraints that of their own joints. ``peaks`` (F, 3) has the greatest of each at
-each frame, in rad/s2. Limbs whose bones rotate in the world well below the ``allowed_peak`` (1,) are skipped.
+bone that follows it, for limbs with constraints that of their own joints. ``peaks`` (F, N + 1) has those of the N
+joints at each frame and the greatest of the limbs, in rad/s2. Limbs whose bones rotate in the world well below the
+``allowed_peak`` (1,) are skipped.
 """
 
 import math
@@ -58,7 +59,7 @@ def update_acceleration_peaks(frame, clip):
     for limb in range(4):
         if easing.limbs[limb] and not is_calm(limb, middle, calm * calm, motion.positions, motion.rotations):
             turned = max(turned, limb_acceleration(limb, middle, motion.rotations))
-    easing.peaks[middle, 2] = per_second * turned
+    easing.peaks[middle, -1] = per_second * turned
 
 
 @kernel
@@ -77,13 +78,12 @@ def write_smoothed_peaks(joints, states, limbs, rotations, rate, out_peaks):
                     most = max(
                         most, angular_acceleration(before, now, rotation_from_matrix(rotations[frame + 1, joint]))
                     )
-        out_peaks[frame, 2] = rate * rate * most
+        out_peaks[frame, -1] = rate * rate * most
 
 
 @kernel
 def write_searched_peaks(frame, joints, states, per_second, out_peaks):
-    """Write one frame's peaks of the root and of the other joints of a search."""
-    out_peaks[frame, 0] = out_peaks[frame, 1] = 0.0
+    """Write one frame's acceleration of each joint of a search."""
     for joint in range(joints.shape[0]):
         squared = 0.0
         for axis in range(3):
@@ -91,8 +91,8 @@ def write_searched_peaks(frame, joints, states, per_second, out_peaks):
                 states[frame + 1, joint, axis] - 2.0 * states[frame, joint, axis] + states[frame - 1, joint, axis]
             )
             squared += displacement * displacement
-        column, scale = (0, 1.0 / RADIAN_LENGTH) if joints[joint].segment == ROOT_TRANSLATION else (1, 2.0)
-        out_peaks[frame, column] = max(out_peaks[frame, column], per_second * scale * math.sqrt(squared))
+        scale = 1.0 / RADIAN_LENGTH if joints[joint].segment == ROOT_TRANSLATION else 2.0
+        out_peaks[frame, joint] = per_second * scale * math.sqrt(squared)
 
 
 @kernel

@@ -117,9 +117,9 @@ _NO_ROTATIONS, _NO_RESIDUALS, _NO_POSE = (
 class SolveNotes:
     """Notes of ``kernels.solve_clip.solve_frames`` on F frames, and its input to pose some of them again.
 
-    ``joints`` (N,) of the search, ``limbs`` (4,) with constraints, ``states`` (F, N, 3) of the search, ``sharp`` (F, 3)
-    the acceleration peaks and ``peaks`` (3,) those of the unsolved motion (``kernels.time.acceleration_peaks``);
-    ``changes`` (F,) priority violations of the smoothing.
+    ``joints`` (N,) of the search, ``limbs`` (4,) with constraints, ``states`` (F, N, 3) of the search, ``sharp``
+    (F, N + 1) the acceleration peaks and ``peaks`` (N + 1,) those of the unsolved motion
+    (``kernels.time.acceleration_peaks``); ``changes`` (F,) priority violations of the smoothing.
     """
 
     layout: BodyLayout
@@ -137,22 +137,21 @@ class SolveNotes:
         standing: GroundedMotion,
         frames: int,
         joints: NDArray[np.void],
-        moved: NDArray[np.bool_],
         limbs: IntArray,
         held: int,
     ) -> "SolveNotes":
-        """Notes for some ``frames``; ``moved`` (N,) marks the ``joints`` (N,) with weight; ``limbs`` (C, 2) of the
-        constraints' ends, -1 none; the first ``held`` levels are contacts.
+        """Notes for some ``frames`` with ``joints`` (N,) and ``limbs`` (C, 2) of the constraints' ends, -1 none; the
+        first ``held`` levels are contacts.
         """
         named = set(limbs.ravel().tolist())
         named_limbs = np.array([0 in named, 1 in named, 2 in named, 3 in named], dtype=np.int64)
         layout, rate = standing.morphology.layout, standing.motion.frame_rate
         peaks, states = (
-            own_peaks(standing, joints["segment"][moved], 2 in named or 3 in named),
+            own_peaks(standing, joints["segment"], 2 in named or 3 in named),
             np.empty((frames, len(joints), 3)),
         )
         return SolveNotes(
-            layout, rate, joints, named_limbs, states, peaks, np.zeros((frames, 3)), np.zeros(frames), held
+            layout, rate, joints, named_limbs, states, peaks, np.zeros((frames, len(peaks))), np.zeros(frames), held
         )
 
     def easing(
@@ -166,7 +165,7 @@ class SolveNotes:
         above: HigherLevelPoses,
     ) -> records.SmoothingRun:
         """Record for ``kernels.time.smoothed_frames``."""
-        noted = self.limbs, self.peaks[2:], np.array([self.rate]), self.sharp, self.changes
+        noted = self.limbs, self.peaks[-1:], np.array([self.rate]), self.sharp, self.changes
         eased = np.array([(rank.solved, meets, self.held, holds, rank.clears)], dtype=SMOOTHED_LEVEL)
         return records.SmoothingRun(frames, self.states, rotation_matrices, eased, misses, above, *noted)
 
@@ -183,38 +182,41 @@ class SolveNotes:
         )
 
     def exceeds_peaks(self, allowed: FloatArray) -> bool:
-        """True if any peak exceeds the ``allowed`` one, (3,) or (F, 3), rad/s2."""
-        return bool((self.sharp > SMOOTHING_RANGE.begin * allowed).any())
+        """True if any peak exceeds the ``allowed`` one, (N + 1,) or (F, N + 1), rad/s2."""
+        return bool((self.ratios(self.sharp, allowed) > SMOOTHING_RANGE.begin).any())
+
+    def ratios(self, sharp: FloatArray, allowed: FloatArray) -> FloatArray:
+        """Greatest peaks (F, 3) of root, other joints of the search, and limbs, beside their ``allowed`` ones."""
+        each, is_root = sharp / allowed, self.joints["segment"] == ROOT_TRANSLATION
+        root, others = (each[:, :-1][:, mask].max(axis=1, initial=0.0) for mask in (is_root, ~is_root))
+        return np.stack([root, others, each[:, -1]], axis=1)
 
     def peaks_of(self, states: FloatArray, rotation_matrices: FloatArray) -> FloatArray:
-        """Peaks (F, 3) in rad/s2 of root, other joints of the search, and limbs with these rotations (F, 16, 3, 3)."""
-        sharp = np.zeros((len(rotation_matrices), 3))
+        """Peaks (F, N + 1) in rad/s2 of the joints of the search, and of limbs with these rotations (F, 16, 3, 3)."""
+        sharp = np.zeros((len(rotation_matrices), len(self.peaks)))
         write_smoothed_peaks(self.joints, states, self.limbs, rotation_matrices, self.rate, sharp)
         return sharp
 
 
 def own_peaks(standing: GroundedMotion, searched: IntArray, legs_asked: bool) -> FloatArray:
-    """Peaks (3,) of the unsolved motion as in ``SolveNotes.peaks_of``, for a search of segments ``searched`` (n,).
+    """Peaks (N + 1,) of the unsolved motion as in ``SolveNotes.peaks_of``, for a search of segments ``searched`` (N,).
 
     Legs count where they have a constraint; root and searched joints are then allowed at least the legs' peaks.
     """
-    layout = standing.morphology.layout
-    peaks = (
-        standing.peak_angular_accelerations
-        if legs_asked
-        else standing.peak_angular_accelerations[: layout.thigh_segment(0)]
-    )
-    joints = peaks[searched[(searched != ROOT_TRANSLATION) & (searched < len(peaks))]]
+    layout, all_peaks = standing.morphology.layout, standing.peak_angular_accelerations
+    peaks = all_peaks if legs_asked else all_peaks[: layout.thigh_segment(0)]
     leg = max(QUIET_PEAK, *(peaks[layout.segment_of_part(part)] for part in LEG_BONES)) if legs_asked else QUIET_PEAK
-    most = peaks.max(initial=QUIET_PEAK)
-    return np.array([min(max(leg, standing.root_peak), most), joints.max(initial=leg), most])
+    most, is_root = peaks.max(initial=QUIET_PEAK), searched == ROOT_TRANSLATION
+    joints = np.maximum(all_peaks[np.where(is_root, 0, searched)], leg)
+    joints[is_root] = min(max(leg, standing.root_peak), most)
+    return np.append(joints, most)
 
 
 @dataclass(frozen=True, eq=False)
 class SolvedLevel:
     """A level solved with those above it: notes and arrays of its solve, the constraints ``above`` it (C,), its numbers
-    ``rank``, frames with active constraints (``acts``, and ``own`` of this level) (F,), and allowed peaks (F, 3) in
-    rad/s2.
+    ``rank``, frames with active constraints (``acts``, and ``own`` of this level) (F,), and allowed peaks (F, N + 1)
+    in rad/s2.
     """
 
     solve: SolveNotes
@@ -234,7 +236,7 @@ class SolvedLevel:
     @property
     def smoothing_weights(self) -> FloatArray:
         """Smoothing weights (F,) from 0 to 1: near solved peaks, within active frames."""
-        rate, sharp = self.solve.rate, self.solve.sharp / self.allowed
+        rate, sharp = self.solve.rate, self.solve.ratios(self.solve.sharp, self.allowed)
         acting = minimum_filter1d(self.acts.astype(np.float64), 3, mode="nearest")
         return _mean(acting, 1) * _spread_peaks(_excess(sharp), rate, SMOOTHING_REACH)
 
@@ -262,7 +264,7 @@ class LevelSmoother:
         self._eased = SmoothedPose(np.zeros((frames, joints, 3)), values)
         self._moved = SmoothedPose(np.zeros((frames, joints, 3)), np.zeros_like(values))
         self._told = levels[0].solved.residuals
-        self._touched, self._jolts = np.zeros(frames), np.zeros((frames, 3))
+        self._touched, self._jolts = np.zeros(frames), np.zeros((frames, joints + 1))
         first = levels[0].solved
         self._kept = HigherLevelPoses(
             first.positions.copy(), first.rotations.copy(), self._eased.states, np.zeros(frames)
@@ -380,9 +382,10 @@ class LevelSmoother:
         above do not count.
         """
         level = self._levels[number]
-        allowed = np.maximum(level.allowed, self._jolts / SMOOTHING_RANGE.begin)
-        sharp = level.solve.peaks_of(poses.states, self._charts.rotations(poses.charts)) / allowed
-        return self._spread(number, _excess(sharp, limits), around)
+        begin = np.append(np.full(len(level.solve.joints), ADDED_PEAK), TOTAL_PEAK)
+        allowed = np.maximum(level.allowed, self._jolts / begin)
+        sharp = level.solve.peaks_of(poses.states, self._charts.rotations(poses.charts))
+        return self._spread(number, _excess(level.solve.ratios(sharp, allowed), limits), around)
 
 
 def _excess(sharp: FloatArray, limits: Ramp = SMOOTHING_RANGE) -> FloatArray:
