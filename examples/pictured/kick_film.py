@@ -60,7 +60,7 @@ class KickFilm:
         QTest.mousePress(viewport, LEFT, NO_KEY, _pixel(begin))
         for place in places:
             _move(viewport, place)
-            assert self._session.bench.live.wait(PATIENCE)
+            assert self._session.bench.live.wait_until_solved(PATIENCE)
             self._take(place)
         QTest.mouseRelease(viewport, LEFT, NO_KEY, _pixel(place))
         self._session.settle()

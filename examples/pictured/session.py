@@ -57,7 +57,7 @@ class Session:
     def settle(self) -> None:
         """Wait until every body is adapted and the picture stands."""
         self.until(lambda: bool(self.bench.viewport.posed))
-        assert self.bench.live.wait(PATIENCE)
+        assert self.bench.live.wait_until_solved(PATIENCE)
         self.rest(0.4)
 
     def rest(self, seconds: float) -> None:
@@ -100,7 +100,7 @@ class Session:
 
     def close(self) -> None:
         """End everything without a question."""
-        self.window.leave()
+        self.window.close_without_saving()
         self.rest(0.05)
         self._folder.cleanup()
 

@@ -1,4 +1,4 @@
-"""Detecting when feet stand, on tracks whose contacts are known."""
+"""Contacts of feet, and the floor that they show."""
 
 import numpy as np
 import pytest
@@ -11,6 +11,7 @@ from studio.core.captures.contacts import (
     WANDER,
     ContactInterval,
     ContactPoint,
+    Span,
     contact_mask,
     detect_body_contacts,
     detect_contacts,
@@ -22,6 +23,17 @@ from studio.core.captures.contacts import (
     spans_outside_mask,
     with_step_gaps_closed,
 )
+from studio.core.captures.floor_slope import find_floor_slope
+from studio.core.captures.plate_steps import contacts_fitted_to_plates
+from studio.core.captures.rising_heels import rising_heels
+from studio.core.markers.force_plates import PlateLoad
+from studio.core.normalized.realize import realize_motion
+from studio.core.solver.standing.shown_floor import shown_floor
+from tests.builders import make_morphology
+from tests.core.motions import walk
+
+# Detecting when feet stand, on tracks whose contacts are known.
+
 
 RATE = 60.0
 
@@ -314,3 +326,162 @@ def test_a_point_that_circles_round_its_middle_stays_nowhere() -> None:
     angle = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
     circle = np.stack([np.cos(angle), np.sin(angle), np.zeros(60)], axis=1)
     assert longest_still_span(circle, 0, 59) == (0, 0)
+
+
+# Contacts of feet that tread on force plates.
+
+
+PLATE_RATE = 100.0
+PLATE = np.array([[0.3, 0.2], [-0.3, 0.2], [-0.3, -0.2], [0.3, -0.2]])
+HEEL, TOE = ContactPoint.LEFT_HEEL, ContactPoint.LEFT_TOE
+OTHER = {ContactPoint.RIGHT_HEEL: [(0, 99)], ContactPoint.RIGHT_TOE: [(0, 99)]}
+
+
+def soles(left: float = 0.0, right: float = 2.0) -> np.ndarray:
+    """(100, 2, 3, 3): feet that point along X, their balls at ``left`` and ``right`` from the middle of the plate."""
+    places = np.zeros((100, 2, 3, 3))
+    places[..., 0] = np.array([left, right])[:, None] + np.array([-0.15, 0.0, 0.08])
+    return places
+
+
+def fitted(heel: list[Span], toe: list[Span], load: Span, places: np.ndarray) -> tuple[list[Span], list[Span]]:
+    found = contacts_fitted_to_plates({HEEL: heel, TOE: toe, **OTHER}, places, [PlateLoad(*load, PLATE)], PLATE_RATE)
+    assert {point: found[point] for point in OTHER} == OTHER
+    return found[HEEL], found[TOE]
+
+
+@pytest.mark.parametrize("corners", [PLATE, PLATE[::-1]])
+@pytest.mark.parametrize(
+    ("load", "heel", "toe"), [((20, 70), [(20, 50)], [(35, 70)]), ((28, 62), [(28, 50)], [(35, 62)])]
+)
+def test_a_foot_stands_from_the_first_to_the_last_frame_of_its_load(
+    corners: np.ndarray, load: Span, heel: list[Span], toe: list[Span]
+) -> None:
+    found = contacts_fitted_to_plates(
+        {HEEL: [(25, 50)], TOE: [(35, 66)], **OTHER}, soles(), [PlateLoad(*load, corners)], PLATE_RATE
+    )
+    assert (found[HEEL], found[TOE]) == (heel, toe)
+
+
+def test_a_foot_does_not_leave_a_plate_that_it_loads() -> None:
+    assert fitted([(20, 40)], [(30, 48), (56, 70)], (20, 70), soles()) == ([(20, 40)], [(30, 70)])
+
+
+@pytest.mark.parametrize("places", [soles(left=0.3), soles(right=0.1), soles(left=1.0)])
+def test_a_foot_across_the_edge_both_feet_or_none_on_a_plate_stand_by_their_motion(places: np.ndarray) -> None:
+    assert fitted([(25, 50)], [(35, 66)], (20, 70), places) == ([(25, 50)], [(35, 66)])
+
+
+def test_a_foot_may_rest_on_a_plate_long_before_it_loads_it() -> None:
+    assert fitted([(0, 99)], [(0, 99)], (40, 95), soles()) == ([(0, 95)], [(0, 95)])
+
+
+# The slope of a captured floor is found where steps lead far enough to show it.
+
+
+SLOPE_RATE = 30.0
+HEEL_BALL_TIP = np.array([[-0.06, 0.0, 0.0], [0.14, 0.0, 0.02], [0.2, 0.0, 0.02]])
+UPRIGHT = np.ones((150, 2), dtype=bool)
+
+
+def _walk(stride: float, count: int = 150) -> np.ndarray:
+    """Soles (F, 2, 3, 3) on a level floor that stand for half a second, then swing for half a second."""
+    soles = np.zeros((count, 2, 3, 3))
+    for side in range(2):
+        swing = np.clip((np.arange(count) + 15 * side) % 30 - 15, 0, 15) / 15.0
+        stepped = (np.arange(count) + 15 * side) // 30 + swing - np.sin(2 * np.pi * swing) / (2 * np.pi)
+        ankle = np.stack([stride * stepped, np.full(count, 0.2 * side), 0.1 * np.sin(np.pi * swing) ** 2], axis=1)
+        soles[:, side] = ankle[:, None] + HEEL_BALL_TIP
+    return soles
+
+
+def _tilted(soles: np.ndarray, gradient: tuple[float, float]) -> np.ndarray:
+    tilted = soles.copy()
+    tilted[..., 2] += soles[..., :2] @ np.array(gradient)
+    return tilted
+
+
+@given(st.floats(-0.035, 0.035), st.floats(-0.035, 0.035))
+def test_a_walk_shows_how_its_floor_rises_along_it(along: float, across: float) -> None:
+    found = find_floor_slope(_tilted(_walk(1.2), (along, across)), UPRIGHT, SLOPE_RATE)
+    assert abs(found.gradient[0] - along) < 0.1 * abs(along) + 0.002
+    assert abs(found.gradient[1]) < abs(across) + 0.002  # it leads nowhere across
+
+
+@pytest.mark.parametrize("rise", [-0.035, 0.035])
+def test_a_walk_on_a_tilted_floor_stands_where_it_does_on_a_level_one(rise: float) -> None:
+    walk = _walk(1.2)
+    tilted = _tilted(walk, (rise, 0.0))
+    levelled = find_floor_slope(tilted, UPRIGHT, SLOPE_RATE).levelled(tilted)
+    level, found = (detect_contacts(soles, SLOPE_RATE) for soles in (walk, levelled))
+    for point in FOOT_POINTS:
+        stands, kept = contact_mask(level[point], 150), contact_mask(found[point], 150)
+        assert stands.sum() > 50
+        assert (stands & kept).sum() >= 0.95 * stands.sum()
+
+
+def test_steps_on_the_spot_show_no_slope() -> None:
+    soles = _walk(0.0)
+    soles[90:, 0, :, 2] += 0.03  # from here on the left foot stands on something
+    assert np.linalg.norm(find_floor_slope(soles, UPRIGHT, SLOPE_RATE).gradient) < 0.005
+
+
+def test_stairs_are_no_slope() -> None:
+    assert not find_floor_slope(_tilted(_walk(0.6), (0.4, 0.0)), UPRIGHT, SLOPE_RATE).gradient.any()
+
+
+def test_legs_that_do_not_stand_show_no_slope() -> None:
+    assert not find_floor_slope(_tilted(_walk(1.2), (0.03, 0.0)), ~UPRIGHT, SLOPE_RATE).gradient.any()
+
+
+# The floor that a motion's own footprints show, and heels that leave it.
+
+
+BODY = make_morphology(leg_scale=1.1)
+WALK, CONTACTS = walk(240)
+POSITIONS = realize_motion(WALK, BODY)[0]
+
+
+@given(st.floats(-0.02, 0.02), st.floats(-0.05, 0.05))
+def test_a_floor_that_drifts_is_found_as_far_as_it_drifts(slope: float, height: float) -> None:
+    """A body raised by a floor that climbs through time is lowered by it again."""
+    seconds = WALK.times
+    floor = height + slope * seconds
+    raised = POSITIONS.copy()
+    raised[:, :, 2] += floor[:, None]
+    usual = shown_floor(CONTACTS, POSITIONS, BODY, WALK.frame_rate)
+    found = shown_floor(CONTACTS, raised, BODY, WALK.frame_rate) - usual
+    inner = slice(60, 180)
+    assert np.abs(found - floor)[inner].max() < 0.4 * abs(slope) + 1e-9
+
+
+def test_who_never_stands_shows_no_floor() -> None:
+    assert not shown_floor((), POSITIONS, BODY, WALK.frame_rate).any()
+
+
+def _ankle(heights: np.ndarray) -> np.ndarray:
+    return np.stack([np.zeros(len(heights)), np.zeros(len(heights)), heights], axis=1)
+
+
+@given(st.floats(0.02, 0.08), st.integers(30, 60))
+def test_a_heel_stands_until_it_rises(rise: float, begin: int) -> None:
+    """A heel is in contact until it rises over a ball that stands."""
+    frames = np.arange(90)
+    heights = 0.08 + rise * np.clip((frames - begin) / (89 - begin), 0.0, 1.0)
+    rising = rising_heels([(0, 89)], contact_mask([(0, 89)], 90), _ankle(heights), 0.85)
+    assert not rising[: begin + 1].any()
+    assert rising[-1]
+    assert np.all(np.diff(rising.astype(int)) >= 0)
+    assert (heights[~rising] < 0.08 + 0.01).all()
+
+
+def test_a_heel_that_trembles_stands() -> None:
+    heights = 0.08 + 0.006 * np.sin(np.arange(90) / 3)
+    assert not rising_heels([(0, 89)], contact_mask([(0, 89)], 90), _ankle(heights), 0.85).any()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_of_a_heel_that_stands_is_no_rise(seed: int) -> None:
+    """Half a degree of noise in every joint moves ankles by a centimetre."""
+    ankle = _ankle(np.full(300, 0.08)) + np.random.default_rng(seed).normal(scale=0.012, size=(300, 3))
+    assert rising_heels([(0, 299)], contact_mask([(0, 299)], 300), ankle, 0.85).mean() < 0.05

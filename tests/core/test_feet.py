@@ -1,18 +1,37 @@
-"""Feet that stand: soles level, ankles and toes at one place; the kernels against twins and by laws."""
+"""Feet and the pelvis above them: soles, heels and ends that rotate out of the ground."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import sole_rows
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.grounds.ground import Ground
 from studio.core.kernels.support import foot_rotation as kernel
+from studio.core.kernels.support import heel_roll
 from studio.core.kernels.support.foot_anchoring import anchor_ankles
 from studio.core.kernels.support.gap_interpolation import fade_into_gaps, interpolate_gaps
-from studio.core.kernels.support.sole import ball_above_heel, toe_heading
+from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STANDS, ball_above_heel, toe_heading
+from studio.core.normalized.realize import realize_motion
 from studio.core.rotations import to_matrix
-from tests.core.motions import from_vectors, random_rotations
+from studio.core.solver.adapt import body_point_positions, solve_constraints
+from studio.core.solver.asking.releasing import contact_release
+from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.standing.held_foot import FootPath
+from studio.core.solver.standing.obliquity import MAX_OBLIQUITY, dip_pelvis
+from studio.core.solver.standing.stand import GroundedMotion, stand
+from studio.core.solver.standing.tipping import heights_of
+from studio.io.project.character_file import bundled_characters
+from tests.builders import make_morphology
+from tests.core.motions import about, from_vectors, random_rotations, target, walk
 from tests.core.twins import feet as twin
+
+# Feet that stand: soles level, ankles and toes at one place; the kernels against twins and by laws.
+
 
 seeds = st.integers(0, 2**32 - 1)
 SOLE = twin.Sole(np.array([0.13, 0.0, -0.06]), 0.08, 0.05)
@@ -209,3 +228,187 @@ def test_corrections_that_need_not_fade_are_interpolated(seed: int) -> None:
     fade_into_gaps(faded, known, values, 8.0, np.inf)
     interpolate_gaps(interpolated, known)
     assert np.allclose(faded, interpolated, atol=1e-12)
+
+
+# Heels that rise over a ball that stands.
+
+
+SOLE_MEASURES = np.array([[0.13, 0.0, -0.05, 0.08, 0.05, 0.06]])
+"""Ankle to toe joint, ankle above the sole, heel behind the ankle, length of the toe."""
+STATES = np.repeat([SOLE_STANDS, TOE_STANDS, 0, SOLE_STANDS], [30, 30, 30, 30])
+RISE = np.where(STATES == TOE_STANDS, 0.04 * np.clip((np.arange(120) - 30) / 20, 0.0, 1.0), 0.0)
+
+
+def _level() -> np.ndarray:
+    return to_matrix(about([0.0, 1.0, 0.0], np.zeros(120)))
+
+
+def _ankles(rotations: np.ndarray) -> np.ndarray:
+    """Heights of the ankle over a sole whose ball stands."""
+    return SOLE_MEASURES[0, 3] + SOLE_MEASURES[0, 2] - rotations[:, 2] @ SOLE_MEASURES[0, :3]
+
+
+def test_an_ankle_is_as_high_as_the_motion_has_it_soon_after_its_heel_left_the_ground() -> None:
+    rotations = _level()
+    heel_roll.lift_heels(SOLE_MEASURES, STATES, SOLE_MEASURES[0, 3] + RISE, 10.0, 10.0, rotations)
+    assert np.allclose(_ankles(rotations)[:30], SOLE_MEASURES[0, 3], atol=1e-12)
+    assert np.allclose(_ankles(rotations)[45:60], SOLE_MEASURES[0, 3] + RISE[45:60], atol=0.1 * 0.04)
+
+
+def test_the_ankle_of_a_foot_that_becomes_steep_rises_ever_more_slowly_as_captured() -> None:
+    """The foot pitches to 65 degrees: an ankle that went its own way from some pitch on would straighten the knee."""
+    pitches = np.radians(65.0) * np.where(STATES == TOE_STANDS, np.clip((np.arange(120) - 29) / 30, 0.0, 1.0), 0.0)
+    steep, captured = (to_matrix(about([0.0, 1.0, 0.0], fraction * pitches)) for fraction in (1.0, 0.8))
+    heel_roll.lift_heels(SOLE_MEASURES, STATES, _ankles(captured), 10.0, 10.0, steep)
+    assert (np.diff(_ankles(captured)[45:60], 2) < 0.0).all()
+    assert (np.diff(_ankles(steep)[45:60], 2) < 0.0).all()
+
+
+def test_a_contact_in_which_no_heel_stands_is_left_as_it_is() -> None:
+    """A body that kneels or lies rolls over nothing."""
+    states = np.where(STATES == SOLE_STANDS, 0, STATES)
+    rotations = _level()
+    heel_roll.lift_heels(SOLE_MEASURES, states, SOLE_MEASURES[0, 3] + RISE, 10.0, 10.0, rotations)
+    assert np.array_equal(rotations, _level())
+
+
+@pytest.mark.parametrize("miss", [0.0, 0.005, 0.02, 0.05])
+def test_a_foot_rolls_on_where_its_leg_is_too_short_and_its_ball_stays(miss: float) -> None:
+    rotations, ankles = _level(), np.tile([0.0, 0.0, SOLE_MEASURES[0, 3]], (120, 1))
+    hips = np.tile([0.4, 0.0, 0.8], (120, 1))
+    reaches = np.full(120, np.linalg.norm(hips[0] - ankles[0]) - miss)
+    balls = ankles + rotations @ SOLE_MEASURES[0, :3]
+    heel_roll.roll_feet(SOLE_MEASURES, STATES, hips, reaches, 10.0, ankles, rotations)
+    assert np.allclose((ankles + rotations @ SOLE_MEASURES[0, :3])[STATES != 0], balls[STATES != 0], atol=1e-12)
+    lacks = np.linalg.norm(hips - ankles, axis=1) - reaches
+    assert np.allclose(lacks[:30], miss, atol=1e-12)
+    assert lacks[50:60].max() < 0.35 * miss + 1e-9
+
+
+@pytest.mark.parametrize("miss", [0.0, 0.005, 0.02])
+def test_a_foot_that_lands_rolls_back_over_its_heel_where_its_leg_is_too_short(miss: float) -> None:
+    states = np.repeat([0, HEEL_STANDS, SOLE_STANDS, 0], 30)
+    rotations, ankles = _level(), np.tile([0.0, 0.0, SOLE_MEASURES[0, 3]], (120, 1))
+    hips = np.tile([-0.4, 0.0, 0.8], (120, 1))
+    reaches = np.full(120, np.linalg.norm(hips[0] - ankles[0]) - miss)
+    edge = [-SOLE_MEASURES[0, 4], 0.0, -SOLE_MEASURES[0, 3]]
+    heel_roll.roll_feet(SOLE_MEASURES, states, hips, reaches, 10.0, ankles, rotations)
+    assert np.allclose((ankles + rotations @ edge)[30:90], edge + np.array([0.0, 0.0, SOLE_MEASURES[0, 3]]), atol=1e-12)
+    lacks = np.linalg.norm(hips - ankles, axis=1) - reaches
+    assert np.allclose(lacks[60:90], miss, atol=1e-12)
+    assert lacks[30:50].max() < 0.35 * miss + 1e-9
+
+
+def test_a_ball_that_has_risen_stands_on_the_tip_of_its_toes() -> None:
+    pitches = np.empty(120)
+    heel_roll.tiptoe_pitches(SOLE_MEASURES, STATES, RISE, 10.0, pitches)
+    assert not pitches[STATES != TOE_STANDS].any()
+    assert 0.3 < pitches[59] < heel_roll.STEEPEST_TOE
+    heel_roll.tiptoe_pitches(SOLE_MEASURES, STATES, 0.2 * RISE, 10.0, pitches)
+    assert not pitches.any()
+
+
+# Feet and hands that constraints take into the ground rotate out of it; ankle and wrist still meet their targets.
+
+
+WALK, CONTACTS = walk(120)
+WHOLE_CHAIN = Chain(trunk=1.0, root=1.0)
+
+
+def standing_on(body: str) -> GroundedMotion:
+    return stand(WALK, bundled_characters()[body].morphology, CONTACTS, Ground())
+
+
+def sole_heights(solved: AdaptedMotion, side: int) -> NDArray[np.float64]:
+    layout = solved.morphology.layout
+    foot = FootPath(
+        solved.positions[:, layout.ankle_point(side)],
+        solved.rotations[:, layout.foot_segment(side)],
+        solved.rotations[:, layout.toe_segment(side)],
+    )
+    return np.asarray(heights_of(foot, sole_rows(solved.morphology, side), Ground()).min(axis=0))
+
+
+@pytest.mark.parametrize("body", ["child", "giant"])
+@pytest.mark.parametrize("aside", [-0.1, 0.05])
+def test_a_foot_led_low_over_the_ground_stays_above_it_and_its_ankle_is_met(body: str, aside: float) -> None:
+    standing = standing_on(body)
+    before, ankle = solve_constraints(standing, ()), BodyPoint(BodyPart.LEFT_SHANK, at_end=True)
+    path = body_point_positions(ankle, before)
+    place = path[int(path[:, 2].argmax())] + [0.0, aside, 0.0]
+    place[2] = 0.15 * standing.morphology.leg_length
+    wanted = target("left_shank", place, Chain(), 0)
+    solved = solve_constraints(standing, (wanted,))
+    lower = np.minimum(sole_heights(before, 0), 0.0) - sole_heights(solved, 0)
+    assert lower.max() < 0.002
+    released = contact_release((wanted,), standing)[0] == 1.0
+    residuals = solved.residuals[0][released]
+    assert np.linalg.norm(body_point_positions(ankle, solved) - place, axis=1)[released] == pytest.approx(
+        residuals, abs=1e-6
+    )
+    assert residuals.min() < 1e-4
+
+
+def test_a_hand_led_low_over_the_ground_bends_up_at_its_wrist() -> None:
+    standing = standing_on("child")
+    wrist = BodyPoint(BodyPart.LEFT_FOREARM, at_end=True)
+    before = solve_constraints(standing, ())
+    place = body_point_positions(wrist, before)[60]
+    place[2] = 0.03
+    solved = solve_constraints(standing, (target("left_forearm", place, WHOLE_CHAIN, 0),))
+    tips = solved.positions[:, standing.morphology.layout.wrist_point(0) + 1, 2]
+    met = solved.residuals[0] < 1e-3
+    assert met.any()
+    assert tips[met].min() > -0.001
+
+
+def test_a_foot_with_a_target_of_its_own_below_the_ground_is_brought_to_the_ground() -> None:
+    standing = standing_on("child")
+    toes = BodyPoint(BodyPart.LEFT_TOE, at_end=True)
+    before = solve_constraints(standing, ())
+    frame = int(body_point_positions(BodyPoint(BodyPart.LEFT_SHANK, at_end=True), before)[:, 2].argmax())
+    place = body_point_positions(toes, before)[frame]
+    place[2] = -0.03
+    solved = solve_constraints(standing, (target("left_toe", place, Chain(), 0),))
+    assert body_point_positions(toes, solved)[frame] == pytest.approx([place[0], place[1], 0.0], abs=2e-4)
+
+
+# A pelvis that dips where two standing feet ask hips of different heights.
+
+
+BODY = make_morphology(leg_scale=1.1)
+
+
+def dipped(lower: float, states: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Hips' moves, and positions and rotations before and after, where right feet stand ``lower`` metres."""
+    positions, rotations = realize_motion(WALK, BODY)
+    before, turned = positions.copy(), rotations.copy()
+    off = np.zeros((2, 120, 3))
+    off[1, :, 2] = -lower
+    return dip_pelvis(off, states, BODY, WALK.frame_rate, positions, rotations), before, turned, positions, rotations
+
+
+@given(st.floats(-0.1, 0.1))
+def test_a_pelvis_dips_to_the_foot_that_stands_lower_and_bends_nothing_else(lower: float) -> None:
+    moved, before, turned, positions, rotations = dipped(lower, np.full((2, 120), 3))
+    assert (np.sign(moved[0, :, 2] - moved[1, :, 2]) == np.sign(np.round(lower, 12))).all() or abs(lower) < 1e-9
+    assert np.array_equal(rotations[:, 1:], turned[:, 1:])
+    between = np.einsum("fji,fjk->fik", turned[:, 0], rotations[:, 0])
+    assert (
+        np.arccos(np.clip((np.trace(between, axis1=1, axis2=2) - 1.0) / 2.0, -1.0, 1.0)) < MAX_OBLIQUITY + 1e-6
+    ).all()
+    hips = [BODY.layout.hip_point(side) for side in range(2)]
+    for side, hip in enumerate(hips):
+        assert np.allclose(positions[:, hip : hip + 5] - before[:, hip : hip + 5], moved[side, :, None], atol=1e-12)
+        in_pelvis = np.einsum("fji,fj->fi", rotations[:, 0], positions[:, hip] - positions[:, 0])
+        assert np.allclose(in_pelvis, np.einsum("fji,fj->fi", turned[:, 0], before[:, hip] - before[:, 0]), atol=1e-12)
+    lumbar = np.linalg.norm(positions[:, 1] - positions[:, 0], axis=1)
+    assert np.allclose(lumbar, np.linalg.norm(before[:, 1] - before[:, 0], axis=1), atol=1e-12)
+
+
+def test_a_pelvis_over_feet_that_do_not_both_stand_stays_as_it_is() -> None:
+    one = np.full((2, 120), 3)
+    one[0] = 0
+    _, before, turned, positions, rotations = dipped(0.05, one)
+    assert np.array_equal(positions, before)
+    assert np.array_equal(rotations, turned)

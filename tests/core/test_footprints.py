@@ -1,6 +1,7 @@
-"""Walks on ground that is not level: the same laws as on the floor, and no ground at all changes nothing."""
+"""Grounds that are not level, and walks on them."""
 
 import math
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from studio.core.captures.contacts import ContactPoint
-from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
+from studio.core.grounds import GROUND_KINDS, Bumps, HeightMap, Slope, Steps, SurfaceMesh
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio, contact_quality
 from studio.core.solver.adapt import adapt
@@ -18,6 +19,9 @@ from studio.core.solver.standing.footprints import planes_under, tilts_of
 from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
 from tests.core.motions import walk
+
+# Walks on ground that is not level: the same laws as on the floor, and no ground at all changes nothing.
+
 
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
 WALK, CONTACTS = walk(180)
@@ -173,3 +177,186 @@ def test_a_tilt_turns_upright_to_the_normal_and_nothing_about_it(seed: int) -> N
     tilts = tilts_of(normals)
     assert np.allclose(Rotation.from_rotvec(tilts).apply([0.0, 0.0, 1.0]), normals, atol=1e-12)
     assert (tilts[:, 2] == 0.0).all()
+
+
+# Kinds of ground: heights, normals, the same seen from elsewhere; what is no ground is refused.
+
+
+seeds = st.integers(0, 2**32 - 1)
+RANDOM = np.random.default_rng(4)
+CORNERS = np.array([[x, y, 0.2 * np.sin(x + y)] for x in np.linspace(-2, 2, 9) for y in np.linspace(-2, 2, 9)])
+CELLS = [9 * i + j for i in range(8) for j in range(8)]
+TRIANGLES = [[a, a + 9, a + 1] for a in CELLS] + [[a + 1, a + 9, a + 10] for a in CELLS]
+GROUNDS = {
+    "flat": Ground(0.2),
+    "slope": Slope(0.1, 0.3, 0.7, (0.2, -0.1)),
+    "down": Slope(0.1, -0.3, -2.0),
+    "steps": Steps(0.1, 0.17, 0.3, 5, 0.4, (0.1, 0.3)),
+    "bumps": Bumps(-0.1, 0.1, 1.1, 7),
+    "map": HeightMap(0.1, RANDOM.normal(size=(9, 7)) / 10, 0.4, (-1.5, -1.0)),
+    "small map": HeightMap(0.0, np.array([[0.0, 0.1], [0.2, 0.3]])),
+    "mesh": SurfaceMesh(0.1, CORNERS, TRIANGLES),
+}
+SMOOTH = ("flat", "bumps")
+
+
+def places(seed: int, count: int = 40) -> np.ndarray:
+    return np.random.default_rng(seed).uniform(-2.5, 2.5, (count, 2))
+
+
+def test_whole_numbers_of_metres_are_kept_as_floats_for_which_kernels_are_compiled() -> None:
+    for ground in (
+        Ground(1),
+        Slope(1, 1, 2),
+        Steps(1, 1, 1, 5),
+        Bumps(1, 1, 1, 3),
+        HeightMap(1),
+        SurfaceMesh(1, CORNERS, TRIANGLES),
+    ):
+        of_floats = [field.name for field in fields(ground) if field.type is float]
+        assert "height" in of_floats
+        assert {type(getattr(ground, name)) for name in of_floats} == {float}
+    assert type(Steps(1, 1, 1, 5).count) is int
+
+
+@pytest.mark.parametrize("name", GROUNDS)
+@given(seed=seeds)
+def test_normals_are_unit_point_up_and_match_finite_differences(name: str, seed: int) -> None:
+    ground, xy, step = GROUNDS[name], places(seed), 1e-6
+    normals = ground.normal_at(xy)
+    assert np.allclose(np.linalg.norm(normals, axis=-1), 1.0, atol=1e-12)
+    assert (normals[:, 2] > 0.0).all()
+    slopes = [(ground.height_at(xy + d) - ground.height_at(xy - d)) / (2 * step) for d in np.eye(2) * step]
+    wrong = np.abs(-normals[:, :2] / normals[:, 2:] - np.stack(slopes, axis=-1)).max(axis=1) > 1e-6
+    assert wrong.sum() <= (0 if name in SMOOTH else 1)  # a place may lie on a corner or an edge
+
+
+@pytest.mark.parametrize("name", [name for name in GROUNDS if name != "steps"])
+@given(seed=seeds)
+def test_heights_are_continuous(name: str, seed: int) -> None:
+    ground, begin = GROUNDS[name], places(seed, 2)
+    line = begin[0] + np.linspace(0, 1, 2001)[:, None] * (begin[1] - begin[0])
+    inside = np.abs(line).max(axis=1) < 1.99 if name == "mesh" else np.ones(len(line), dtype=bool)
+    jumps = np.abs(np.diff(ground.height_at(line)))[inside[1:] & inside[:-1]]
+    assert jumps.max(initial=0.0) < 0.01
+
+
+@pytest.mark.parametrize("name", GROUNDS)
+def test_places_of_any_shape_are_answered_each(name: str) -> None:
+    ground, xy = GROUNDS[name], places(0, 24)
+    as_points = np.column_stack([xy, np.zeros(24)]).reshape(2, 3, 4, 3)
+    assert ground.height_at(as_points).shape == (2, 3, 4)
+    assert ground.normal_at(as_points).shape == (2, 3, 4, 3)
+    assert np.allclose(ground.height_at(as_points).ravel(), ground.height_at(xy), atol=1e-12)
+    assert ground.height_at(xy[0]) == pytest.approx(ground.height_at(xy)[0], abs=1e-12)
+
+
+@pytest.mark.parametrize("name", GROUNDS)
+@given(seeds, st.floats(-3, 3), st.floats(-2, 2))
+def test_seen_from_elsewhere_it_is_the_same_ground(name: str, seed: int, heading: float, x: float) -> None:
+    ground, own = GROUNDS[name], places(seed)
+    c, s = math.cos(heading), math.sin(heading)
+    turn = np.array([[c, -s], [s, c]])
+    stage = own @ turn.T + [x, 0.5]
+    seen = ground.seen_from((x, 0.5), heading)
+    assert np.allclose(seen.height_at(own), ground.height_at(stage), atol=1e-12)
+    assert np.allclose(seen.normal_at(own)[:, :2] @ turn.T, ground.normal_at(stage)[:, :2], atol=1e-9)
+    assert seen == ground.seen_from((x, 0.5), heading)
+
+
+def test_a_slope_rises_from_its_foot_on() -> None:
+    slope = Slope(1.0, math.radians(15), math.pi / 2, (5.0, 2.0))
+    assert slope.height_at([[0, 1], [9, 2], [0, 3]]) == pytest.approx([1.0, 1.0, 1.0 + math.tan(math.radians(15))])
+
+
+def test_steps_are_level_and_counted() -> None:
+    for rise in (0.17, -0.17):
+        steps = Steps(0.5, rise, 0.3, 3)
+        heights = steps.height_at([[x, 9.0] for x in (-1.0, 0.01, 0.29, 0.31, 0.61, 5.0)])
+        assert heights == pytest.approx(0.5 + rise * np.array([0, 1, 1, 2, 3, 3]))
+        assert (steps.normal_at(places(0))[:, 2] == 1.0).all()
+
+
+@given(seeds)
+def test_bumps_stay_within_their_amplitude_and_repeat_by_seed(seed: int) -> None:
+    xy = 50 * places(seed)
+    heights = Bumps(0.3, 0.08, 1.2, seed).height_at(xy)
+    assert (np.abs(heights - 0.3) <= 0.08).all()
+    assert np.array_equal(heights, Bumps(0.3, 0.08, 1.2, seed).height_at(xy))
+    assert not np.array_equal(heights, Bumps(0.3, 0.08, 1.2, seed + 1).height_at(xy))
+
+
+def test_a_height_map_runs_through_its_heights_and_goes_on_as_at_its_edge() -> None:
+    ground = GROUNDS["map"]
+    rows, columns = np.indices(ground.heights.shape)
+    points = np.stack([rows * 0.4 - 1.5, columns * 0.4 - 1.0], axis=-1)
+    assert np.allclose(ground.height_at(points), 0.1 + ground.heights, atol=1e-12)
+    assert ground.height_at([-9.0, -9.0]) == pytest.approx(0.1 + ground.heights[0, 0])
+
+
+def test_the_highest_triangle_over_a_place_carries() -> None:
+    floor, table = [[0, 0, 0], [4, 0, 0], [0, 4, 0.4]], [[1, 1, 0.7], [2, 1, 0.7], [1, 2, 0.7]]
+    mesh = SurfaceMesh(0.1, [*table, *floor], [[0, 1, 2], [3, 4, 5]])
+    assert mesh.height_at([[1.1, 1.1], [0.5, 1.0], [-1.0, 0.0]]) == pytest.approx([0.8, 0.2, 0.1])
+    assert SurfaceMesh(0.3).height_at([1.0, 2.0]) == 0.3
+
+
+@given(seeds)
+def test_a_meshs_index_finds_what_a_search_of_all_triangles_finds(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    mesh = SurfaceMesh(0.0, random.uniform(-1, 1, (30, 3)), random.integers(0, 30, (25, 3)))
+    for xy in places(seed, 10):
+        found = []
+        for a, b, c in mesh.vertices[mesh.triangles]:
+            plane = np.array([b - a, c - a])[:, :2].T
+            if abs(np.linalg.det(plane)) > 1e-12:
+                s, t = np.linalg.solve(plane, xy - a[:2])
+                if min(s, t, 1 - s - t) >= 0:
+                    found.append(a[2] + s * (b - a)[2] + t * (c - a)[2])
+        assert mesh.height_at(xy) == pytest.approx(max(found, default=0.0), abs=1e-9)
+
+
+@given(seeds, st.sampled_from([0.17, -0.17]))
+def test_a_sole_is_nudged_on_to_one_tread_wherever_6_cm_suffice(seed: int, rise: float) -> None:
+    steps, tries = Steps(0.0, rise, 0.3, 9), np.linspace(-0.06, 0.06, 121)
+    heel = np.random.default_rng(seed).uniform([-0.5, -1.0], [3.0, 1.0], (30, 2))
+    soles = heel[:, None] + np.array([[0.0, 0.0], [0.17, 0.0], [0.24, 0.0]])
+    shifts = steps.nudges(soles)
+    assert (np.abs(shifts[:, 0]) <= 0.06 + 1e-12).all()
+    assert (shifts[:, 1] == 0.0).all()
+    ends = np.array([-0.006, 0.246])  # with the room that a sole keeps from a riser
+    for sole, shift in zip(soles, shifts, strict=True):
+        along = (sole[0, 0] + ends + tries[:, None]).ravel()
+        heights = steps.height_at(np.column_stack([along, np.zeros_like(along)])).reshape(-1, 2)
+        if (np.ptp(heights, axis=1) == 0.0).any():
+            assert np.ptp(steps.height_at(sole + shift)) == 0.0
+
+
+def test_steps_without_rise_nudge_nobody() -> None:
+    assert not Steps(0.0, 0.0).nudges(np.random.default_rng(0).uniform(-1, 1, (9, 3, 2))).any()
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: Ground(math.nan), lambda: Slope(angle=1.3), lambda: Slope(foot=(math.inf, 0.0)),
+        lambda: Steps(tread=0.0), lambda: Steps(count=0), lambda: Steps(rise=math.nan),
+        lambda: Bumps(wavelength=0.0), lambda: Bumps(seed=-1), lambda: HeightMap(heights=np.zeros((1, 5))),
+        lambda: HeightMap(heights=np.full((3, 3), np.nan)), lambda: HeightMap(cell=0.0),
+        lambda: SurfaceMesh(0.0, [[0, 0, np.inf]], []), lambda: SurfaceMesh(0.0, [[0, 0, 0]], [[0, 0, 1]]),
+    ],
+)  # fmt: skip
+def test_what_is_no_ground_is_refused_in_a_sentence(make: object) -> None:
+    with pytest.raises(ValueError, match=r"[a-z]+ .*\.$"):
+        make()  # type: ignore[operator]
+
+
+def test_kinds_are_named_apart_and_differ_by_value() -> None:
+    assert list(GROUND_KINDS) == ["flat", "slope", "steps", "bumps", "height_map", "mesh"]
+    grounds = [*GROUNDS.values(), HeightMap(), SurfaceMesh()]
+    for i, one in enumerate(grounds):
+        for j, other in enumerate(grounds):
+            assert (one == other) is (i == j)
+    assert HeightMap() == HeightMap()
+    assert hash(HeightMap()) == hash(HeightMap())
+    assert SurfaceMesh(0.0, CORNERS, TRIANGLES) == SurfaceMesh(0.0, CORNERS, TRIANGLES)

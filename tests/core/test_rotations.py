@@ -1,4 +1,4 @@
-"""Laws of rotations."""
+"""Rotations: laws of whole arrays, kernels and tuples, against scipy and numpy."""
 
 from itertools import permutations
 
@@ -10,6 +10,13 @@ from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
 from studio.core import rotations
+from studio.core.kernels.algebra import rotation_matrices, rotation_tuples
+from studio.core.rotations import frame_along
+from tests.core.motions import random_rotations
+from tests.core.twins import rotation as twin
+
+# Laws of rotations.
+
 
 ORDERS = ["".join(axes) for axes in permutations("XYZ")]
 angles = arrays(np.float64, (5, 3), elements=st.floats(-np.pi, np.pi))
@@ -135,3 +142,155 @@ def test_a_mirror_is_no_rotation():
 
 def test_no_matrices_give_no_quaternions():
     assert rotations.from_matrix(np.empty((0, 3, 3))).shape == (0, 4)
+
+
+# The rotation algebra of the kernels against scipy.
+
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def _unit(random: np.random.Generator) -> np.ndarray:
+    vector = random.normal(size=3)
+    return vector / np.linalg.norm(vector)
+
+
+@given(seeds)
+def test_matrices_of_rotation_vectors_are_scipys(seed: int) -> None:
+    random, matrix = np.random.default_rng(seed), np.empty((3, 3))
+    vector = random.normal(size=3) * 10.0 ** random.uniform(-12, 1)
+    rotation_matrices.rotation_vector_to_matrix(*vector, matrix)
+    assert np.allclose(matrix, twin.from_vector(vector), atol=1e-14)
+
+
+@given(seeds)
+def test_products_are_numpys(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    first, second, out = *random.normal(size=(2, 3, 3)), np.empty((3, 3))
+    rotation_matrices.matrix_product(first, second, out)
+    assert np.allclose(out, first @ second, atol=1e-13)
+    origin, vector = random.normal(size=(2, 3))
+    assert np.allclose(
+        rotation_tuples.transform_point(origin, tuple(first.flat), *vector), origin + first @ vector, atol=1e-13
+    )
+
+
+@given(seeds, st.floats(0, np.pi))
+def test_a_rotation_vector_comes_back_from_its_matrix(seed: int, angle: float) -> None:
+    axis, matrix, vector = _unit(np.random.default_rng(seed)), np.empty((3, 3)), np.empty(3)
+    rotation_matrices.rotation_vector_to_matrix(*(angle * axis), matrix)
+    rotation_matrices.matrix_to_rotation_vector(matrix, vector)
+    assert np.linalg.norm(vector) == pytest.approx(angle, abs=1e-7)
+    assert np.allclose(twin.from_vector(vector), matrix, atol=1e-7)
+
+
+@pytest.mark.parametrize("axis", [*np.eye(3), *-np.eye(3), np.full(3, 3**-0.5)])
+def test_half_a_turn_has_a_rotation_vector(axis: np.ndarray) -> None:
+    matrix, vector = 2 * np.outer(axis, axis) - np.eye(3), np.empty(3)
+    rotation_matrices.matrix_to_rotation_vector(matrix, vector)
+    assert np.allclose(twin.from_vector(vector), matrix, atol=1e-12)
+
+
+# Turns as tuples against scipy and numpy.
+
+
+def _matrix(turn: tuple[float, ...]) -> np.ndarray:
+    matrix = np.empty((3, 3))
+    rotation_tuples.write_rotation(turn, matrix)
+    return matrix
+
+
+def _units(random: np.random.Generator, count: int = 3) -> np.ndarray:
+    vector = random.normal(size=count)
+    return vector / np.linalg.norm(vector)
+
+
+@given(seeds)
+def test_turns_of_quaternions_are_scipys(seed: int) -> None:
+    quaternions = np.concatenate([[9.0, 9.0], _units(np.random.default_rng(seed), 4)])
+    assert np.allclose(
+        _matrix(rotation_tuples.rotation_from_quaternion(quaternions, 2)),
+        twin.from_quaternion(quaternions[2:]),
+        atol=1e-14,
+    )
+
+
+@given(seeds)
+def test_products_of_tuples_are_numpys(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    first, second = random.normal(size=(2, 3, 3))
+    a, b = rotation_tuples.rotation_from_matrix(first), rotation_tuples.rotation_from_matrix(second)
+    assert np.allclose(_matrix(rotation_tuples.compose(a, b)), first @ second, atol=1e-13)
+    assert np.array_equal(_matrix(rotation_tuples.inverse_rotation(a)), first.T)
+    origin, vector, point = *random.normal(size=(2, 3)), np.empty(3)
+    assert np.array_equal(rotation_tuples.write_transformed_point(origin, a, *vector, point), point)
+    assert np.allclose(point, origin + first @ vector, atol=1e-13)
+
+
+@given(st.floats(-1e7, 1e7))
+def test_sine_and_cosine_are_numpys(angle: float) -> None:
+    assert np.allclose(rotation_tuples.sine_and_cosine(angle), (np.sin(angle), np.cos(angle)), rtol=0.0, atol=3e-16)
+
+
+@given(seeds, st.floats(-10, 10))
+def test_twisting_is_turning_about_the_own_z_axis(seed: int, angle: float) -> None:
+    matrix = random_rotations(np.random.default_rng(seed))
+    twisted = _matrix(rotation_tuples.twist_about_z(rotation_tuples.rotation_from_matrix(matrix), angle))
+    assert np.allclose(twisted, matrix @ twin.about_z(angle), atol=1e-14)
+
+
+@given(seeds, st.floats(-15, 0))
+def test_aiming_is_the_shortest_arc_of_the_z_axis_and_always_a_rotation(seed: int, nearness: float) -> None:
+    random = np.random.default_rng(seed)
+    matrix = random_rotations(random)
+    for centre in (np.zeros(3), matrix[:, 2], -matrix[:, 2]):
+        aim = centre + 10.0**nearness * _units(random)
+        aim /= np.linalg.norm(aim)
+        aimed = _matrix(rotation_tuples.aim_z_axis(rotation_tuples.rotation_from_matrix(matrix), *aim))
+        assert np.allclose(aimed[:, 2], aim, atol=1e-15)
+        assert np.allclose(aimed.T @ aimed, np.eye(3), atol=1e-9)
+        assert np.linalg.det(aimed) == pytest.approx(1.0)
+        if aim @ matrix[:, 2] > -0.99:
+            assert np.allclose(aimed, twin.shortest_arc(matrix[:, 2], aim) @ matrix, atol=1e-9)
+
+
+@given(seeds)
+def test_the_shortest_turn_is_about_the_common_perpendicular(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    start, end = _units(random), _units(random)
+    matrix = _matrix(rotation_tuples.shortest_rotation(*start, *end))
+    assert np.allclose(matrix, twin.shortest_arc(start, end), atol=1e-9)
+    assert np.allclose(matrix @ start, end, atol=1e-12)
+
+
+@pytest.mark.parametrize("start", [*np.eye(3), *-np.eye(3), [0.6, 0.0, -0.8], [0.0, 0.1, 0.99498743710662]])
+def test_opposite_directions_are_half_a_turn_apart(start: np.ndarray) -> None:
+    matrix = _matrix(rotation_tuples.shortest_rotation(*start, *-np.asarray(start)))
+    assert np.allclose(matrix @ start, -np.asarray(start))
+    assert np.allclose(matrix @ matrix.T, np.eye(3))
+    assert np.linalg.det(matrix) == pytest.approx(1.0)
+
+
+@given(seeds, st.floats(-4, 4))
+def test_turns_by_a_vector_and_about_an_axis_are_scipys(seed: int, angle: float) -> None:
+    axis = _units(np.random.default_rng(seed))
+    expected = twin.from_vector(angle * axis)
+    assert np.allclose(_matrix(rotation_tuples.rotation_from_vector(*(angle * axis))), expected, atol=1e-14)
+    assert np.allclose(
+        _matrix(rotation_tuples.rotation_about_axis(axis, np.cos(angle), np.sin(angle))), expected, atol=1e-14
+    )
+
+
+@given(seeds)
+def test_a_turn_along_a_line_keeps_x_as_near_to_world_x_as_it_can(seed: int) -> None:
+    bone = _units(np.random.default_rng(seed))
+    assert np.allclose(
+        _matrix(rotation_tuples.rotation_with_z_axis(*bone)), frame_along(bone, np.array([1.0, 0.0, 0.0])), atol=1e-9
+    )
+
+
+@pytest.mark.parametrize("bone", [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
+def test_a_turn_along_world_x_is_a_rotation(bone: list[float]) -> None:
+    matrix = _matrix(rotation_tuples.rotation_with_z_axis(*bone))
+    assert np.allclose(matrix @ matrix.T, np.eye(3))
+    assert np.allclose(matrix[:, 2], bone)

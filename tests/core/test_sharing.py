@@ -1,14 +1,22 @@
-"""Results that several callers need of one object are computed once, and kept while the object lives."""
+"""Results that are computed once, in pieces and in half the memory."""
 
 import gc
 import threading
+import tracemalloc
 import weakref
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from random import Random
+from typing import Any
 
+import numpy as np
 import pytest
 
+from studio.core.compact_array import CompactArray
 from studio.core.sharing import Shared
+from studio.core.threads import in_threads
+
+# Results that several callers need of one object are computed once, and kept while the object lives.
 
 
 @dataclass(frozen=True)
@@ -107,3 +115,103 @@ def test_a_result_is_freed_with_its_owner() -> None:
     del owner
     gc.collect()
     assert result() is None
+
+
+# Pieces by two threads: all are done, what goes wrong is told, and who stops asking stops the work.
+
+
+@pytest.mark.parametrize("count", [1, 2, 40])
+def test_every_piece_is_done_and_the_share_grows_to_all(count: int) -> None:
+    done: list[int] = []
+    shares = list(in_threads(done.append, range(count)))
+    assert sorted(done) == list(range(count))
+    assert shares == [pytest.approx((place + 1) / count) for place in range(count)]
+
+
+def test_what_a_piece_raises_is_raised() -> None:
+    def work(piece: int) -> None:
+        if piece == 3:
+            raise ValueError("piece 3")
+
+    with pytest.raises(ValueError, match="piece 3"):
+        list(in_threads(work, range(10)))
+
+
+def test_who_stops_asking_stops_the_work() -> None:
+    begun, go_on = [], threading.Event()
+
+    def work(piece: int) -> None:
+        begun.append(piece)
+        if piece > 1:
+            go_on.wait()
+
+    shares = in_threads(work, range(100))
+    next(shares)
+    threading.Timer(0.05, go_on.set).start()
+    shares.close()
+    assert len(begun) < 10
+
+
+# Poses kept in 32 bits are read, copied and written to like arrays, and share what was not written.
+
+
+ROWS, SHAPE = 40, (40, 5, 3)
+INDICES: tuple[Any, ...] = (
+    3, -1, np.int64(7), slice(None), slice(4, 30), slice(-9, None), slice(30, 90), slice(None, None, 7),
+    slice(9, 4), ..., np.array([3, 1, 39]), np.arange(ROWS) % 3 == 0,
+    (5, 2), (-2, slice(1, 3)), (slice(None), 0), (slice(8, 20), [1, 4]), (slice(8, 20), slice(None), 2),
+    (slice(None), [0, 2], 1), (3, [0, 2]), (..., 2), (np.array([1, 2]), np.array([3, 4])), (slice(None), ..., 1), None,
+)  # fmt: skip
+
+
+def written(seed: int) -> tuple[CompactArray, np.ndarray]:
+    """Numbers that were copied, cut and written to at random, and an array to which the same was done."""
+    random = Random(seed)
+    numbers = np.random.default_rng(seed).normal(size=SHAPE).astype(np.float32).astype(np.float64)
+    kept = CompactArray(numbers)
+    for _ in range(random.randrange(6)):
+        first = random.randrange(ROWS)
+        index = random.choice([slice(first, first + random.randrange(ROWS)), (..., 2), (slice(first, None), 1), first])
+        kept, numbers = kept.copy(), numbers.copy()
+        value = round(random.random() * 64) / 64
+        kept[index] = value
+        numbers[index] = value
+    return kept, numbers
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_what_was_written_anywhere_is_read_by_every_index(seed: int) -> None:
+    kept, numbers = written(seed)
+    for index in INDICES:
+        found = kept[index]
+        np.testing.assert_array_equal(found, numbers[index])
+        assert found.dtype == np.float64
+    np.testing.assert_array_equal(np.asarray(kept), numbers)
+    for rows in (slice(None), slice(7, 25), slice(-5, None), slice(20, 20)):
+        assert len(kept.part(rows)) == len(numbers[rows])
+        np.testing.assert_array_equal(kept.part(rows)[:], numbers[rows])
+    with pytest.raises(IndexError):
+        kept[ROWS]
+
+
+def test_a_copy_changes_alone() -> None:
+    numbers = np.random.default_rng(0).normal(size=SHAPE).astype(np.float32)
+    kept = CompactArray(numbers)
+    copy = kept.copy()
+    copy[3:9] = 1.0
+    other = copy.copy()
+    other[5] = 2.0
+    kept.part(slice(2, 20))[0:4] = 7.0
+    np.testing.assert_array_equal(kept[:], numbers)
+    assert (copy[3:9] == 1.0).all()
+    assert (other[5] == 2.0).all()
+
+
+def test_a_copy_costs_what_is_written_to_it() -> None:
+    kept = CompactArray(np.zeros((100_000, 5, 3)))
+    tracemalloc.start()
+    copy = kept.copy()
+    copy[500:600] = 1.0
+    costs = tracemalloc.get_traced_memory()[0]
+    tracemalloc.stop()
+    assert costs < 2 * 100 * 15 * 4

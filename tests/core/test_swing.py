@@ -1,6 +1,8 @@
-"""Feet in the air: above the floor, smoothly, and unchanged where they are clear of it anyway."""
+"""Feet in the air: above the floor, over to where they land, and with room to kick."""
 
 import math
+from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -8,12 +10,36 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from studio.core.body.canonical import BodyPart
+from studio.core.body.morphology import Morphology, sole_rows
+from studio.core.captures.contacts import ContactInterval
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.position import PositionConstraint
+from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds import Bumps, Slope, Steps
+from studio.core.grounds.ground import Ground
 from studio.core.kernels.algebra.smooth_steps import penetration_correction
 from studio.core.kernels.support import swing_foot_clearance as kernel
+from studio.core.normalized.compose import Composite, compose_pieces
+from studio.core.normalized.normalize import capture_contacts, detected_contacts, normalize_capture
+from studio.core.normalized.pieces import MotionPiece
+from studio.core.quality.metrics import contact_quality
 from studio.core.rotations import to_matrix
+from studio.core.runs import runs_of
+from studio.core.solver.adapt import body_point_positions, solve_constraints
+from studio.core.solver.request import AdaptRequest
+from studio.core.solver.standing.stand import GroundedMotion, grounded_motion_of, stand
 from studio.core.solver.standing.swing_foot_path import Sole, clear_swing_foot, worn_height
+from studio.io.importing import load_capture
+from studio.io.project.character_file import bundled_characters
+from studio.resources_folder import example_captures_folder
+from tests.captures import capture_file, outside
 from tests.core.motions import from_vectors
+from tests.core.test_compose import BODY, cut
+from tests.core.test_transitions import picked
+
+# Feet in the air: above the floor, smoothly, and unchanged where they are clear of it anyway.
+
 
 SOLE = np.array([[0.13, 0.01, -0.06, 0.08, 0.05, 0.09]])
 RATE = 60.0
@@ -184,3 +210,166 @@ def test_an_edge_is_worn_by_half_a_centimetre() -> None:
     steps = Steps(0.0, 0.17, 0.30, 1)
     places = np.array([[-0.01, 0.0], [0.004, 0.2], [0.006, 0.4]])
     assert worn_height(steps, places).tolist() == [0.0, 0.0, pytest.approx(0.17)]
+
+
+# A foot in the air where the next clip takes over is lifted over to where it lands.
+
+
+AFTER = 1.5
+"""Seconds after a change for which feet are looked at."""
+LOW = 0.01
+"""Metres over the ground below which a foot that moves skates."""
+STEP, LIFT = 0.08, 0.02
+"""Metres that a foot goes farther than by itself for it to be a step, and by which that is lifted at least."""
+SKATE = 0.1
+"""Metres that a foot goes farther than by itself, rolling over heel and ball, without skating."""
+
+
+class Seen(NamedTuple):
+    """Metres that feet skate farther than by themselves at a change, and by which the lowest step is lifted."""
+
+    skate: float
+    lift: float
+
+
+def soles(stands: GroundedMotion, side: int) -> np.ndarray:
+    """(F, P, 3) places of the lowest points of a foot."""
+    body = stands.morphology
+    foot = body.layout.spine_count + 12 + 4 * side
+    turns = stands.rotations[:, foot], stands.rotations[:, foot + 1]
+    return Sole.of(stands.positions[:, body.layout.ankle_point(side)], *turns, sole_rows(body, side)).points
+
+
+def seen(row: Composite, pieces: tuple[MotionPiece, MotionPiece], body: Morphology) -> Seen:
+    """Figures of the change of a ``row`` of two pieces."""
+    known = body, Ground()
+    stands = stand(row.motion, known[0], row.contacts, known[1])
+    alone = [stand(each.motion, known[0], each.contacts, known[1]) for each in pieces]
+    rate, first = stands.motion.frame_rate, row.motion.changes[0].first
+    frames = np.arange(first - 1, min(first + round(AFTER * rate), row.motion.frame_count))
+    own = np.rint(row.played[1].motion_frames(frames, row.timing)).astype(int).clip(0, pieces[1].motion.frame_count - 1)
+    skate, lift = 0.0, np.inf
+    for side in range(2):
+        led, by_itself = soles(stands, side)[frames], soles(alone[1], side)[own]
+        height, states = led[..., 2].min(axis=1), stands.footing.states[side, frames]
+        ways = [np.linalg.norm(np.diff(each.mean(axis=1)[:, :2], axis=0), axis=1) for each in (led, by_itself)]
+        for begin, stop in runs_of(height < LOW):
+            skate = max(skate, float(np.sum((ways[0] - ways[1])[begin : stop - 1])))
+        for begin, stop in runs_of(states == 0):
+            if 0 < stop < len(frames):
+                going = [np.linalg.norm(np.diff(each[[max(begin - 1, 0), stop]].mean(axis=1)[:, :2], axis=0))
+                         for each in (led, by_itself)]  # fmt: skip
+                if going[0] > 1.3 * going[1] + STEP:
+                    lift = min(lift, float(height[begin:stop].max()))
+    return Seen(skate, lift)
+
+
+@cache
+def by_chance() -> list[Seen]:
+    return [seen(compose_pieces(pair), pair, BODY) for pair in picked()]
+
+
+def test_no_foot_skates_where_clips_take_over_at_any_frame() -> None:
+    """Of 32 by chance 8 did by more than 6 cm, one by 43 cm: a foot on its way to the ground was led back."""
+    skates = np.array([each.skate for each in by_chance()])
+    assert np.mean(skates > 0.06) < 1.0 / 8.0
+    assert skates.max() < SKATE
+
+
+def test_a_foot_that_steps_is_lifted() -> None:
+    """Of 32 changes one stepped 11 mm above the ground."""
+    assert min(each.lift for each in by_chance()) > LIFT
+
+
+def captured(name: str) -> tuple[MotionPiece, Morphology]:
+    capture = load_capture(capture_file(f"bvh/varied/{name}.bvh"))
+    motion, actor = normalize_capture(capture)
+    found = capture_contacts(capture)
+    contacts = tuple(ContactInterval("", point, *span) for point, spans in found.items() for span in spans)
+    return MotionPiece(motion, contacts, capture.first_frame, motion.frame_count - 1), actor.morphology
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "second", "begin"),
+    outside(
+        ("accad_female1_B03_Walk1", 185, "accad_female1_D3_ConversationGestures", 0),
+        ("accad_female1_B15_WalkTurnAround180", 103, "accad_female1_D3_ConversationGestures", 730),
+        ("accad_male2_E20_DodgeRight", 73, "accad_female1_D3_ConversationGestures", 418),
+        ("accad_female1_B03_Walk1", 123, "accad_female1_D3_ConversationGestures", 1286),
+        ("accad_male2_E11_BlockLeftHigh", 61, "accad_female1_D3_ConversationGestures", 76),
+    ),
+)
+def test_a_foot_in_the_air_at_the_end_of_a_captured_walk_or_fight_steps_into_a_stand(
+    first: str, last: int, second: str, begin: int
+) -> None:
+    """It skated 66 cm back over the ground."""
+    before, body = captured(first)
+    before = cut(before, last=last)
+    after, _ = captured(second)
+    pair = before, cut(after, first=begin, last=min(begin + 120, after.last), start=before.end)
+    row = compose_pieces(pair)
+    found = seen(row, pair, body)
+    adapted = solve_constraints(stand(row.motion, body, row.contacts, Ground()), ())
+    assert contact_quality(adapted, adapted.contacts, Ground()).slide < 2e-3
+    assert found.skate < SKATE
+    assert found.lift > LIFT
+
+
+# A foot that is to kick a target near by: bodies step back from what hip and knee do not bend to, and hold it.
+
+
+KICK = load_capture(example_captures_folder() / "front_kick.bvh")
+MOTION, ACTOR = normalize_capture(KICK)
+CONTACTS = detected_contacts(KICK, "kick")
+BALL, CHAIN = BodyPoint(BodyPart.RIGHT_FOOT, at_end=True), Chain(clavicle=0.0, root=0.6)
+TOP = 154
+HOLD = slice(TOP - 6, TOP + 7)
+"""Frames in which it is asked in full."""
+CURVE = ActivationCurve(*((TOP + step) / MOTION.frame_rate for step in (-24.0, -6.0, 6.0, 24.0)))
+STEPS = np.arange(0.02, 0.51, 0.04)
+"""Metres by which the target is raised above where the child kicks."""
+
+
+def _standing(name: str) -> GroundedMotion:
+    body = bundled_characters()[name].morphology
+    return grounded_motion_of(AdaptRequest(MOTION, body, CONTACTS, actor=ACTOR.morphology))
+
+
+CHILD = _standing("child")
+PLACE = body_point_positions(BALL, solve_constraints(CHILD, ()))[TOP]
+
+
+def _missed(standing: GroundedMotion, raised: float, eased: bool = True) -> np.ndarray:
+    target = (PLACE[0], PLACE[1], PLACE[2] + raised)
+    kick = PositionConstraint("kick", "Ball", BALL, CHAIN, 0, CURVE, target=target)
+    return solve_constraints(standing, (kick,), HOLD.start, HOLD.stop - 1, eased=eased).residuals[0]
+
+
+@pytest.mark.parametrize("name", ["adult_woman", "tall_man", "stocky_man", "giant"])
+def test_nobody_who_is_taller_fails_before_the_child_or_leaves_the_target_while_holding_it(name: str) -> None:
+    """Frame by frame, and where moments between are eased: low targets are too near for long legs."""
+    standing = _standing(name)
+    for raised in STEPS:  # by then the child has failed by far
+        assert _missed(standing, raised, eased=False).max() < 0.001, raised
+        assert _missed(standing, raised).max() < 0.02, raised
+
+
+def test_the_child_is_the_first_who_cannot_reach_it() -> None:
+    missed = [_missed(CHILD, raised).max() for raised in STEPS]
+    assert missed[0] < 1e-3
+    assert missed[-1] > 0.2
+    assert np.all(np.diff(missed) > -1e-3)  # what is met is met within less
+
+
+@pytest.mark.parametrize("height", [0.9, 1.0, 1.2, 1.3])
+@pytest.mark.parametrize("name", ["adult_woman", "tall_man", "stocky_man", "giant"])
+def test_a_root_that_may_help_a_kick_never_makes_it_miss_by_more(name: str, height: float) -> None:
+    """In every frame of the kick, those included in which the foot would have to turn far past its ankle's limit."""
+    standing, throughout = _standing(name), ActivationCurve(2.0, 2.2, 2.8, 3.1)
+    alone, helped = (
+        solve_constraints(
+            standing, (PositionConstraint("kick", "Ball", BALL, chain, 0, throughout, target=(1.0, 0.1, height)),)
+        ).residuals[0]
+        for chain in (Chain(), CHAIN)
+    )
+    assert np.nanmax(helped - alone) < 0.001

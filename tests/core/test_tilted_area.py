@@ -21,7 +21,7 @@ from studio.core.solver.asking.tracks import Track
 from studio.core.solver.request import AdaptRequest
 from studio.io.project.character_file import bundled_characters
 from tests.core.motions import walk
-from tests.core.test_mesh_area import BLOCK
+from tests.core.test_constraint_kinds import BLOCK
 
 WRIST = BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)
 ALWAYS = ActivationCurve(-1.0, -1.0, 100.0, 100.0)

@@ -1,5 +1,6 @@
-"""Clips that take over from one another on the timeline, by chance: as smooth as the clips, on feet that stay."""
+"""Transitions between clips, layers over them, and rows side by side."""
 
+import math
 from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
@@ -8,16 +9,30 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from studio.core.body.pose import PoseSequence
+from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.grounds.ground import Ground
-from studio.core.normalized.compose import Composite, MotionPiece, compose_pieces
+from studio.core.kernels import layout as at
+from studio.core.normalized.compose import Composite, compose_pieces
+from studio.core.normalized.layers import PlayedLayer, columns_of, with_layers
+from studio.core.normalized.pieces import MotionPiece
 from studio.core.normalized.realize import realize_motion
+from studio.core.normalized.resample import ResampledMotion
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import contact_quality, swing_depths
 from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.standing.held_foot import FootPath, HeldFoot, heel_pivot
 from studio.core.solver.standing.inertialisation import Stance, inertialised_from
 from studio.core.solver.standing.stepping import FootFlight, flights_of
+from studio.core.stage.clip import Clip
+from studio.core.stage.layer import Layer, Region
+from studio.core.stage.project import Performer
+from studio.core.stage.staging import SPACING, end_of_row, is_unarranged, lined_up, travel_heading
+from tests.builders import make_capture
 from tests.core.test_compose import BODY, EXAMPLES, PERMITTED, cut, example, local_accelerations, peaks, standing
+
+# Clips that take over from one another on the timeline, by chance: as smooth as the clips, on feet that stay.
+
 
 COUNT = 32
 
@@ -230,3 +245,248 @@ def test_a_foot_in_the_air_lands_on_the_short_stances_of_a_run_too() -> None:
     own = np.repeat([0, 3, 0, 3, 0], [5, 16, 60, 14, 5])
     flight, _ = flights_of(np.array([own, own]), np.array([0, 0]), np.zeros(2), np.full((2, 2), 0.2), 0.0, 100.0)
     assert flight.lands == 81
+
+
+# Layers over a row: what they have changes as they say, nothing else does, nothing slides and nothing jolts.
+
+
+every_region = pytest.mark.parametrize("region", Region)
+WIDTH = at.SPINE + 12
+
+
+def over(piece: MotionPiece, region: Region = Region.UPPER_BODY, **changes: object) -> PlayedLayer:
+    usual = {"weight": 1.0, "fades": (0.0, 0.0), "additive": False, "reference": -1}
+    return PlayedLayer((piece,), region, **{**usual, **changes})  # type: ignore[arg-type]
+
+
+def part(name: str, first: int, last: int, start: float) -> MotionPiece:
+    return cut(example(name), first=first, last=last, start=start)
+
+
+def row_with(*overlays: PlayedLayer, row: str = "walk_turn") -> Composite:
+    return with_layers((example(row),), overlays)
+
+
+def test_regions_have_every_column_once_between_them() -> None:
+    smallest = [each for each in Region if each.parts == {each}]
+    counts = np.sum([columns_of(each, WIDTH) for each in smallest], axis=0)
+    assert (counts == 1).all()
+    assert columns_of(Region.WHOLE, WIDTH).all()
+    assert np.array_equal(
+        columns_of(Region.UPPER_BODY, WIDTH) | columns_of(Region.LEGS, WIDTH), columns_of(Region.WHOLE, WIDTH)
+    )
+
+
+@every_region
+@pytest.mark.parametrize("additive", [False, True])
+def test_a_layer_without_weight_changes_no_bit(region: Region, additive: bool) -> None:
+    plain = compose_pieces((example("walk_turn"),))
+    composite = row_with(over(part("straight_punch", 100, 260, 1.0), region, weight=0.0, additive=additive))
+    assert composite.motion is plain.motion
+    assert composite.contacts == plain.contacts
+
+
+@every_region
+def test_the_same_clip_over_itself_changes_nothing(region: Region) -> None:
+    whole = example("walk_turn")
+    plain, composite = compose_pieces((whole,)), row_with(over(cut(whole, first=60, last=300, start=1.0), region))
+    np.testing.assert_allclose(composite.motion.channels, plain.motion.channels, atol=1e-9)
+    assert sorted(composite.contacts, key=str) == sorted(plain.contacts, key=str)
+
+
+@every_region
+def test_a_clip_that_does_not_move_adds_nothing(region: Region) -> None:
+    still = cut(example("straight_punch"), first=150, last=150)
+    held = replace(still.motion, channels=np.tile(still.motion.channels[150], (100, 1)))
+    composite = row_with(over(cut(still, motion=held, first=0, last=99, start=1.0), region, additive=True))
+    np.testing.assert_allclose(composite.motion.channels, example("walk_turn").motion.channels, atol=1e-9)
+
+
+@every_region
+def test_only_its_region_changes_and_only_while_it_plays(region: Region) -> None:
+    plain = example("walk_turn").motion.channels
+    composite = row_with(over(part("straight_punch", 100, 260, 1.0), region, fades=(0.3, 0.3)))
+    changed = composite.motion.channels != plain
+    assert not changed[:, ~columns_of(region, plain.shape[1])].any()
+    frames = np.flatnonzero(changed.any(axis=1))
+    assert frames[0] > 60
+    assert frames[-1] < 60 + 160
+    middle = slice(60 + 30, 60 + 120)
+    own = ResampledMotion(example("straight_punch").motion, example("walk_turn").motion.spine_places).at(
+        np.arange(260.0)
+    )
+    of_region = columns_of(region, plain.shape[1])
+    if region.parts <= Region.UPPER_BODY.parts:
+        np.testing.assert_array_equal(composite.motion.channels[middle][:, of_region], own[130:220][:, of_region])
+
+
+def test_what_is_added_twice_as_much_goes_twice_as_far() -> None:
+    plain = example("walk_turn").motion.channels
+    piece = part("straight_punch", 100, 260, 1.0)
+    ways = []
+    for weight in (0.25, 0.5):
+        channels = row_with(over(piece, Region.WHOLE, weight=weight, additive=True, fades=(0.2, 0.2))).motion.channels
+        ways.append(channels[:, at.HIPS : at.YAW + 1] - plain[:, at.HIPS : at.YAW + 1])
+    np.testing.assert_allclose(ways[1], 2.0 * ways[0], atol=1e-9)
+    assert np.abs(ways[0]).max() > 1e-3
+
+
+def test_arms_of_one_clip_and_the_head_of_another_lie_over_each_other() -> None:
+    punch, reach = part("straight_punch", 0, 300, 0.0), part("reach_grasp", 0, 300, 0.0)
+    both = row_with(over(punch, Region.ARMS), over(reach, Region.HEAD)).motion.channels
+    for overlay in (over(punch, Region.ARMS), over(reach, Region.HEAD)):
+        columns = columns_of(overlay.region, both.shape[1])
+        np.testing.assert_array_equal(both[:, columns], row_with(overlay).motion.channels[:, columns])
+
+
+def test_a_layer_is_mirrored_repeated_and_faster_as_clips_are() -> None:
+    piece = part("straight_punch", 150, 210, 1.0)
+    twice = tuple(cut(piece, start=1.0 + 0.5 * place, speed=2.0, mirrored=True) for place in range(2))
+    composite = row_with(replace(over(piece, Region.ARMS), pieces=twice, fades=(0.1, 0.1)))
+    own = compose_pieces(twice, blends=True)
+    arms = columns_of(Region.ARMS, composite.motion.channels.shape[1])
+    np.testing.assert_allclose(
+        composite.motion.channels[70:110][:, arms], own.motion.channels[10:50][:, arms], atol=1e-9
+    )
+
+
+@pytest.mark.parametrize("region", [Region.UPPER_BODY, Region.ARMS, Region.LEFT_ARM, Region.HEAD])
+@pytest.mark.parametrize("additive", [False, True])
+def test_contacts_of_feet_are_the_rows_where_it_has_the_legs(region: Region, additive: bool) -> None:
+    composite = row_with(over(part("straight_punch", 0, 300, 1.0), region, additive=additive))
+    assert composite.contacts == example("walk_turn").contacts
+
+
+def test_contacts_of_feet_are_the_layers_where_that_has_the_legs() -> None:
+    kick = example("front_kick")
+    row = with_layers((example("straight_punch"),), (over(cut(kick, first=90, last=240, start=1.0), Region.LEGS),))
+    for point in (each for each in ContactPoint if each.is_foot):
+        for frame in range(125, 175):
+            stands = [
+                any(each.point is point and each.first <= when <= each.last for each in contacts)
+                for contacts, when in ((row.contacts, frame), (kick.contacts, frame + 30))
+            ]
+            assert stands[0] == stands[1]
+
+
+def test_hands_that_touch_let_go_where_one_of_them_plays_something_else() -> None:
+    clap = ContactInterval("", Touch.HANDS_TOGETHER, 0, 399)
+    held = cut(example("walk_turn"), contacts=(*example("walk_turn").contacts, clap))
+    composite = with_layers((held,), (over(part("straight_punch", 0, 200, 1.0), Region.LEFT_ARM, fades=(0.2, 0.2)),))
+    spans = [(each.first, each.last) for each in composite.contacts if each.point is Touch.HANDS_TOGETHER]
+    assert len(spans) == 2
+    assert spans[0][1] < 75
+    assert spans[1][0] > 240
+
+
+@pytest.mark.parametrize("region", [Region.UPPER_BODY, Region.RIGHT_ARM, Region.LEGS, Region.WHOLE])
+@pytest.mark.parametrize("second", EXAMPLES[1:])
+def test_no_foot_slides_and_no_joint_jolts_where_a_layer_comes_and_goes(region: Region, second: str) -> None:
+    base = "straight_punch" if region in (Region.LEGS, Region.WHOLE) else "walk_turn"
+    composite = row_with(over(part(second, 60, 270, 1.0), region), row=base)
+    stands = standing(composite)
+    quality = contact_quality(solve_constraints(stands, ()), composite.contacts, Ground())
+    assert quality.slide < 1e-3
+    assert quality.penetration < 1e-3
+    usual = np.maximum(np.maximum(peaks(base), peaks(second)), QUIET_PEAK)
+    assert (local_accelerations(stands).max(axis=0) / usual).max() < PERMITTED
+
+
+def test_a_layer_that_is_none_is_refused() -> None:
+    clip = Clip("motion", 0, 10)
+    for wrong in ({"weight": 1.5}, {"weight": float("nan")}, {"fade_in": -0.1}, {"reference": -2}):
+        with pytest.raises(ValueError, match="layer"):
+            Layer(clip, **wrong)  # type: ignore[arg-type]
+
+
+# Bodies side by side: across the direction in which their motion travels.
+
+
+ROW = {f"body {k}": Performer(f"Body {k}", "character", position=(0.0, SPACING * (1 - k))) for k in range(3)}
+
+
+def walking(heading, metres=4.0, there_and_back=False):
+    """A capture of which the root goes straight in a heading."""
+    capture = make_capture(frames=60)
+    way = np.linspace(0.0, 1.0, 60)
+    way = np.minimum(way, 1.0 - way) * 2.0 if there_and_back else way
+    moves = np.array(capture.poses.local_translations)
+    moves[:, 0, :2] = metres * way[:, None] * [math.cos(heading), math.sin(heading)]
+    return replace(capture, poses=PoseSequence(capture.poses.local_rotations, moves))
+
+
+@pytest.mark.parametrize("heading", [0.0, 1.0, math.pi / 2, -2.5])
+@pytest.mark.parametrize("there_and_back", [False, True])
+def test_a_walk_travels_where_its_root_goes(heading, there_and_back):
+    assert travel_heading(walking(heading, there_and_back=there_and_back), 0, 59) == pytest.approx(heading, abs=0.05)
+
+
+def test_who_stays_about_travels_nowhere():
+    assert travel_heading(walking(1.0, metres=0.3), 0, 59) is None
+
+
+@pytest.mark.parametrize("heading", [0.0, 0.7, math.pi / 2, -2.0])
+def test_nobody_in_a_row_walks_into_another(heading):
+    performers = lined_up(ROW, heading)
+    places = np.array([each.position for each in performers.values()])
+    way = np.array([math.cos(heading), math.sin(heading)])
+    assert places @ way == pytest.approx(0.0, abs=1e-9)
+    gaps = np.linalg.norm(places[:, None] - places, axis=-1)[np.triu_indices(3, 1)]
+    assert gaps.min() == pytest.approx(SPACING)
+    assert places.mean(axis=0) == pytest.approx([0.0, 0.0], abs=1e-9)
+
+
+def test_a_row_is_known_from_what_a_user_has_arranged():
+    assert is_unarranged(ROW)
+    assert is_unarranged(lined_up(ROW, 1.3))
+    moved = ROW | {"body 1": replace(ROW["body 1"], position=(0.5, 0.0))}
+    turned = ROW | {"body 1": replace(ROW["body 1"], heading=0.5)}
+    assert not is_unarranged(moved)
+    assert not is_unarranged(turned)
+
+
+@pytest.mark.parametrize("missing", [["body 1"], ["body 0"], ["body 2"]])
+def test_a_row_of_which_some_are_missing_is_still_one(missing):
+    row = {key: each for key, each in lined_up(ROW, 0.4).items() if key not in missing}
+    assert is_unarranged(row)
+
+
+def swept_by(reach, way=0.0, travel=0.0):
+    """Points of a body whose limbs reach so many metres to both sides, and which goes ``way`` metres across."""
+    across, times = np.array([-math.sin(travel), math.cos(travel)]), np.linspace(0.0, 1.0, 30)
+    sides = np.array([-reach, 0.0, reach]) * np.sin(math.pi * times)[:, None] + way * times[:, None]
+    return sides[..., None] * across
+
+
+@pytest.mark.parametrize("travel", [0.0, 1.1, -2.0])
+@pytest.mark.parametrize(("reach", "ways"), [(0.4, (0.0, 3.0, -2.0)), (1.1, (0.0, 0.0, 0.0)), (0.8, (2.0, 2.0, 2.0))])
+def test_those_who_spread_their_limbs_or_whose_paths_cross_stand_farther_apart(travel, reach, ways):
+    """Only the roots were looked at: in a split neighbours cut into each other."""
+    sweeps = {key: swept_by(reach, way, travel) for key, way in zip(ROW, ways, strict=True)}
+    row = lined_up(ROW, travel, sweeps)
+    across = np.array([-math.sin(travel), math.cos(travel)])
+    tracks = [(np.array(each.position) + sweeps[key]) @ across for key, each in row.items()]
+    tracks.sort(key=lambda track: -track[0].mean())
+    for left, right in ((0, 1), (0, 2), (1, 2)):
+        assert (tracks[left].min(axis=1) - tracks[right].max(axis=1)).min() > 0.29
+    assert is_unarranged(row)
+
+
+def test_those_who_keep_their_limbs_near_or_go_the_same_way_stand_as_near_as_usual():
+    for way in (0.0, 5.0):
+        row = lined_up(ROW, 0.3, {key: swept_by(0.4, way, 0.3) for key in ROW})
+        assert math.dist(row["body 0"].position, row["body 1"].position) == pytest.approx(SPACING)
+
+
+@pytest.mark.parametrize("heading", [0.0, 1.3, math.pi / 2])
+def test_one_more_performer_stands_beyond_the_end_of_the_row_and_far_enough_from_its_neighbour(heading):
+    row = lined_up(ROW, heading)
+    position = end_of_row(row, {"body 0": 9.0, "body 1": 9.0, "body 2": 1.5 * SPACING})
+    assert math.dist(position, row["body 2"].position) == pytest.approx(1.5 * SPACING)
+    assert is_unarranged(row | {"new": replace(ROW["body 0"], position=position)})
+
+
+def test_one_more_performer_on_an_arranged_stage_stands_on_the_right_of_all():
+    moved = ROW | {"body 1": replace(ROW["body 1"], position=(0.5, -3.0))}
+    assert end_of_row(moved, dict.fromkeys(moved, 1.0)) == pytest.approx((0.5, -3.0 - SPACING))
+    assert end_of_row({}, {}) == (0.0, 0.0)

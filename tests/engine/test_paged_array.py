@@ -9,7 +9,7 @@ import pytest
 from studio.core.compact_array import CompactArray, single
 from studio.engine import paged_array
 from studio.engine.paged_array import FileRows, paged_rows
-from tests.core.test_compact_array import INDICES, SHAPE
+from tests.core.test_sharing import INDICES, SHAPE
 
 NUMBERS = np.random.default_rng(5).normal(size=SHAPE)
 

@@ -221,7 +221,7 @@ def test_a_sentence_covers_the_view_and_does_not_change_its_size(qtbot, window):
     view = window.bench.viewport
     size = view.size()
     for strip in (window.strip, window.question, window.recovery):
-        strip.say("walk_03.bvh, line 214: '90,5' is not a number. " * 3)
+        strip.show_sentence("walk_03.bvh, line 214: '90,5' is not a number. " * 3)
         QTest.qWait(20)
         assert view.size() == size
         assert view.geometry().contains(strip.geometry())

@@ -109,7 +109,7 @@ def test_a_line_leads_from_the_eyes_to_what_they_look_at_whoever_is_active_and_w
 
 
 def test_feet_stand_above_the_sentence_that_is_said_as_the_stage_opens(window, qtbot):
-    window.strip.say("A scene's sentence of what is to be seen, " * 6)
+    window.strip.show_sentence("A scene's sentence of what is to be seen, " * 6)
     import_views()
     show_views(window)
     viewport = window.bench.viewport

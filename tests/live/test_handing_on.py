@@ -4,11 +4,10 @@ import numpy as np
 
 from studio.core.solver.adapt import body_point_positions
 from studio.core.solver.performers.prop_tracks import Holder, stage_track
-from studio.core.stage.holding import PALM_OFFSET
 from studio.core.stage.placement import Placement
 from studio.live.playing_stage import LiveStage
-from tests.core.test_props import GIVEN, handing
-from tests.live.test_live_stage import LEFT_WRIST, STEP, WRIST, prepare
+from tests.core.test_props import GIVEN, LEFT, RIGHT, handing, on_side
+from tests.live.test_live_stage import STEP, prepare
 
 
 def test_a_box_that_is_handed_on_goes_from_hands_to_hands_and_stays_with_them_whatever_they_play_next():
@@ -29,9 +28,9 @@ def test_a_box_that_is_handed_on_goes_from_hands_to_hands_and_stays_with_them_wh
         track = stage_track(prop, [stage.seconds], holders)
         places.append(track.positions[0])
         for key, holds in ((one, stage.seconds < given), (other, stage.seconds > given)):
-            for side, wrist in ((1.0, LEFT_WRIST), (-1.0, WRIST)):
-                there = track.positions[0] + track.rotations[0] @ np.array([PALM_OFFSET, side * prop.size[1] / 2, 0.0])
-                hand = Placement.of(project.performers[key]).to_stage(body_point_positions(wrist, results[key])[0])
+            for side, palm in ((1.0, LEFT), (-1.0, RIGHT)):
+                there = track.positions[0] + track.rotations[0] @ on_side(prop, side)
+                hand = Placement.of(project.performers[key]).to_stage(body_point_positions(palm, results[key])[0])
                 assert not holds or step > 85 or np.linalg.norm(hand - there) < 2e-3
     steps = np.linalg.norm(np.diff(np.array(places), axis=0), axis=1)
     assert np.linalg.norm(places[-1] - places[0]) > 0.5

@@ -72,7 +72,7 @@ def _sets(standing: GroundedMotion, before: AdaptedMotion) -> dict[str, tuple[tu
 
 
 def _brings(before: AdaptedMotion, wishes: tuple[Constraint, ...], tracks: Tracks) -> float:
-    """The same sum as in tests/core/test_smooth_law.py, of wishes beside where the motion has their points."""
+    """The same sum as in tests/core/test_smooth.py, of wishes beside where the motion has their points."""
     total = 0.0
     for wish in wishes:
         target = wish.target

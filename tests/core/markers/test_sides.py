@@ -1,13 +1,19 @@
-"""Places that carry the name of the other side through a take are found, and no others."""
+"""Places that carry another place's name through a take are found, and no others."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
 
+from studio.core.markers.ends import exchanged_ends, exchanged_on_limbs, with_roles
 from studio.core.markers.marker_map import MarkerMap
 from studio.core.markers.sides import exchanged_places, with_sides_exchanged
-from tests.core.markers.made import made_trial
+from studio.core.markers.trial import Trial
+from tests.core.markers.made import made_trial, turned
+
+# Places that carry the name of the other side through a take are found, and no others.
+
 
 LEG = {"knee", "inner_knee", "thigh", "ankle", "inner_ankle", "shank", "heel", "toe"}
 ARM = {"elbow", "inner_elbow", "wrist", "outer_wrist"}
@@ -64,3 +70,68 @@ def test_folded_arms_are_nobody_elses() -> None:
 def test_without_a_front_and_a_back_nothing_is_said() -> None:
     trial, _ = made_trial(("left_knee", "right_knee"))
     assert exchanged_places(trial, MarkerMap("x", {"left_knee": ("leftknee",), "right_knee": ("rightknee",)})) == ()
+
+
+# Places of one side that carry each other's name through a take are found, and no others.
+
+
+def _exchanged(marker_map: MarkerMap, one: str, other: str, sides: tuple[str, ...]) -> MarkerMap:
+    pairs = [(f"{side}_{one}", f"{side}_{other}") for side in sides if side] or [(one, other)]
+    return with_roles(marker_map, {role: to for pair in pairs for role, to in (pair, pair[::-1])})
+
+
+def _found(trial: Trial, marker_map: MarkerMap) -> MarkerMap:
+    in_order = with_roles(marker_map, exchanged_ends(trial, marker_map))
+    return with_roles(in_order, exchanged_on_limbs(trial, in_order))
+
+
+PAIRS = (
+    ("front_hip", "back_hip"), ("heel", "toe"), ("wrist", "outer_wrist"), ("ankle", "heel"), ("ankle", "toe"),
+    ("knee", "ankle"), ("thigh", "knee"), ("shank", "ankle"), ("elbow", "wrist"), ("shoulder", "elbow"),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("pair", "sides"), [*product(PAIRS, [("left",), ("left", "right")])])
+@pytest.mark.parametrize("lies", [False, True])
+def test_ends_that_were_exchanged_are_found_again(pair: tuple[str, str], sides: tuple[str, ...], lies: bool) -> None:
+    trial, marker_map = made_trial()
+    if lies:
+        trial = trial.with_points(trial.points @ turned("y", np.array([1.5]))[0])
+    assert _found(trial, _exchanged(marker_map, *pair, sides)) == marker_map
+
+
+@pytest.mark.parametrize("pair", [("collar", "neck_back"), ("breastbone", "back")])
+def test_the_trunks_front_and_back_are_found_again(pair: tuple[str, str]) -> None:
+    trial, marker_map = made_trial()
+    assert _found(trial, _exchanged(marker_map, *pair, ("",))) == marker_map
+
+
+def test_four_markers_of_the_pelvis_are_found_in_any_two_exchanges() -> None:
+    trial, marker_map = made_trial()
+    for one, other in (("left_front_hip", "right_back_hip"), ("right_front_hip", "right_back_hip")):
+        assert _found(trial, with_roles(marker_map, {one: other, other: one})) == marker_map
+
+
+def test_a_body_as_it_is_is_left_so() -> None:
+    trial, marker_map = made_trial()
+    assert not exchanged_ends(trial, marker_map)
+    assert not exchanged_on_limbs(trial, marker_map)
+
+
+def test_a_head_that_looks_over_its_shoulder_is_left_so() -> None:
+    trial, marker_map = made_trial()
+    points = trial.points.copy()
+    head = [trial.labels.index(f"{side}{end}head") for end in ("front", "back") for side in ("left", "right")]
+    points[:, head] = points[:, [head[1], head[3], head[0], head[2]]]
+    assert not exchanged_ends(trial.with_points(points), marker_map)
+
+
+def test_folded_limbs_that_stay_folded_are_left_so() -> None:
+    """A wrist beside its shoulder, an ankle beside its hip."""
+    trial, marker_map = made_trial()
+    points = np.tile(trial.points[:1], (60, 1, 1))
+    for side, (low, high) in product(("left", "right"), (("wrist", "shoulder"), ("outerwrist", "shoulder"))):
+        to = points[:, trial.labels.index(f"{side}{high}")] + [160.0, 0.0, -80.0 if low == "wrist" else -130.0]
+        points[:, trial.labels.index(f"{side}{low}")] = to
+    still = replace(trial, points=points, residuals=trial.residuals[:60])
+    assert not exchanged_on_limbs(still, marker_map)
