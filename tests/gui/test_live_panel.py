@@ -159,10 +159,10 @@ def test_what_is_shown_goes_out_where_it_stands_on_the_stage(control, window, qt
 class SeenViewport:
     """A 3D view that tells from where it is to look."""
 
-    sight = ONE_EYE
+    stereo_view = ONE_EYE
 
-    def set_stereo_view(self, sight):
-        self.sight = sight
+    def set_stereo_view(self, stereo_view):
+        self.stereo_view = stereo_view
 
     def schedule_redraw(self):
         """Nothing is drawn."""
