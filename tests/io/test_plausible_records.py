@@ -43,7 +43,8 @@ def with_number(record: Any, path: Path, number: float) -> Any:
 
 
 def is_direction(entity: Entity, names: list[str]) -> bool:
-    turned = getattr(entity, "kind", "") == "orientation" and names[:1] == ["target"] and "times" not in names
+    quaternion = {"orientation": "target", "area": "tilt"}.get(getattr(entity, "kind", ""))
+    turned = names[:1] == [quaternion] and "times" not in names
     return turned or (any(name in DIRECTIONS for name in names[-1:]) and not hasattr(entity, "clips"))
 
 
