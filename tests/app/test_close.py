@@ -42,7 +42,8 @@ application.main([])
 """
 
 OPEN = """
-import sys
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background inherits that it is ignored
 sys.path.insert(0, {!r})
 from studio.startup.process import prepare_process
 prepare_process()
@@ -83,9 +84,12 @@ def test_ctrl_c_in_the_terminal_closes_a_window_at_rest(tmp_path: Path) -> None:
     with subprocess.Popen(
         command, env={**os.environ, **settings}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as window:
-        assert window.stdout is not None
-        assert window.stdout.readline() == "open\n"
-        window.send_signal(signal.SIGINT)
-        _, told = window.communicate(timeout=PATIENCE / 1000)
+        try:
+            assert window.stdout is not None
+            assert window.stdout.readline() == "open\n"
+            window.send_signal(signal.SIGINT)
+            _, told = window.communicate(timeout=PATIENCE / 1000)
+        finally:
+            window.kill()
     assert window.returncode == 0, told
     assert "Fatal" not in told
