@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain, count
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
@@ -16,12 +17,14 @@ from studio.core.mesh.character import Character
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import detected_contacts, normalize_capture
-from studio.core.quality.metrics import MotionPeaks
 from studio.core.solver.source import source_motion
 from studio.io.importing import ImportOptions, known_of_motion, load_character, read_capture
 from studio.io.json_text import JsonObject
 from studio.io.project.character_file import bundled_characters
 from studio.io.registry import ReadCapture, known_formats
+
+if TYPE_CHECKING:
+    from studio.core.quality.metrics import MotionPeaks
 
 ADAPTED_MOTION_ID = "motion"
 
@@ -41,8 +44,10 @@ class ReadyCapture:
         return self.annotations.contacts or ()
 
     @cached_property
-    def source_peaks(self) -> MotionPeaks:
+    def source_peaks(self) -> "MotionPeaks":
         """Peaks of the motion on its own actor from its first frame on, to which adapted ones are compared."""
+        from studio.core.quality.metrics import MotionPeaks  # late: what is told of a file need not wait for it
+
         played = source_motion(self.motion, self.actor)
         return MotionPeaks.of(played.frames(self.capture.first_frame, played.frame_count - 1))
 
