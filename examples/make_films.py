@@ -23,6 +23,7 @@ from studio.startup.process import prepare_process  # noqa: E402
 
 prepare_process()
 
+from studio.core.solver.source import source_motion  # noqa: E402
 from studio.core.stage.staging import staged  # noqa: E402
 from studio.io.importing import GUESS_ALL  # noqa: E402
 from studio.io.media.film import write_film  # noqa: E402
@@ -67,7 +68,7 @@ def pictures(path: Path, names: list[str]) -> Iterator[NDArray[np.uint8]]:
     project = staged(ready.capture, ready.contacts, {SOURCE: actor, **chosen_characters(names)}, ADAPTED_MOTION_ID)
     results = {key: each.adapted for key, each in stage_performances(project).performances.items()}
     first = results[SOURCE].first_frame
-    results[SOURCE] = ready.source.frames(first, first + results[SOURCE].frame_count - 1)
+    results[SOURCE] = source_motion(ready.motion, ready.actor).frames(first, first + results[SOURCE].frame_count - 1)
     alone = {key: replace(project, performers={key: project.performers[key]}) for key in project.performers}
     for time in np.linspace(0.0, stage_duration(project, SOURCE), COLUMNS):
         shown = (render_frame(alone[key], {key: results[key]}, float(time), TILE) for key in alone)

@@ -178,7 +178,7 @@ class Constraint:
         return {}
 
     def sketch(self, position: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-        """Line segments (N, 3) of its drawing, for its point at the position ``position`` (3,) and its segment with the
+        """Line segments (N, 3) of its drawing, for its point at ``position`` (3,) and its segment with the
         rotation ``turn`` (3, 3).
         """
         return ()

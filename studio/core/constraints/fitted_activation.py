@@ -163,8 +163,10 @@ def _within(room: float, hold: float, ramp: float, weight: float) -> tuple[float
 
 
 def _change(side: tuple[float, float, float]) -> float:
-    """Difference from the default hold and ramp; a shorter ramp counts twice, since a dragged target needs it, and a
-    lighter weight, with which a limb arrives more sharply, as much as a slower ramp.
+    """Difference from the default hold and ramp, in seconds of a longer ramp.
+
+    A shorter ramp counts twice, since a dragged target needs it; a weight below 1 counts because a limb stops more
+    sharply with it.
     """
     hold, ramp, weight = side
     ramp_change = ramp - RAMP if ramp > RAMP else 2.0 * (RAMP - ramp)

@@ -240,7 +240,7 @@ class Prop:
         return self.with_holds([each for each in self.holds if each.performer_id != performer_id])
 
     def release_is_keyed(self, index: int) -> bool:
-        """True if a key of the position sets where the hold of index ``index`` puts the prop down."""
+        """True if a key of the position sets where the hold at ``index`` puts the prop down."""
         hold, after = self.holds[index], self.holds[index + 1 : index + 2]
         if not isinstance(self.position, KeyedPlace) or (after and after[0].begin == hold.end):
             return False

@@ -311,7 +311,7 @@ def clamp_joint(limb, joint, anew, noting, limits, pose):
     if noting:
         update_caps(row, joint, desired)
     x, y, twist, sure = clamped_to_caps(row, joint, desired)
-    if joint == 0:
+    if joint == 0:  # a hand or foot falls back to the motion's own rotation; the goal of its limb stays
         row.certainty = min(row.certainty, sure)
     if x == swing[0] and y == swing[1] and twist == swing[2]:
         return False

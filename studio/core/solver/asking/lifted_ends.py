@@ -102,11 +102,13 @@ def without_negligible_rises(rises: FloatArray) -> FloatArray:
 
 
 class LimbEnd(NamedTuple):
-    """Hand or foot: the point of its ``joint``, its ``segment``, and the counts of its points and segments."""
+    """Hand or foot: the point of its ``joint``, its ``segment``, and the number of its points, which is that of its
+    segments.
+    """
 
     joint: int
     segment: int
-    point_and_segment_counts: int
+    part_count: int
 
     def tip_heights(self, ground: Ground, positions: PoseArray) -> FloatArray:
         """Heights (F,) in metres of its first point above the ground."""
@@ -120,8 +122,7 @@ class LimbEnd(NamedTuple):
     def rotate(self, turns: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
         """Rotate it by ``turns`` (F, 3, 3) about its joint, in place."""
         points, segments = (
-            slice(at + 1 - of, at + 1 - of + self.point_and_segment_counts)
-            for at, of in ((self.joint, 0), (self.segment, 1))
+            slice(at + 1 - of, at + 1 - of + self.part_count) for at, of in ((self.joint, 0), (self.segment, 1))
         )
         offsets = positions[:, points] - positions[:, self.joint, None]
         positions[:, points] += np.einsum("fij,fpj->fpi", turns, offsets) - offsets
