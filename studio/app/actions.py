@@ -423,9 +423,7 @@ HELP = (
 )
 
 SCENE_ACTIONS = tuple(
-    Action(
-        f"scene_{scene.maker.partition('.')[2]}", "Scenes", scene.title, files.scene_opener(scene), tooltip=scene.text
-    )
+    Action(f"scene_{scene.key}", "Scenes", scene.title, files.scene_opener(scene), tooltip=scene.text)
     for scene in SCENES
 )
 

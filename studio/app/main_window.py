@@ -54,6 +54,7 @@ from studio.panels.history import History
 from studio.panels.inspector import Inspector
 from studio.panels.library_drops import BODIES, LibraryDrops
 from studio.panels.library_panel import LibraryPanel
+from studio.panels.library_rows import OPENED
 from studio.panels.message_strip import Lifetime, MessageStrip, RecoveryBar
 from studio.panels.problem_table import ProblemTable
 from studio.panels.status_line import StatusLine
@@ -124,7 +125,7 @@ class MainWindow(QMainWindow):
             note.raise_()
         viewport.strike_drops.dropped.connect(self.striking.play)
         viewport.pose_drops.dropped.connect(self.pose_library.apply_to)
-        LibraryDrops(viewport, ("captures", *BODIES)).dropped.connect(self.library.open_item)
+        LibraryDrops(viewport, ("captures", *BODIES, *OPENED)).dropped.connect(self.library.open_item)
         viewport.covered_below = self._covered_below
         self.bench.set_viewport(viewport)
         self._apply_preferences()
@@ -270,7 +271,7 @@ class MainWindow(QMainWindow):
     def _make_docks(self) -> None:
         self.setCorner(Qt.Corner.BottomLeftCorner, Area.BottomDockWidgetArea)
         self.setCorner(Qt.Corner.BottomRightCorner, Area.BottomDockWidgetArea)
-        self.library = LibraryPanel(self.bench.document)
+        self.library = LibraryPanel(self.bench.document, self.bench.settings.recent)
         self.inspector = Inspector(self.bench.document, self.bench.live)
         self.history = History(self.bench.document.undo_stack)
         self.striking = StrikeSearchController(self.bench)
@@ -357,6 +358,8 @@ class MainWindow(QMainWindow):
         self.status.report_requested.connect(lambda: editing.select_capture(bench))
         self.status.progress.message_posted.connect(self._show_progress)
         self.library.performance_requested.connect(lambda capture: capture_import.play_capture(bench, capture))
+        self.library.scene_requested.connect(lambda key: self.actions_by_id.by_id[f"scene_{key}"].trigger())
+        self.library.project_requested.connect(lambda path: self.open_paths([path]))
         self.inspector.reimport_requested.connect(self._reimport)
         self.inspector.markers_requested.connect(lambda capture: open_markers(bench, capture))
         self.inspector.character_requested.connect(

@@ -7,15 +7,15 @@ from PySide6.QtGui import QColor, QFont, QFontMetrics, QIcon, QPainter
 from PySide6.QtWidgets import QAbstractItemView, QStyle, QStyledItemDelegate, QStyleOptionViewItem
 
 from studio.document import colours
-from studio.panels.library_rows import LibraryRow
+from studio.panels.library_rows import OPENED, LibraryRow
 from studio.panels.thumbnails import Thumbnails
 from studio.resources_folder import resources_folder
 
 LIBRARY_ROW_ROLE = Qt.ItemDataRole.UserRole
 LIBRARY_ROW_HEIGHT = 26
 PICTURE_SIDE, PICTURE_ROW_HEIGHT = 36, 40
-PICTURED = ("captures", "characters", "performers")
-"""Collections whose rows have a picture."""
+PICTURED = ("captures", "characters", "performers", *OPENED)
+"""First members of the items whose rows have a picture."""
 HEAD_HEIGHT = 36
 LIBRARY_MARK_PX = 12
 MARK = 8

@@ -1,7 +1,11 @@
-"""Library: the project's entities, and the visibility of bodies. Its selection and the document's are kept equal."""
+"""Library: the project's entities, the visibility of bodies, and scenes to be opened.
 
-from collections.abc import Sequence
+Its selection of entities and the document's are kept equal.
+"""
+
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 from PySide6.QtCore import (
     QAbstractListModel,
@@ -23,7 +27,7 @@ from studio.core.stage.project import Performer
 from studio.document.document import Document
 from studio.document.dragging import CAPTURE, LIBRARY_ITEM, carried_item
 from studio.panels.library_delegate import EYE_WIDTH, LIBRARY_ROW_ROLE, LibraryDelegate
-from studio.panels.library_rows import LibraryRow, rows_of
+from studio.panels.library_rows import BUNDLED, OPENED, SAVED, LibraryRow, rows_of, scene_rows
 from studio.panels.thumbnails import Thumbnails
 
 EYE_HINT = "Click the eye to show/hide the selected items; Alt+click to solo."
@@ -60,14 +64,14 @@ class LibraryModel(QAbstractListModel):
                 return f"{row.text} {row.detail}{shown}".strip()
             case Qt.ItemDataRole.ToolTipRole if row.item is not None:
                 eye = "" if row.shown is None else f"\n{EYE_HINT}"
-                return f"{row.text}  {row.detail}{eye}"
+                return "\n".join(filter(None, (f"{row.text}  {row.detail}{eye}", row.description)))
         return row if role == LIBRARY_ROW_ROLE else None
 
     def flags(self, index: Index) -> Qt.ItemFlag:
         row = self.rows[index.row()] if index.isValid() else None
         if row is None or row.item is None:
             return Qt.ItemFlag.NoItemFlags
-        can_be_dragged = row.item[0] == "captures" or row.shown is False
+        can_be_dragged = row.item[0] in ("captures", *OPENED) or row.shown is False
         dragged = Qt.ItemFlag.ItemIsDragEnabled if can_be_dragged else Qt.ItemFlag.NoItemFlags
         return Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable | dragged
 
@@ -75,7 +79,7 @@ class LibraryModel(QAbstractListModel):
         return [LIBRARY_ITEM, CAPTURE]
 
     def mimeData(self, indexes: Sequence[QModelIndex]) -> QMimeData:
-        """Data of the first dragged row: a capture, or a body that is not on the stage."""
+        """Data of the first dragged row: a capture, a body that is not on the stage, or a scene."""
         items = [row.item for row in (self.rows[each.row()] for each in indexes) if row.item]
         return carried_item(items[0])
 
@@ -154,16 +158,21 @@ class SearchField(QLineEdit):
 
 
 class LibraryPanel(QWidget):
-    """Content of the dock. ``wanted`` requests a capture for the visible bodies."""
+    """Content of the dock. ``performance_requested`` requests a capture for the visible bodies, the other two request
+    a bundled scene by its key and a project by its path.
+    """
 
     performance_requested = Signal(str)
+    scene_requested = Signal(str)
+    project_requested = Signal(Path)
 
-    def __init__(self, document: Document) -> None:
+    def __init__(self, document: Document, recent: Iterable[Path] = ()) -> None:
         super().__init__()
         self.setObjectName("panel")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.document = document
         self.model = LibraryModel()
+        self._scenes = scene_rows(recent)
         self.search_field = SearchField()
         self.view = LibraryView()
         self.view.setAccessibleName("Library")
@@ -200,8 +209,15 @@ class LibraryPanel(QWidget):
             self.model.show(self._rows())
         self._show_selection()
 
+    def show_recent(self, recent: Iterable[Path]) -> None:
+        """List these project files, the newest first, with the pictures that they have now."""
+        self._scenes = scene_rows(recent)
+        self.thumbnails.forget_saved()
+        self.refresh()
+
     def _rows(self) -> list[LibraryRow]:
-        return rows_of(self.document.shown_project, self.document.active_motion_id, self.search_field.text())
+        document = self.document
+        return rows_of(document.shown_project, document.active_motion_id, self.search_field.text(), self._scenes)
 
     def _project_opened(self) -> None:
         self.search_field.clear()
@@ -245,7 +261,9 @@ class LibraryPanel(QWidget):
 
     def _select(self) -> None:
         rows = [index.data(LIBRARY_ROW_ROLE) for index in self.view.selectionModel().selectedIndexes()]
-        self.document.selection.set(*(row.item for row in rows if row.item is not None))
+        entities = [row.item for row in rows if row.item is not None and row.item[0] not in OPENED]
+        if entities or not rows:  # a scene is no part of the project
+            self.document.selection.set(*entities)
 
     def _toggle(self, row: LibraryRow) -> None:
         collection, entity_id = row.item or ("", "")
@@ -291,7 +309,12 @@ class LibraryPanel(QWidget):
             self._open(index.data(LIBRARY_ROW_ROLE))
 
     def _open(self, row: LibraryRow) -> None:
-        if row.item is not None and row.item[0] == "captures":
-            self.performance_requested.emit(row.item[1])
-        elif row.shown is not None:
-            self._toggle(row)
+        match row.item:
+            case ("captures", capture_id):
+                self.performance_requested.emit(capture_id)
+            case (collection, key) if collection == BUNDLED:
+                self.scene_requested.emit(key)
+            case (collection, path) if collection == SAVED:
+                self.project_requested.emit(Path(path))
+            case _ if row.shown is not None:
+                self._toggle(row)

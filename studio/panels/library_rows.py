@@ -1,7 +1,9 @@
-"""Rows of the library: heads, captures, bodies and constraints of a project, as plain values."""
+"""Rows of the library as plain values: heads, entities of a project, and scenes that can be opened in its place."""
 
 import unicodedata
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from studio.core.body.growth import KeyedProportions
 from studio.core.constraints.base import Constraint
@@ -10,8 +12,12 @@ from studio.core.stage.project import GROUND_ID, Project
 from studio.document import colours
 from studio.document.length_units import length_text
 from studio.engine.point_names import point_words
+from studio.library.scenes import SCENES
 
 Item = tuple[str, str]
+BUNDLED, SAVED = "scenes", "projects"
+"""First members of the items of scenes: the second is the key of a bundled scene, or the path of a project's file."""
+OPENED = (BUNDLED, SAVED)
 
 
 @dataclass(frozen=True)
@@ -28,6 +34,7 @@ class LibraryRow:
     hint: bool = False
     strong: bool = False
     tags: tuple[str, ...] = ()
+    description: str = ""
 
     @property
     def words(self) -> str:
@@ -35,8 +42,10 @@ class LibraryRow:
         return " ".join((self.text, *self.tags))
 
 
-def rows_of(project: Project, motion_id: str | None, search: str = "") -> list[LibraryRow]:
-    """All rows in their order; constraints are those of ``motion_id``.
+def rows_of(
+    project: Project, motion_id: str | None, search: str = "", scenes: Sequence[LibraryRow] = ()
+) -> list[LibraryRow]:
+    """All rows in their order; constraints are those of ``motion_id``, ``scenes`` come last.
 
     With a ``search``, only rows whose names or tags contain each of its words, and the heads above them.
     """
@@ -45,6 +54,7 @@ def rows_of(project: Project, motion_id: str | None, search: str = "") -> list[L
         ("Characters", _bodies(project), "Bundled characters are added with the first capture"),
         ("Constraints", _constraints(project, motion_id), "Pick a joint and press C to add one"),
         ("Stage", _stage(project), ""),
+        *([("Scenes", list(scenes), "")] if scenes else []),
     )
     words = _comparable(search).split()
     if not words:
@@ -52,6 +62,16 @@ def rows_of(project: Project, motion_id: str | None, search: str = "") -> list[L
     found = [(title, [row for row in rows if _holds(row.words, words)]) for title, rows, _ in sections]
     hits = [row for title, rows in found if rows for row in (LibraryRow(title), *rows)]
     return hits or [_hint(f"No name or tag contains '{search.strip()}'. Press Esc in the field to list everything.")]
+
+
+def scene_rows(recent: Iterable[Path]) -> list[LibraryRow]:
+    """Rows of ``recent`` project files and of all bundled scenes."""
+    saved = [LibraryRow(path.name, str(path.parent), (SAVED, str(path))) for path in recent]
+    bundled = [
+        LibraryRow(scene.title, ", ".join(scene.tags), (BUNDLED, scene.key), tags=scene.tags, description=scene.text)
+        for scene in SCENES
+    ]
+    return saved + bundled
 
 
 def _hint(text: str) -> LibraryRow:

@@ -1,7 +1,8 @@
-"""Thumbnails of captures, characters and poses; those of the project are drawn in the background and kept."""
+"""Thumbnails of captures, characters, poses and scenes; those of the library are made in the background and kept."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,9 @@ from studio.core.mesh.character import Character
 from studio.core.stage.local_pose import LocalPose, posed_rotations
 from studio.document import colours
 from studio.document.document import Document
+from studio.io.project.project_file import read_thumbnail
+from studio.library.scenes import SCENES
+from studio.panels.library_rows import BUNDLED, SAVED
 
 FloatArray = NDArray[np.float64]
 
@@ -46,29 +50,39 @@ class Thumbnails(QObject):
     def __init__(self, document: Document) -> None:
         super().__init__()
         self._document = document
-        self._pictures: dict[int, tuple[object, QPixmap | None]] = {}
+        self._pictures: dict[Hashable, tuple[object, QPixmap | None]] = {}
         self._pool = QThreadPool(self)
         self._pool.setMaxThreadCount(1)
         self._made.connect(self._keep, Qt.ConnectionType.QueuedConnection)
         document.project_opened.connect(self._pictures.clear)
 
     def of(self, collection: str, entity_id: str) -> QPixmap | None:
-        """Thumbnail of a capture, a character or a performer; None if there is none, or none yet."""
+        """Thumbnail of a capture, a character, a performer or a scene; None if there is none, or none yet."""
+        if collection == BUNDLED:
+            return self._picture((collection, entity_id), None, lambda: bundled_picture(entity_id))
+        if collection == SAVED:
+            return self._picture((collection, entity_id), None, lambda: saved_picture(Path(entity_id)))
         project = self._document.shown_project
         if collection == "performers" and entity_id in project.performers:
             collection, entity_id = "characters", project.performers[entity_id].character_id
         entity = project.get(collection, entity_id)
         if isinstance(entity, Capture):
-            return self._picture(entity.poses, lambda: capture_picture(entity))
+            return self._picture(id(entity.poses), entity.poses, lambda: capture_picture(entity))
         if isinstance(entity, Character):
-            return self._picture(entity.skin, lambda: character_picture(entity))
+            return self._picture(id(entity.skin), entity.skin, lambda: character_picture(entity))
         return None
 
-    def _picture(self, key: object, draw: Callable[[], QImage]) -> QPixmap | None:
-        """Thumbnail by ``key``: poses or a skin, which are kept when names and lengths change."""
-        if id(key) in self._pictures:
-            return self._pictures[id(key)][1]
-        self._pictures[id(key)] = (key, None)  # the key is kept, so that its id stays its own
+    def forget_saved(self) -> None:
+        """Read the pictures of project files again when they are shown."""
+        self._pictures = {
+            key: kept for key, kept in self._pictures.items() if not (isinstance(key, tuple) and key[0] == SAVED)
+        }
+
+    def _picture(self, key: Hashable, drawn: object, draw: Callable[[], QImage]) -> QPixmap | None:
+        """Thumbnail by ``key``, that of what is ``drawn``: poses or a skin, which outlast names and lengths."""
+        if key in self._pictures:
+            return self._pictures[key][1]
+        self._pictures[key] = (drawn, None)  # kept, so that its id stays its own
 
         def work() -> None:
             picture = draw()
@@ -78,10 +92,29 @@ class Thumbnails(QObject):
         self._pool.start(work)
         return None
 
-    def _keep(self, key: object, picture: QImage) -> None:
-        if id(key) in self._pictures:
-            self._pictures[id(key)] = (key, QPixmap.fromImage(picture))
+    def _keep(self, key: Hashable, picture: QImage) -> None:
+        if key in self._pictures and not picture.isNull():
+            self._pictures[key] = (self._pictures[key][0], QPixmap.fromImage(picture))
             self.drawn.emit()
+
+
+def bundled_picture(key: str) -> QImage:
+    """Picture of the bundled scene of this key."""
+    return _square(next(scene.picture for scene in SCENES if scene.key == key).read_bytes())
+
+
+def saved_picture(path: Path) -> QImage:
+    """Picture in the file of a project; null without one."""
+    return _square(read_thumbnail(path) or b"")
+
+
+def _square(content: bytes) -> QImage:
+    """Middle of a picture file; null if there is no picture in ``content``."""
+    image = QImage.fromData(content)
+    side = min(image.width(), image.height())
+    middle = image.copy((image.width() - side) // 2, (image.height() - side) // 2, side, side)
+    smooth = Qt.TransformationMode.SmoothTransformation
+    return middle.scaledToWidth(THUMBNAIL_PIXELS, smooth) if side else QImage()
 
 
 def character_picture(character: Character, size: int = THUMBNAIL_PIXELS) -> QImage:

@@ -117,6 +117,11 @@ class Canvas(QWidget):
             self.stereo_view = sight
             self._frame_timer.start(0)
 
+    @property
+    def drawn_image(self) -> QImage:
+        """Stage as drawn last, without handles and chips; null before the first time."""
+        return self._image
+
     def grab_image(self) -> QImage:
         """Stage alone as an anti-aliased picture, without handles and chips."""
         self.start()

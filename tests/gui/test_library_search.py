@@ -36,7 +36,7 @@ def write(window, words):
     QTest.keyClicks(window.library.search_field, words)
 
 
-@pytest.mark.parametrize("words", ["left wrist", "WRIST  left ", "wri"])
+@pytest.mark.parametrize("words", ["left wrist", "WRIST  left ", "left w"])
 def test_each_word_must_occur_in_any_order_and_case_and_heads_without_hits_go(window, words):
     write(window, words)
     assert texts(window) == ["Constraints", "1 · Left wrist"]
@@ -44,7 +44,8 @@ def test_each_word_must_occur_in_any_order_and_case_and_heads_without_hits_go(wi
 
 def test_hits_of_all_sections_stand_below_their_heads(window):
     write(window, "d")
-    assert texts(window) == ["Characters", "Body 0", "Body 1", "Stage", "Ground", "Round Table"]
+    project_rows = texts(window)[: texts(window).index("Scenes")]
+    assert project_rows == ["Characters", "Body 0", "Body 1", "Stage", "Ground", "Round Table"]
     write(window, "body table")
     [row] = window.library.model.rows
     assert row.hint
@@ -73,7 +74,7 @@ def test_the_key_shows_a_closed_panel_and_escape_lists_everything_and_keeps_the_
     window.docks["Library"].hide()
     QTest.keyClick(window, Qt.Key.Key_F, CONTROL | SHIFT)
     qtbot.waitUntil(library.search_field.hasFocus)
-    QTest.keyClicks(library.search_field, "table")
+    QTest.keyClicks(library.search_field, "round table")
     assert texts(window) == ["Stage", "Round Table"]
     assert document.selection.items == (("performers", "performer 1"),)
     QTest.keyClick(library.search_field, Qt.Key.Key_Escape)
@@ -95,7 +96,7 @@ def test_down_goes_to_the_list_and_not_through_time(qtbot, window):
 
 def test_a_row_that_is_renamed_comes_and_goes_by_its_name(window):
     document = window.bench.document
-    write(window, "table")
+    write(window, "round table")
     prop = document.project.props["prop"]
     document.replace("props", "prop", replace(prop, name="Chair"), "Rename")
     assert "Chair" not in texts(window)

@@ -4,6 +4,8 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+from PySide6.QtCore import QBuffer, QIODevice, Qt
+
 from studio.app import capture_import, character_import, sample
 from studio.app.file_dialogs import PROJECTS, ask_file, ask_new_file, characters, motions
 from studio.app.verbs import media
@@ -17,6 +19,7 @@ from studio.io.project.project_file import ChangedOnDisk, OpenedProject, read_pr
 from studio.io.registry import Progress, ReadCharacter
 from studio.library.scenes import BundledScene
 
+THUMBNAIL_WIDTH = 256
 NUMBERED = re.compile(r"^(.*?)[_ .-]?(\d+)$")
 
 
@@ -106,7 +109,7 @@ def save_to(bench: Workbench, path: Path, overwrite: bool = False) -> None:
     """Write the project; errors are reported with what can be done instead."""
 
     def saved() -> None:
-        bench.settings.remember(path)
+        _remember(bench, path)
         bench.clear_message()
 
     def refused(error: StudioError) -> None:
@@ -114,7 +117,18 @@ def save_to(bench: Workbench, path: Path, overwrite: bool = False) -> None:
             again = ("Save anyway", lambda: save_to(bench, path, overwrite=True))
             bench.post_message(str(error), ("Save as…", lambda: save_as(bench)), again, ("Close", lambda: None))
 
-    save_in_background(bench.document, bench.runner, path, overwrite=overwrite, on_saved=saved, on_error=refused)
+    save_in_background(bench.document, bench.runner, path, stage_thumbnail(bench), overwrite, saved, refused)
+
+
+def stage_thumbnail(bench: Workbench) -> bytes | None:
+    """PNG of the stage as drawn last; None before the first time."""
+    if not bench.has_viewport or bench.viewport.drawn_image.isNull():
+        return None
+    buffer = QBuffer()
+    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+    image = bench.viewport.drawn_image.scaledToWidth(THUMBNAIL_WIDTH, Qt.TransformationMode.SmoothTransformation)
+    image.save(buffer, "PNG")
+    return bytes(buffer.data().data())
 
 
 def import_motion(bench: Workbench) -> None:
@@ -142,6 +156,11 @@ def adapt_folder(bench: Workbench) -> None:
     BatchDialog(bench).show()
 
 
+def _remember(bench: Workbench, path: Path) -> None:
+    bench.settings.remember(path)
+    bench.window.library.show_recent(bench.settings.recent)
+
+
 def leave(bench: Workbench) -> None:
     """Close the window."""
     bench.window.close()
@@ -156,6 +175,6 @@ def _open(bench: Workbench, path: Path) -> None:
 
     def show(opened: OpenedProject) -> None:
         bench.document.show_opened(opened)
-        bench.settings.remember(path)
+        _remember(bench, path)
 
     bench.runner.run(f"Opening {path.name}", read, show)

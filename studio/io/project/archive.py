@@ -67,6 +67,16 @@ def read_archive(path: Path) -> Archive:
     return archive
 
 
+def read_member(path: Path, name: str, most_bytes: int) -> bytes | None:
+    """Member of an archive, read without the others; None if it is missing, damaged or larger than ``most_bytes``."""
+    try:
+        refuse_devices(path)
+        with zipfile.ZipFile(path) as archive:
+            return archive.read(name) if archive.getinfo(name).file_size <= most_bytes else None
+    except (StudioError, OSError, KeyError, ValueError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error):
+        return None  # opening the project says what is the matter with its file
+
+
 def write_archive(
     path: Path,
     members: Mapping[str, bytes],

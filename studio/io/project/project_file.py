@@ -16,7 +16,7 @@ from studio.core.errors import StudioError
 from studio.core.stage.project import Project
 from studio.io.atomic_write import FolderNotWritable
 from studio.io.npy import array_of
-from studio.io.project.archive import Archive, Stamp, read_archive, stamp, write_archive
+from studio.io.project.archive import Archive, Stamp, read_archive, read_member, stamp, write_archive
 from studio.io.project.entity_json import (
     MEMBER_NAME,
     PROJECT_SCHEMA,
@@ -38,12 +38,14 @@ __all__ = [
     "document_id_of",
     "new_document_id",
     "read_project",
+    "read_thumbnail",
     "write_project",
 ]
 
 MANIFEST_FILE, PROJECT_FILE, THUMBNAIL_FILE = "manifest.json", "project.json", "thumbnail.png"
 HISTORY = re.compile(r"history/(\d{3,9})\.json")
 KEPT_VERSIONS = 10
+_MOST_THUMBNAIL_BYTES = 4_000_000
 _PLAIN_ID = re.compile("[0-9A-Za-z]{1,64}")
 
 
@@ -145,6 +147,11 @@ def read_project(path: Path, version: str = PROJECT_FILE) -> OpenedProject:
         versions,
         (*read.remarks, *objections(tuple(read.project.constraints.values()))),
     )
+
+
+def read_thumbnail(path: Path) -> bytes | None:
+    """PNG of the stage as it was when the project was saved; None without one that can be read."""
+    return read_member(path, THUMBNAIL_FILE, _MOST_THUMBNAIL_BYTES)
 
 
 def _document_id(manifest: Mapping[str, Json]) -> str | None:

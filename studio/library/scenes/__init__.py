@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass
 from importlib import import_module
+from pathlib import Path
 
 from studio.core.stage.project import Project
+from studio.resources_folder import resources_folder
 
 
 @dataclass(frozen=True)
@@ -15,6 +17,17 @@ class BundledScene:
     """Text for the user: what the scene shows."""
     maker: str
     """Name of the module and function that make it, in this package."""
+    tags: tuple[str, ...]
+
+    @property
+    def key(self) -> str:
+        """Name of its action and its picture."""
+        return self.maker.partition(".")[2]
+
+    @property
+    def picture(self) -> Path:
+        """PNG file of its stage (``examples/make_scene_pictures.py``)."""
+        return resources_folder() / "scenes" / f"{self.key}.png"
 
     def make(self) -> Project:
         """The project. Raises StudioError where a bundled file cannot be read."""
@@ -31,63 +44,74 @@ SCENES = (
         " head, which leans back. Change a body, or move a fighter: forearm and fist find ankle and head again. Played"
         " live they keep their distance, and X lets all in white kick.",
         "fight.fight_training",
+        ("fight", "live"),
     ),
     BundledScene(
         "One walk on five bodies",
         "All walk the same way: steps are as long as legs allow, and no foot slides.",
         "papers.five_bodies",
+        ("walk",),
     ),
     BundledScene(
         "Wrists above a table",
         "Three bodies reach over a table each: wrists, forearms, elbows and trunk stay out of it. Select a table and"
         " change its height or move it: they still do.",
         "papers.table",
+        ("area",),
     ),
     BundledScene(
         "Reach with balance",
         "Both reach for the same place beside them. One keeps its centre of mass over its feet and moves its hips back;"
         " the other leans where it would fall.",
         "papers.balance",
+        ("reach", "balance"),
     ),
     BundledScene(
         "Wrist before elbow",
         "The wrist is where it is to be on both. The first body's elbow nearly gets there too, the other's comes as"
         " near as the wrist lets it. Swap the priorities to see the elbow first.",
         "papers.wrist_before_elbow",
+        ("reach", "priority"),
     ),
     BundledScene(
         "One carry, three boxes",
         "One walk on three bodies, each with a box of another size between its hands, from a hand's breadth to broader"
         " than its shoulders. Select a box and change its size: the wrists stay on its sides.",
         "carrying.three_boxes",
+        ("walk", "prop"),
     ),
     BundledScene(
         "Walk on a slope",
         "Feet lie on the slope and stay where they stand. Change the angle while it plays.",
         "papers.slope",
+        ("walk", "ground"),
     ),
     BundledScene(
         "Walk on steps",
         "Five bodies walk up low steps and turn on them: feet stand on the treads. Change rise and"
         " tread while it plays.",
         "changing.steps",
+        ("walk", "ground"),
     ),
     BundledScene(
         "A clap",
         "Hands of short, usual and long arms meet at the same moments: at 0.5, 1.0 and 1.5 s. Change the length of an"
         " arm: they meet all the same.",
         "changing.clap",
+        ("hands",),
     ),
     BundledScene(
         "Handstand and cartwheel",
         "Five bodies stand on their hands, then wheel to their left: hands stay where they stand, as feet do, arms of"
         " any length carry, and the hips rise as high as arms let them. Change the length of an arm while it plays.",
         "acrobatics.handstand_and_cartwheel",
+        ("hands", "acrobatics"),
     ),
     BundledScene(
         "Bodies that grow and shrink",
         "One grows and one shrinks while they walk: from 1 to 7 s. Steps change with their legs, and no foot slides.",
         "changing.growing",
+        ("walk", "proportions"),
     ),
     BundledScene(
         "One target, three strikes",
@@ -95,6 +119,7 @@ SCENES = (
         " of strikes is searched for each body, and each is found another one: the child strikes up at it, the woman"
         " jabs, the giant kicks. All hit; drag a ball, and its strike follows.",
         "choosing.one_target",
+        ("fight", "search"),
     ),
     BundledScene(
         "Sparring",
@@ -102,5 +127,6 @@ SCENES = (
         " punch low and high, N and M the second. A forearm meets a low punch, a head leans away from a high one. Move"
         " a fighter while it plays: the other follows. Their states are in the Behaviour panel (Shift+B).",
         "sparring.sparring",
+        ("fight", "live", "behaviour"),
     ),
 )
