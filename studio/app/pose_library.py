@@ -101,7 +101,7 @@ class PoseLibrary:
         performer, motion = document.project.performers.get(key), self._bench.live.shown_frame(key)
         if performer is None or motion is None or not performer.clips:
             raise StudioError(NO_POSE)
-        return key, pose_of(document.project, performer, motion, document.playhead.time)
+        return key, pose_of(document.project, key, motion, document.playhead.time)
 
     def _try(self, work: Callable[[], None]) -> None:
         try:

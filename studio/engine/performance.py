@@ -188,10 +188,23 @@ class PosedPerformer:
         return (*feet, *(each for each in composite.contacts if each.point not in FOOT_POINTS))
 
 
-def pose_of(project: Project, performer: Performer, motion: AdaptedMotion, time: float) -> PosedPerformer:
-    """``performer`` playing ``motion`` at stage ``time``."""
-    timing = timing_of(project, performer) if performer.clips else None
-    return PosedPerformer(performer, motion, row_at(motion, timing, time), Placement.of(performer))
+def pose_of(project: Project, performer_id: str, motion: AdaptedMotion, time: float) -> PosedPerformer:
+    """Pose of a performer that plays ``motion``, at stage ``time``."""
+    performer = project.performers[performer_id]
+    weights, grips = grips_on_props(project.props.values(), performer_id, np.array([time]))
+    return PosedPerformer(
+        performer,
+        motion,
+        _row_of(project, performer, motion, time),
+        Placement.of(performer),
+        captures=_captures_for_fingers(project, performer),
+        holding=float(weights[0]),
+        holding_grip=float(grips[0]),
+    )
+
+
+def _row_of(project: Project, performer: Performer, motion: AdaptedMotion, time: float) -> int:
+    return row_at(motion, timing_of(project, performer) if performer.clips else None, time)
 
 
 def posed_performers(
@@ -204,14 +217,8 @@ def posed_performers(
         motion = result_of(performer_id) if character is not None else None
         # A result may still be of the body that the performer had before.
         if motion is not None and character is not None and motion.morphology.layout == character.build.layout:
-            weights, grips = grips_on_props(project.props.values(), performer_id, np.array([time]))
-            posed[performer_id] = replace(
-                pose_of(project, performer, motion, time),
-                frames_around=around(performer_id),
-                captures=_captures_for_fingers(project, performer),
-                holding=float(weights[0]),
-                holding_grip=float(grips[0]),
-            )
+            pose = pose_of(project, performer_id, motion, time)
+            posed[performer_id] = replace(pose, frames_around=around(performer_id))
     return posed
 
 
@@ -261,4 +268,7 @@ def resting_performers(project: Project, posed: Mapping[str, PosedPerformer]) ->
 
 def has_new_frames(project: Project, posed: Mapping[str, PosedPerformer], time: float) -> bool:
     """True if any performer has another frame at stage ``time`` than its pose."""
-    return any(pose_of(project, one.performer, one.over_time, time).frame != one.frame for one in posed.values())
+    return any(
+        one.over_time.first_frame + _row_of(project, one.performer, one.over_time, time) != one.frame
+        for one in posed.values()
+    )

@@ -5,7 +5,9 @@ from concurrent.futures import Future
 from functools import partial
 from typing import NamedTuple
 
+import numpy as np
 import pyvista as pv
+from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout
 from studio.core.mesh.character import Character
@@ -33,6 +35,26 @@ def set_actor_placement(actor: pv.Actor, placement: Placement) -> None:
     """Set the stage placement of an actor in motion space."""
     actor.SetPosition(placement.position[0], placement.position[1], 0.0)
     actor.SetOrientation(0.0, 0.0, math.degrees(placement.heading))
+
+
+def pose_skin(
+    skin: SkinnedMesh,
+    character: Character,
+    posed: PosedPerformer,
+    vertices: NDArray[np.float32] | None = None,
+    normals: NDArray[np.float32] | None = None,
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Vertices and normals (V, 3) of ``skin``, one of ``character``, in a pose and with its fingers, in the space of the
+    motion; written in place if arrays are given.
+    """
+    motion, row, fingers = posed.motion, posed.row, posed.fingers
+    body = motion.morphology_at(row)
+    hands = bound_hands(skin, character.build, body) if fingers else None
+    return skin_vertices(
+        skin, character.build, body, motion.positions[row], motion.rotations[row],
+        vertices, normals, character.blending,
+        partial(hands.shaped, poses=fingers) if hands and fingers else None,
+    )  # fmt: skip
 
 
 class DrawnSkin(NamedTuple):
@@ -136,11 +158,5 @@ class BodyVisual:
             # As it was bound: needs no kernel, which may not be compiled yet.
             mesh.points[:], mesh.normals[:] = shown.vertices, shown.normals
         else:
-            body, fingers = motion.morphology_at(row), posed.fingers
-            hands = bound_hands(shown, self._character.build, body) if fingers else None
-            skin_vertices(
-                shown, self._character.build, body, motion.positions[row], motion.rotations[row],
-                mesh.points, mesh.normals, self._character.blending,
-                partial(hands.shaped, poses=fingers) if hands and fingers else None,
-            )  # fmt: skip
+            pose_skin(shown, self._character, posed, mesh.points, mesh.normals)
         mesh.touch()

@@ -34,9 +34,12 @@ def coarse_skin(mesh: SkinnedMesh) -> SkinnedMesh:
     if hands is not None:
         own = kept[kept >= len(mesh.vertices) - hands.count] - (len(mesh.vertices) - hands.count)
         hands = HandShapes(hands.vertices[:, own], hands.normals[:, own])
+    rig = mesh.rig
+    if rig is not None:
+        rig = replace(rig, joints=rig.joints[kept], weights=rig.weights[kept])
     rows = {name: getattr(mesh, name)[kept] for name in ("vertices", "normals", "centres", "segments", "weights")}
     faces = np.asarray(corners, dtype=np.int32).reshape(-1, 3)
-    return replace(mesh, triangles=faces, hands=hands, **rows)
+    return replace(mesh, triangles=faces, hands=hands, rig=rig, **rows)
 
 
 def coarse_triangles(mesh: SkinnedMesh) -> NDArray[np.int32]:

@@ -47,7 +47,7 @@ def render_shots(shots: Shots) -> Generator[Pixels, None, None]:
             own = replace(view, camera=replace(camera, azimuth=azimuth))
             picture = smooth_picture(scene, own.camera, shots.size, FILM_PICTURE_SAMPLES)
             if source is not None and view.ghost_of in posed:
-                _paint_ghost(picture, pose_of(project, posed[view.ghost_of].performer, source, time), own)
+                _paint_ghost(picture, pose_of(project, view.ghost_of, source, time), own)
             yield picture
     finally:
         scene.close()
@@ -60,7 +60,7 @@ def _cameras(project: Project, results: Mapping[str, AdaptedMotion], view: View)
         return lambda time: view.camera
 
     def place(time: float) -> FloatArray:
-        return smoothed_root(pose_of(project, project.performers[view.followed or ""], motion, time))
+        return smoothed_root(pose_of(project, view.followed or "", motion, time))
 
     begin = place(view.time)
     return lambda time: translated_camera(view.camera, place(time) - begin)

@@ -5,9 +5,9 @@ from collections.abc import Callable, Sequence
 import pyvista as pv
 
 from studio.core.mesh.character import Character
-from studio.core.mesh.skin import skin_vertices, with_grip
+from studio.core.mesh.skin import with_grip
 from studio.core.stage.project import Project
-from studio.viewport.bodies import make_actor, set_actor_placement
+from studio.viewport.bodies import make_actor, pose_skin, set_actor_placement
 from studio.viewport.coarse import coarse_skin
 from studio.viewport.live_mesh import LiveMesh
 from studio.viewport.onion_skins import Ghost
@@ -31,13 +31,10 @@ class GhostBody:
         self.actor.SetVisibility(True)
         set_actor_placement(self.actor, posed.placement)
         shown = with_grip(self._skin, posed.grip(character.grip))
-        posing = shown, character.blending, motion, row
+        posing = shown, character.blending, motion, row, posed.shape_of_hands
         if posing != self._posing:
             self._posing = posing
-            skin_vertices(
-                shown, character.build, motion.morphology_at(row), motion.positions[row], motion.rotations[row],
-                self._mesh.points, self._mesh.normals, character.blending,
-            )  # fmt: skip
+            pose_skin(shown, character, posed, self._mesh.points, self._mesh.normals)
             self._mesh.touch()
 
 

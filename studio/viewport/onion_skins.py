@@ -30,13 +30,13 @@ class Ghost:
 
 
 def onion_ghosts(
-    project: Project, poses: Iterable[PosedPerformer], skins: OnionSkins, time: float, frame_rate: float
+    project: Project, poses: Mapping[str, PosedPerformer], skins: OnionSkins, time: float, frame_rate: float
 ) -> Iterator[Ghost]:
-    """Ghosts of poses at ``time`` (seconds of the stage), ``skins.step`` frames apart; none beyond a motion's ends.
+    """Ghosts of poses by performer id at ``time`` (seconds of the stage), ``skins.step`` frames apart; none beyond a motion's ends.
 
     They show the newest whole motion, and so follow a drag after its clip is solved again.
     """
-    for pose in poses:
+    for performer_id, pose in poses.items():
         for sign, count, colour in (
             (-1, skins.before, colours.BEFORE_PLAYHEAD),
             (1, skins.after, colours.AFTER_PLAYHEAD),
@@ -44,7 +44,7 @@ def onion_ghosts(
             last = pose.frame
             for place in range(1, count + 1):
                 moment = time + sign * place * skins.step / frame_rate
-                ghost = pose_of(project, pose.performer, pose.over_time, moment)
+                ghost = pose_of(project, performer_id, pose.over_time, moment)
                 if ghost.frame == last:
                     break
                 last = ghost.frame
@@ -59,6 +59,6 @@ def kept_ghosts(
     for performer_id, time in kept:
         pose = posed.get(performer_id)
         if pose is not None and not pose.resting:
-            ghost = pose_of(project, pose.performer, pose.over_time, time)
+            ghost = pose_of(project, performer_id, pose.over_time, time)
             if ghost.frame != pose.frame:
                 yield Ghost(ghost, colours.KEPT_GHOST, NEAREST_OPACITY)

@@ -5,9 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from studio.core.body.canonical import BodyPart
-from studio.core.mesh.skin import SkinnedMesh, skin_vertices, with_grip
+from studio.core.mesh.skin import SkinnedMesh, with_grip
 from studio.core.stage.project import Project
 from studio.engine.performance import PosedPerformer
+from studio.viewport.bodies import pose_skin
 from studio.viewport.body_points import skin_point
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.picking import PickedJoint, Size
@@ -24,18 +25,13 @@ def skin_point_at(
     found: list[tuple[float, str, PickedJoint]] = []
     for performer_id, pose in posed.items():
         character, axes = project.characters[pose.performer.character_id], pose.placement.rotation
-        motion, row = pose.motion, pose.row
         skin = with_grip(character.skin, pose.grip(character.grip))
-        posed_vertices, _ = skin_vertices(
-            skin, character.build, motion.morphology_at(row), motion.positions[row], motion.rotations[row],
-            blending=character.blending,
-        )  # fmt: skip
-        vertices = posed_vertices.astype(np.float64)
+        vertices = pose_skin(skin, character, pose)[0].astype(np.float64)
         hit = _first_triangle(vertices[skin.triangles], pose.placement.to_motion(origin), axes.T @ sight)
         if hit is not None:
             depth, triangle, shares = hit
             place = shares @ vertices[skin.triangles[triangle]]
-            part = motion.morphology.layout.part_of_segment(_leading_segment(skin, triangle, shares))
+            part = pose.motion.morphology.layout.part_of_segment(_leading_segment(skin, triangle, shares))
             found.append((depth, performer_id, _fixed_point(performer_id, pose, part, place)))
     return min(found, default=(0.0, "", None))[2]
 

@@ -471,7 +471,7 @@ class Viewport(Canvas):
         if self._live.play.running:
             return []  # its motion is not known ahead
         project, rate = self._posed_in, self._document.playhead.frame_rate
-        poses = [self.posed[key] for key in self._ghosted()] if self.onion_shown else []
+        poses = {key: self.posed[key] for key in self._ghosted()} if self.onion_shown else {}
         return [
             *onion_ghosts(project, poses, self.onion_skins, time, rate),
             *kept_ghosts(project, self.posed, self._kept),
@@ -542,11 +542,12 @@ class Viewport(Canvas):
             chip.stand_at(self.widget_point(place_of_joint(pose, picked.joint)).toPoint() + beside_gizmo)
 
     def _ghost(self) -> PosedPerformer | None:
-        pose = self.posed.get(self._document.active_performer_id or "")
+        performer_id = self._document.active_performer_id or ""
+        pose = self.posed.get(performer_id)
         if not self.ghost_shown or pose is None or pose.motion_id is None:
             return None
         source = self._live.source(pose.motion_id)
-        return pose_of(self._posed_in, pose.performer, source, self._document.playhead.time) if source else None
+        return pose_of(self._posed_in, performer_id, source, self._document.playhead.time) if source else None
 
     def _paths(self) -> list[StagePath]:
         project, selection = self._posed_in, self._document.selection  # live, an edit may be ahead of the picture

@@ -27,7 +27,7 @@ def frames_of(project, posed, skins):
 
 def test_skins_are_so_many_frames_apart_before_and_after_and_fade_away(stage):
     project, posed = stage
-    pose = [posed["performer 0"]]
+    pose = {"performer 0": posed["performer 0"]}
     assert frames_of(project, pose, OnionSkins(2, 3, 4)) == [6, 2, 14, 18, 22]
     ghosts = list(onion_ghosts(project, pose, OnionSkins(2, 3, 4), 10 / RATE, RATE))
     assert [ghost.colour for ghost in ghosts] == [colours.BEFORE_PLAYHEAD] * 2 + [colours.AFTER_PLAYHEAD] * 3
@@ -38,9 +38,9 @@ def test_skins_are_so_many_frames_apart_before_and_after_and_fade_away(stage):
 
 def test_no_skin_lies_beyond_the_ends_of_the_motion_and_none_twice(stage):
     project, posed = stage
-    frames = frames_of(project, posed.values(), OnionSkins(20, 20, 7))
+    frames = frames_of(project, posed, OnionSkins(20, 20, 7))
     assert frames == [3, 0, 17, 24, FRAMES - 1] * 2
-    assert frames_of(project, posed.values(), OnionSkins(0, 0, 1)) == []
+    assert frames_of(project, posed, OnionSkins(0, 0, 1)) == []
 
 
 def test_a_kept_ghost_is_where_the_body_was_and_goes_with_its_performer(stage):

@@ -51,8 +51,8 @@ def shown_pose(window, time):
     """Local pose of the body at a moment."""
     bench = window.bench
     assert bench.live.wait_until_solved(SOLVED_SECONDS)
-    [(key, performer)] = bench.document.project.performers.items()
-    shown = pose_of(bench.document.project, performer, bench.live.result(key), time)
+    [key] = bench.document.project.performers
+    shown = pose_of(bench.document.project, key, bench.live.result(key), time)
     motion = shown.motion
     height = motion.positions[shown.row, 0, 2] / motion.body.leg_length
     return local_pose(motion.morphology.layout, motion.rotations[shown.row], float(height))
