@@ -36,11 +36,22 @@ LEGS = {"UpperLeg": ("upperleg", "upleg", "thigh"), "LowerLeg": ("lowerleg", "le
         "Toes": ("toes", "toebase", "toe", "ball")}  # fmt: skip
 TRUNK = {"Hips": ("hips", "pelvis"), "Spine": ("spine", "spine01"), "Chest": ("chest", "spine1", "spine02"),
          "UpperChest": ("upperchest", "spine2", "spine03"), "Neck": ("neck", "neck01"), "Head": ("head",)}  # fmt: skip
+FINGERS = {}
+for _digit, _words in {"Thumb": ("thumb",), "Index": ("index",), "Middle": ("middle", "mid"), "Ring": ("ring",),
+                       "Little": ("little", "pinky")}.items():  # fmt: skip
+    for _number, _bone in enumerate(("Proximal", "Intermediate", "Distal"), 1):
+        FINGERS[f"{_digit}{_bone}"] = tuple(
+            pattern.format(word=_word, n=_number)
+            for _word in _words
+            for pattern in ("hand{word}{n}", "{word}0{n}", "{word}{n}", "f{word}0{n}", "{word}" + _bone.lower())
+        )
 PARENTS = {"Spine": "Hips", "Chest": "Spine", "UpperChest": "Chest", "Neck": "UpperChest", "Head": "Neck"}
 for _side in ("Left", "Right"):
     for _chain, _top in ((tuple(ARMS), "UpperChest"), (tuple(LEGS), "Hips")):
         for _above, _name in zip((None, *_chain), _chain, strict=False):
             PARENTS[f"{_side}{_name}"] = f"{_side}{_above}" if _above else _top
+    for _place, _name in enumerate(FINGERS):
+        PARENTS[f"{_side}{_name}"] = f"{_side}{tuple(FINGERS)[_place - 1] if _place % 3 else 'Hand'}"
 
 
 def messages(packet: bytes) -> Iterator[tuple[str, list[object]]]:
@@ -87,7 +98,7 @@ def matched(armature: bpy.types.Object) -> dict[str, str]:
     for name, words in TRUNK.items():
         found[name] = next((plain["", word] for word in words if ("", word) in plain), None)
     for side in ("Left", "Right"):
-        for name, words in {**ARMS, **LEGS}.items():
+        for name, words in {**ARMS, **LEGS, **FINGERS}.items():
             keys = ((side[0].lower(), word) for word in words)
             found[f"{side}{name}"] = next((plain[key] for key in keys if key in plain), None)
     return {name: bone for name, bone in found.items() if bone}
@@ -119,6 +130,15 @@ def to_t_pose(armature: bpy.types.Object, bones: Mapping[str, str]) -> dict[str,
             bone, end = armature.data.bones[own], bones.get(f"{side}{ends.get(name)}")
             tip = armature.data.bones[end].head_local if end else bone.tail_local
             turns[f"{side}{name}"] = (world @ (tip - bone.head_local)).rotation_difference(aim)
+        hand = turns.get(f"{side}Hand", Quaternion())
+        for place, name in enumerate(FINGERS):
+            if (own := bones.get(f"{side}{name}")) is None:
+                continue
+            bone, end = armature.data.bones[own], None if place % 3 == 2 else bones.get(f"{side}{[*FINGERS][place + 1]}")
+            tip = armature.data.bones[end].head_local if end else bone.tail_local
+            along = hand @ (world @ (tip - bone.head_local))
+            straight = Vector((along.x, along.y, 0.0))  # in the plane of the palm; thumbs are as at rest
+            turns[f"{side}{name}"] = (Quaternion() if place < 3 else along.rotation_difference(straight)) @ hand
     return turns
 
 
@@ -132,6 +152,8 @@ def follow(armature: bpy.types.Object, received: Mapping[str, tuple[Vector, Quat
         own = received[name][1] if name in received else Quaternion()
         turned[name] = turned[parent] @ own if parent else own
     for name, bone_name in bones.items():
+        if name not in received and name.removeprefix("Left").removeprefix("Right") in FINGERS:
+            continue  # nobody captured them
         bone, above = armature.pose.bones[bone_name], PARENTS.get(name, "")
         while above and above not in bones:
             above = PARENTS.get(above, "")

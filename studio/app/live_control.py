@@ -17,7 +17,7 @@ from studio.app.workbench import Workbench
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
-from studio.engine.performance import posed_performers
+from studio.engine.performance import displayed_stage
 from studio.live.recording import Recorder, Replay
 from studio.live.streamer import Broadcast, StreamedPose
 from studio.live.tracker import LOOPBACK, PORT, Inbox, UdpInput
@@ -224,13 +224,13 @@ class LiveControl:
 
     def bodies_to_stream(self) -> list[tuple[str, StreamedPose]]:
         """Visible bodies with their names, at their positions on the stage."""
-        document = self.bench.document
-        posed = posed_performers(document.project, self.bench.live.shown_frame, document.playhead.time)
+        _, _, posed = displayed_stage(self.bench.document, self.bench.live)
         bodies = []
         for place, pose in enumerate(posed.values()):
             turned = pose.placement.rotation @ pose.motion.rotations[pose.row]
-            body = StreamedPose(self._out_port + place, pose.points, turned, pose.motion.morphology_at(pose.row))
-            bodies.append((pose.performer.name, body))
+            body, fingers = pose.motion.morphology_at(pose.row), pose.streamed_fingers
+            streamed = StreamedPose(self._out_port + place, pose.points, turned, body, fingers)
+            bodies.append((pose.performer.name, streamed))
         return bodies
 
     def _move_target(self) -> None:

@@ -13,7 +13,7 @@ from studio.core.body.rest_pose import rest_pose
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import FOOT_POINTS, ContactInterval
 from studio.core.normalized.pieces import PlayedPiece
-from studio.core.rigs.played_fingers import captures_of_clips, fingers_of_row, weighted_pieces
+from studio.core.rigs.played_fingers import captures_of_clips, fingers_of_row, has_fingers, weighted_pieces
 from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.clip import Clip
@@ -62,7 +62,7 @@ class PosedPerformer:
     """The newest motion over time, where ``motion`` is only the frame that is shown."""
 
     captures: tuple[Capture, ...] = ()
-    """Captures of its clips, where its character has fingers of its own."""
+    """Captures of its clips."""
 
     holding: float = 0.0
     """From 0 to 1, as its hands come to a prop and leave it."""
@@ -143,14 +143,19 @@ class PosedPerformer:
 
     @cached_property
     def fingers(self) -> FingerPoses | None:
-        """Fingers of a character that has some of its own; None where they are at rest."""
+        """Fingers in this frame; None for a motion that is not composed of clips."""
         composite, held = self.motion.composite, (self.holding, self.holding_grip)
         if composite is None or not self.captures:
             return None
         weight, grip = (np.array([each]) for each in held)
         frames = np.array([self.frame])
-        poses = fingers_of_row(composite, self.performer.clips, self.captures, frames, (weight, grip))
-        return None if poses.is_at_rest else poses
+        return fingers_of_row(composite, self.performer.clips, self.captures, frames, (weight, grip))
+
+    @property
+    def streamed_fingers(self) -> FingerPoses | None:
+        """Fingers in this frame; None for a performer whose clips neither capture them nor ask for a grip."""
+        known = any(clip.grip is not None for clip in self.performer.clips) or any(map(has_fingers, self.captures))
+        return self.fingers if known or self.holding else None
 
     @cached_property
     def clip_placement(self) -> Placement:
@@ -197,7 +202,7 @@ def pose_of(project: Project, performer_id: str, motion: AdaptedMotion, time: fl
         motion,
         _row_of(project, performer, motion, time),
         Placement.of(performer),
-        captures=_captures_for_fingers(project, performer),
+        captures=() if project.missing_references(performer) else captures_of_clips(project, performer),
         holding=float(weights[0]),
         holding_grip=float(grips[0]),
     )
@@ -220,13 +225,6 @@ def posed_performers(
             pose = pose_of(project, performer_id, motion, time)
             posed[performer_id] = replace(pose, frames_around=around(performer_id))
     return posed
-
-
-def _captures_for_fingers(project: Project, performer: Performer) -> tuple[Capture, ...]:
-    """Captures of a performer's clips, if its character has joints of its own."""
-    if project.characters[performer.character_id].skin.rig is None or project.missing_references(performer):
-        return ()
-    return captures_of_clips(project, performer)
 
 
 def displayed_stage(document: Document, live: Live) -> tuple[Project, float, dict[str, PosedPerformer]]:

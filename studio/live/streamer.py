@@ -8,6 +8,7 @@ from types import TracebackType
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.finger_poses import FingerPoses
 from studio.core.body.morphology import Morphology
 from studio.core.errors import StudioError
 from studio.live import vmc
@@ -19,15 +20,21 @@ FloatArray = NDArray[np.float64]
 LARGEST_BUNDLE = 1_500
 
 
-def packets_of(positions: FloatArray, rotations: FloatArray, body: Morphology, seconds: float) -> list[bytes]:
-    """Datagrams of one frame of a body: positions (K+23, 3), rotations (K+18, 3, 3)."""
+def packets_of(
+    positions: FloatArray,
+    rotations: FloatArray,
+    body: Morphology,
+    seconds: float,
+    fingers: FingerPoses | None = None,
+) -> list[bytes]:
+    """Datagrams of one frame of a body: positions (K+23, 3), rotations (K+18, 3, 3), ``fingers`` of that frame."""
     root = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
     messages = [
         encode_message(vmc.OK_ADDRESS, [1]),
         encode_message(vmc.TIME_ADDRESS, [float(seconds)]),
         encode_message(vmc.ROOT_ADDRESS, ["root", *root]),
     ]
-    for name, bone in vmc.bones_of(positions, rotations, body).items():
+    for name, bone in vmc.bones_of(positions, rotations, body, fingers).items():
         place, turn = vmc.to_unity(bone)
         messages.append(encode_message(vmc.BONE_ADDRESS, [name, *place.tolist(), *turn.tolist()]))
     return list(bundles(messages, LARGEST_BUNDLE))
@@ -41,6 +48,8 @@ class StreamedPose:
     positions: FloatArray
     rotations: FloatArray
     body: Morphology
+    fingers: FingerPoses | None = None
+    """Fingers in one frame; None leaves those of the receiver alone."""
 
 
 class Broadcast:
@@ -86,7 +95,7 @@ class Broadcast:
     def _send_all(self, out: socket.socket, host: str) -> None:
         seconds, bodies = self._newest or (0.0, [])
         for body in bodies:
-            for packet in packets_of(body.positions, body.rotations, body.body, seconds):
+            for packet in packets_of(body.positions, body.rotations, body.body, seconds, body.fingers):
                 out.sendto(packet, (host, body.port))
             self.sent += 1
 

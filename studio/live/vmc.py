@@ -11,8 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.canonical import BodyLayout, BodyPart
+from studio.core.body.finger_joints import Digit, FingerJoint
+from studio.core.body.finger_poses import FingerPoses
 from studio.core.body.morphology import Morphology
 from studio.core.body.standing import standing_points
+from studio.core.rigs.driven_fingers import t_pose_rotations_of_fingers
 from studio.core.rotations import frame_along, from_matrix, to_matrix
 
 FloatArray = NDArray[np.float64]
@@ -27,6 +30,11 @@ BONE_ADDRESS, ROOT_ADDRESS, TRACKER_ADDRESS, HMD_ADDRESS, OK_ADDRESS, TIME_ADDRE
 )
 VMC_SPINE_BONES = ("Spine", "Chest", "UpperChest")
 VMC_ARM_BONES, VMC_LEG_BONES = ("Shoulder", "UpperArm", "LowerArm", "Hand"), ("UpperLeg", "LowerLeg", "Foot", "Toes")
+VMC_FINGER_BONES = "Proximal", "Intermediate", "Distal"
+FINGER_ROOTS = np.array([[0.2, 0.2, 0.0], [0.15, 0.55, 0.0], [0.05, 0.55, 0.0], [-0.05, 0.55, 0.0], [-0.15, 0.5, 0.0]])
+"""(5, 3) places of the first joints of the fingers in lengths of the hand, forwards and outwards in a T-pose."""
+PHALANX = 0.16
+"""Length of a bone of a finger in lengths of the hand."""
 TOES_ABOVE = 0.037
 """Height of the toe joint above the sole in leg lengths, which no packet contains."""
 SHORTEST_VMC_BONE = 1e-3
@@ -106,8 +114,26 @@ def t_pose_axes(body: Morphology) -> FloatArray:
     return axes
 
 
-def bones_of(positions: FloatArray, rotations: FloatArray, body: Morphology) -> dict[str, Bone]:
-    """Bones of one frame of a body by name; positions (K+23, 3), rotations (K+18, 3, 3)."""
+def finger_bone(finger: FingerJoint) -> str:
+    """Name of the bone of a finger joint: ``LeftIndexProximal``."""
+    return f"{('Left', 'Right')[finger.side]}{finger.digit.capitalize()}{VMC_FINGER_BONES[finger.place]}"
+
+
+def finger_bones(poses: FingerPoses, body: Morphology) -> dict[str, Bone]:
+    """Bones of the fingers in the first frame of ``poses``; they have the proportions of a usual hand."""
+    turns, bones = t_pose_rotations_of_fingers(poses)[0], {}
+    for cell in np.ndindex(turns.shape[:3]):
+        side, digit, place = cell
+        size = float(np.linalg.norm(body.hand[side])) * (1.0 - 2.0 * side)
+        away = FINGER_ROOTS[digit] * [abs(size), size, 0.0] if place == 0 else np.array([0.0, PHALANX * size, 0.0])
+        bones[finger_bone(FingerJoint(side, tuple(Digit)[digit], place))] = Bone(away, turns[cell])
+    return bones
+
+
+def bones_of(
+    positions: FloatArray, rotations: FloatArray, body: Morphology, fingers: FingerPoses | None = None
+) -> dict[str, Bone]:
+    """Bones of one frame of a body by name; positions (K+23, 3), rotations (K+18, 3, 3), ``fingers`` of that frame."""
     world = rotations @ np.swapaxes(t_pose_axes(body), 1, 2)
     points = body.layout.proximal_points()
     segments = {each.name: each.segment for each in bone_segments(body.layout)}
@@ -119,7 +145,7 @@ def bones_of(positions: FloatArray, rotations: FloatArray, body: Morphology) -> 
             turn = world[carrier].T @ turn
             place = world[carrier].T @ (place - positions[points[carrier]])
         bones[each.name] = Bone(np.asarray(place), from_matrix(turn))
-    return bones
+    return bones | finger_bones(fingers, body) if fingers else bones
 
 
 def posed_body(bones: dict[str, Bone]) -> tuple[FloatArray, FloatArray, Morphology] | None:

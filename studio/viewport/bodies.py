@@ -47,9 +47,9 @@ def pose_skin(
     """Vertices and normals (V, 3) of ``skin``, one of ``character``, in a pose and with its fingers, in the space of the
     motion; written in place if arrays are given.
     """
-    motion, row, fingers = posed.motion, posed.row, posed.fingers
-    body = motion.morphology_at(row)
-    hands = bound_hands(skin, character.build, body) if fingers else None
+    motion, row = posed.motion, posed.row
+    body, fingers = motion.morphology_at(row), posed.fingers if skin.rig is not None else None
+    hands = bound_hands(skin, character.build, body) if fingers and not fingers.is_at_rest else None
     return skin_vertices(
         skin, character.build, body, motion.positions[row], motion.rotations[row],
         vertices, normals, character.blending,

@@ -14,6 +14,7 @@ from studio.io.importing import load_capture
 from studio.live.streamer import packets_of
 from studio.live.vmc import bone_segments, t_pose_axes
 from tests.io.blender import VARIABLE
+from tests.live.test_streamed_fingers import BODIES, CURL, curled
 from tests.patience import SECONDS
 
 ROOT = Path(__file__).parents[2]
@@ -72,6 +73,51 @@ def test_a_rig_stands_where_the_streamed_body_does(tmp_path: Path, lowered: floa
     wanted = _in_blender(positions[[near[each.segment] for each in segments]])
     off = np.linalg.norm(np.load(tmp_path / "out.npz")["heads"] - wanted, axis=1)
     assert dict(zip(names, np.round(off, 4), strict=True)) == {name: pytest.approx(0.0, abs=0.002) for name in names}
+
+
+@pytest.mark.parametrize("named", ["mixamorig:{side}Hand{digit}{n}", "{digit}_0{n}_{s}", "f_{digit}.0{n}.{S}"])
+def test_fingers_of_a_rig_bend_as_those_of_the_streamed_body(tmp_path: Path, named: str) -> None:
+    """Its fingers are bent by 10 degrees at rest and fanned; they stand within 0.1 mm."""
+    python = os.environ.get(VARIABLE)
+    if not python:
+        pytest.skip(f"{VARIABLE} names no Python with Blender's package bpy")
+    body = BODIES["child"]
+    segments, near, far = bone_segments(body.layout), body.layout.proximal_points(), body.layout.distal_points()
+    rest = standing_points(body, t_pose_axes(body))
+    names = [each.name for each in segments]
+    given, parents = [mixamo("", name) for name in names], [names.index(e.parent) if e.parent else -1 for e in segments]
+    for place, name in enumerate(names):
+        side = next((side for side in ("Left", "Right") if name.startswith(side)), "")
+        given[place] = mixamo(side, name[len(side) :])
+    heads, tails = rest[[near[each.segment] for each in segments]], rest[[far[each.segment] for each in segments]]
+    expected = []
+    for side, out in (("Left", 1.0), ("Right", -1.0)):
+        hand = names.index(f"{side}Hand")
+        for fan, digit in zip((0.2, 0.0, -0.1, -0.25), ("Index", "Middle", "Ring", "Pinky"), strict=True):
+            ahead = np.array([np.sin(fan), out * np.cos(fan), 0.0])
+            root = heads[hand] + 0.08 * ahead
+            angles, place, own, parent = np.cumsum(CURL), root, root, hand
+            for n in range(3):
+                bent = np.cos(0.17) * ahead - np.sin(0.17) * np.array([0.0, 0.0, 1.0])
+                spelling = digit.lower() if named.startswith(("{", "f_")) else digit
+                given.append(named.format(side=side, digit=spelling, n=n + 1, s=side[0].lower(), S=side[0]))
+                heads, tails = np.vstack([heads, own]), np.vstack([tails, own + 0.03 * bent])
+                parents.append(parent)
+                expected.append(place)
+                # Straight in VMC's T-pose, then bent about the axis across the hand.
+                straight = np.array([[1, 0, 0], [0, np.cos(angles[n]), 0], [0, -out * np.sin(angles[n]), 0]]) @ ahead
+                place, own, parent = place + 0.03 * straight, own + 0.03 * bent, len(given) - 1
+    positions, rotations = rest, t_pose_axes(body)
+    np.savez(
+        tmp_path / "in.npz", names=given, parents=parents, heads=_in_blender(heads), tails=_in_blender(tails),
+        packets=[packet.hex() for packet in packets_of(positions, rotations, body, 0.0, curled())], turned=(0, 0, 0),
+    )  # fmt: skip
+    environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
+    command = [python, str(SCRIPT), str(ADD_ON), str(tmp_path / "in.npz"), str(tmp_path / "out.npz")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, env=environment)
+    assert done.returncode == 0, done.stdout + done.stderr
+    found = np.load(tmp_path / "out.npz")["heads"][len(names) :]
+    assert np.abs(found - _in_blender(np.array(expected))).max() < 1e-4
 
 
 def _in_blender(points: np.ndarray) -> np.ndarray:

@@ -41,6 +41,8 @@ FloatArray = NDArray[np.float64]
 _GRIPS = np.array(GRIPS)
 _THUMB_BENDS = np.radians([[0.0, 0.0, 0.0], [5.0, 15.0, 25.0], [10.0, 30.0, 55.0], [15.0, 50.0, 95.0]])
 """(4, 3) angles of the bones of a thumb with its rest, across the palm."""
+_THUMB_ASIDE = np.array([1.0, 0.0, 1.0]) / np.sqrt(2.0)
+"""Direction of the thumb of a flat hand in the axes of the hand."""
 _ACROSS_PALM = np.array([-1.0, 0.5, 0.0])
 """Direction in which thumbs bend: towards the little finger, and out of the palm."""
 
@@ -55,14 +57,17 @@ class FingerDrive:
 
     def rotations(self, poses: FingerPoses) -> dict[int, FloatArray]:
         """(N, 3, 3) rotation from rest of each finger joint of the rig, in the space in which it is bound."""
-        frames, bent = (slice(None), None, None, None), bend(self.rest.flexions)
-        resting = np.broadcast_to(relative_rotations(bent), poses.rotations.shape)
-        own = slerp(resting, poses.rotations, poses.captured[frames])
-        mixed = rotations_in_hand(slerp(own, self._gripping(poses.grips), poses.asked[frames]))
-        mixed = multiply(mixed, inverse(bent))
+        mixed = multiply(rotations_in_hand(self.relative(poses)), inverse(bend(self.rest.flexions)))
         axes = from_matrix(self.rest.axes)[:, None, None]
         turned = to_matrix(multiply(multiply(axes, mixed), inverse(axes)))
         return {joint: turned[(slice(None), *finger.cell)] for finger, joint in self.rest.joints.items()}
+
+    def relative(self, poses: FingerPoses) -> FloatArray:
+        """(N, 2, 5, 3, 4) rotation of each joint from a straight finger, relative to the joint before."""
+        frames = slice(None), None, None, None
+        resting = np.broadcast_to(relative_rotations(bend(self.rest.flexions)), poses.rotations.shape)
+        own = slerp(resting, poses.rotations, poses.captured[frames])
+        return slerp(own, self._gripping(poses.grips), poses.asked[frames])
 
     def _gripping(self, grips: FloatArray) -> FloatArray:
         """(N, 2, 5, 3, 4) rotations in ``grips`` (N,), interpolated between two of ``_GRIPS``."""
@@ -75,15 +80,30 @@ def finger_drive(rig: Skeleton, rig_map: BodyMap, mesh: SkinnedMesh, body: Morph
     """Drive of the fingers of ``rig``, the ``still_skeleton`` of a mesh fitted to ``body``; None if it has none."""
     unturned = np.tile(IDENTITY_QUATERNION, (rig.joint_count, 1))
     rest = finger_rest(rig, rig_map, unturned, _bound_hands(mesh, body) @ T_POSE_HANDS)
-    if not rest.joints:
-        return None
+    return FingerDrive(rest, _gripping(rest.directions)) if rest.joints else None
+
+
+def t_pose_rotations_of_fingers(poses: FingerPoses) -> FloatArray:
+    """(N, 2, 5, 3, 4) rotation of each finger joint from a T-pose with straight fingers, relative to the joint before,
+    in the axes of the world.
+    """
+    directions = np.zeros((*FINGER_CELLS, 3))
+    directions[..., 2] = 1.0
+    directions[:, 0] = _THUMB_ASIDE
+    rest = FingerRest({}, (0, 0), T_POSE_HANDS, np.zeros(FINGER_CELLS), directions)
+    axes = from_matrix(T_POSE_HANDS)[:, None, None]
+    return multiply(multiply(axes, FingerDrive(rest, _gripping(directions)).relative(poses)), inverse(axes))
+
+
+def _gripping(directions: FloatArray) -> FloatArray:
+    """``FingerDrive.gripping`` of hands whose bones have these ``directions`` (2, 5, 3, 3) at rest."""
     angles = np.empty((len(_GRIPS), *FINGER_CELLS))
     angles[:] = np.diff(FINGER_BENDS, prepend=0.0)[:, None, None]
     gripping = bend(angles)
     for side in range(len(HAND_PARTS)):
-        across = normalized(np.cross(rest.directions[side, 0, 0], _ACROSS_PALM * [1.0, INTO_PALM[side], 1.0]))
+        across = normalized(np.cross(directions[side, 0, 0], _ACROSS_PALM * [1.0, INTO_PALM[side], 1.0]))
         gripping[:, side, 0] = from_rotation_vector(np.diff(_THUMB_BENDS, prepend=0.0)[..., None] * across)
-    return FingerDrive(rest, gripping)
+    return gripping
 
 
 def below_hands(skeleton: Skeleton, body: BodyMap) -> list[int]:
