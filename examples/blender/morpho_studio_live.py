@@ -134,7 +134,10 @@ def to_t_pose(armature: bpy.types.Object, bones: Mapping[str, str]) -> dict[str,
         for place, name in enumerate(FINGERS):
             if (own := bones.get(f"{side}{name}")) is None:
                 continue
-            bone, end = armature.data.bones[own], None if place % 3 == 2 else bones.get(f"{side}{[*FINGERS][place + 1]}")
+            bone, end = (
+                armature.data.bones[own],
+                None if place % 3 == 2 else bones.get(f"{side}{[*FINGERS][place + 1]}"),
+            )
             tip = armature.data.bones[end].head_local if end else bone.tail_local
             along = hand @ (world @ (tip - bone.head_local))
             straight = Vector((along.x, along.y, 0.0))  # in the plane of the palm; thumbs are as at rest

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from studio.core.body.canonical import BodyPart
+from studio.core.body.finger_joints import Digit, FingerJoint, find_fingers
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.resources_folder import resources_folder
@@ -15,12 +16,13 @@ _SIDES = ({"side": "left", "Side": "Left", "s": "l", "S": "L"}, {"side": "right"
 
 @dataclass(frozen=True)
 class JointNaming:
-    """Names of one group of programs: one for each part, and one for each vertebra above the pelvis."""
+    """Names of one group of programs: one for each part, each finger joint, and each vertebra above the pelvis."""
 
     name: str
     parts: Mapping[BodyPart, str]
     spine: tuple[str, ...]
     """From below; the last, with a number in it, names all that follow."""
+    fingers: Mapping[FingerJoint, str]
 
     def vertebra(self, index: int) -> str:
         """The name of the spine joint at ``index``, 1 right above the pelvis."""
@@ -36,7 +38,7 @@ def joint_namings() -> Mapping[str, JointNaming]:
 
 
 def with_joint_names(capture: Capture, key: str) -> Capture:
-    """Capture with the names of one table; joints that belong to no body part keep theirs.
+    """Capture with the names of one table; joints that are neither body parts nor fingers keep theirs.
 
     Raises StudioError if there is no such table, or no body map.
     """
@@ -48,6 +50,8 @@ def with_joint_names(capture: Capture, key: str) -> Capture:
         raise StudioError(f"'{capture.name}' has no body map, so its joints cannot be given other names.")
     given = {joint: namings[key].parts[part] for part, joint in body.parts.items() if part in namings[key].parts}
     given |= {joint: namings[key].vertebra(place) for place, joint in enumerate(body.spine) if place}
+    fingers = find_fingers(capture.skeleton, body)
+    given |= {joint: namings[key].fingers[finger] for finger, joint in fingers.items()}
     taken = set(given.values())
     names = []
     for joint, own in enumerate(capture.skeleton.names):
@@ -63,4 +67,10 @@ def _naming(record: Mapping[str, Mapping[str, str]]) -> JointNaming:
     parts = {
         BodyPart(key.format(**side)): name.format(**side) for key, name in record["parts"].items() for side in _SIDES
     }
-    return JointNaming(str(record["name"]), parts, tuple(record["spine"]))
+    fingers = {
+        FingerJoint(side, digit, place): name.format(**words)
+        for side, words in enumerate(_SIDES)
+        for digit in Digit
+        for place, name in enumerate(record["fingers"][digit])
+    }
+    return JointNaming(str(record["name"]), parts, tuple(record["spine"]), fingers)

@@ -44,8 +44,9 @@ def pose_skin(
     vertices: NDArray[np.float32] | None = None,
     normals: NDArray[np.float32] | None = None,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Vertices and normals (V, 3) of ``skin``, one of ``character``, in a pose and with its fingers, in the space of the
-    motion; written in place if arrays are given.
+    """Vertices and normals (V, 3) of ``skin``, one of ``character``, in a pose with its fingers, in motion space.
+
+    They are written in place if arrays are given.
     """
     motion, row = posed.motion, posed.row
     body, fingers = motion.morphology_at(row), posed.fingers if skin.rig is not None else None

@@ -32,9 +32,9 @@ class Ghost:
 def onion_ghosts(
     project: Project, poses: Mapping[str, PosedPerformer], skins: OnionSkins, time: float, frame_rate: float
 ) -> Iterator[Ghost]:
-    """Ghosts of poses by performer id at ``time`` (seconds of the stage), ``skins.step`` frames apart; none beyond a motion's ends.
+    """Ghosts of poses by performer id at ``time`` (seconds of the stage), ``skins.step`` frames apart.
 
-    They show the newest whole motion, and so follow a drag after its clip is solved again.
+    None is beyond the ends of its motion. They show the newest whole motion, and so follow a drag after its clip is solved again.
     """
     for performer_id, pose in poses.items():
         for sign, count, colour in (

@@ -21,7 +21,7 @@ from studio.core.mesh.hand_shapes import grip_round
 from studio.core.mesh.skin import skin_vertices
 from studio.core.normalized.normalize import normalize_capture
 from studio.core.rigs.driven_fingers import bound_hands
-from studio.core.rigs.played_fingers import fingers_of_capture
+from studio.core.rigs.played_fingers import fingers_of_capture, on_captured_joints
 from studio.core.rigs.zero_pose import with_zero_pose
 from studio.core.rotations import (
     angle_between,
@@ -41,6 +41,7 @@ from studio.engine.performance import posed_performers
 from studio.io.export import Take, skin_of, take_of_adapted, take_of_standing, write_take
 from studio.io.export_options import ExportOptions
 from studio.io.importing import load_capture, load_character
+from studio.io.joint_names import joint_namings
 from studio.io.project.character_file import bundled_characters
 from studio.io.staged_export import take_of_performer
 from studio.jobs.performances import prepared_capture, stage_performances
@@ -406,3 +407,59 @@ def test_fingers_of_a_real_capture_turn_on_a_real_character(captures: Path) -> N
         turned = turned_from_rest(chosen.capture, joint, chosen.poses.local_rotations[0, joint])
         if finger.place:  # the first joint turns in the bones of the palm too
             assert np.abs(turned - source).max() < 1.0, finger
+
+
+BODY_ROWS = {name: clips for name, clips in ROWS.items() if name != "mirrored"} | {
+    "plain": (Clip("motion", 0, 59, id="a"),),
+    "mirrored": ROWS["mirrored"],
+}
+
+
+@pytest.mark.parametrize("row", BODY_ROWS)
+def test_the_studios_own_skeleton_has_the_fingers_of_every_row_of_clips(hero: Project, row: str) -> None:
+    """Each finger joint turns in its parent as that of the character's own rig."""
+    project = playing(hero, *BODY_ROWS[row])
+    [(key, performance)] = stage_performances(project).performances.items()
+    take = take_of_performer(project, key, performance, along=True)
+    turns = []
+    for options in (ExportOptions(joint_names="unreal"), ExportOptions()):
+        written = options.applied_to(take, Path("out.glb")).capture
+        fingers = find_fingers(written.skeleton, written.body_map)
+        assert len(fingers) == 30
+        world = joint_world(written.skeleton, written.poses)[1]
+        hands = [written.body_map[part] for part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)]
+        in_hand = {
+            finger: np.swapaxes(world[:, hands[finger.side]], 1, 2) @ world[:, joint]
+            for finger, joint in fingers.items()
+        }
+        turns.append({key: each @ np.swapaxes(each[:1], 1, 2) for key, each in in_hand.items()})
+    assert {"index_01_l", "thumb_03_r"} <= set(
+        ExportOptions(joint_names="unreal").applied_to(take, Path("out.fbx")).skeleton.names
+    )
+    for finger in turns[0]:
+        angles = [
+            np.degrees(np.arccos(np.clip((np.trace(each[finger], axis1=1, axis2=2) - 1) / 2, -1, 1))) for each in turns
+        ]
+        assert np.abs(angles[0] - angles[1]).max() < 2.0, finger
+
+
+def test_fingers_of_a_capture_on_its_own_joints_are_those_that_were_captured() -> None:
+    capture = fist_capture(60)
+    again = on_captured_joints(capture, fingers_of_capture(capture, 0, 60))
+    for joint in find_fingers(capture.skeleton, capture.body_map).values():
+        apart = angle_between(again.local_rotations[:, joint], capture.poses.local_rotations[:, joint])
+        assert np.degrees(apart).max() < 1e-3
+
+
+@pytest.mark.parametrize("names", ["humanik", "mixamo", "unreal", "unity", "biped", "blender"])
+def test_exported_fingers_have_the_names_of_the_other_program_and_are_found_again(
+    hero: Project, tmp_path: Path, names: str
+) -> None:
+    project = playing(hero, *ROWS["joined"])
+    [(key, performance)] = stage_performances(project).performances.items()
+    path = tmp_path / "out.fbx"
+    options = ExportOptions(joint_names=names)
+    write_take(options.applied_to(take_of_performer(project, key, performance, along=True), path), path)
+    back = load_capture(path)
+    assert set(joint_namings()[names].fingers.values()) <= set(back.skeleton.names)
+    assert len(find_fingers(back.skeleton, back.body_map)) == 30

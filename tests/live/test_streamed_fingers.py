@@ -1,4 +1,4 @@
-"""Fingers in the stream: bones of Unity's names, bent as captured, closed as a clip asks, left out where nobody knows."""
+"""Fingers in the stream: bones of Unity's names, bent as captured, closed as a clip asks, left out if unknown."""
 
 from dataclasses import replace
 
@@ -62,7 +62,9 @@ def test_a_body_of_which_nobody_knows_the_fingers_streams_none() -> None:
 
 
 def test_fingers_are_streamed_from_bodies_without_any_of_their_own_and_from_clips_that_ask_for_fists() -> None:
-    captured = make_project(characters=1, constraints=0, contacts=0).with_entity("captures", "capture", fist_capture(60))
+    captured = make_project(characters=1, constraints=0, contacts=0).with_entity(
+        "captures", "capture", fist_capture(60)
+    )
     performer = captured.performers["performer 0"]
     fists = make_project(characters=1, constraints=0, contacts=0).with_entity(
         "performers", "performer 0", replace(performer, clips=(Clip("motion", 0, 59, id="a", grip=1.0),))

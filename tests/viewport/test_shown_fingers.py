@@ -60,7 +60,9 @@ def test_a_finger_is_picked_where_it_is_shown(hero: Project) -> None:
     pose = posed(hero, CLOSED)
     character = hero.characters["character 0"]
     triangles = character.skin.triangles
-    corners = pose_skin(character.skin, character, pose)[0][triangles[moved(hero, pose)[triangles].mean(axis=1).argmax()]]
+    corners = pose_skin(character.skin, character, pose)[0][
+        triangles[moved(hero, pose)[triangles].mean(axis=1).argmax()]
+    ]
     across = np.cross(corners[1] - corners[0], corners[2] - corners[0])
     place = pose.placement.to_stage(corners.mean(axis=0).astype(float))
     out = pose.placement.rotation @ (across / np.linalg.norm(across))

@@ -37,16 +37,24 @@ def carried_joints(skeleton: Skeleton, body: BodyMap) -> tuple[int, ...]:
 
 
 def with_carried_joints(
-    skeleton: Skeleton, poses: PoseSequence, adapted: AdaptedMotion, actor: SourceRig, carried: Sequence[int]
+    skeleton: Skeleton,
+    poses: PoseSequence,
+    adapted: AdaptedMotion,
+    actor: SourceRig,
+    carried: Sequence[int],
+    captured: PoseSequence | None = None,
 ) -> tuple[Skeleton, PoseSequence]:
     """``character_skeleton`` and ``character_poses`` of ``adapted``, followed by the ``carried_joints`` of the capture.
+
+    ``captured`` are poses of the capture's joints in these frames, if they are not those of the same frames of the
+    capture.
 
     Each is a child of the joint of its segment, rotated as captured, and its offset is scaled with the segment. Joints
     outside the body stay where they were recorded.
     """
     source = actor.skeleton
-    frames = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
-    captured = PoseSequence(actor.pass_through.local_rotations[frames], actor.pass_through.local_translations[frames])
+    if captured is None:
+        captured = actor.pass_through.frames(adapted.first_frame, adapted.first_frame + adapted.frame_count - 1)
     carriers, turns, scales = _carriers(adapted.morphology, actor)
     names, parents = list(skeleton.names), skeleton.parents.tolist()
     offsets, rotations, translations = [], [], []

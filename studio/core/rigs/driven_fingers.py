@@ -80,7 +80,7 @@ def finger_drive(rig: Skeleton, rig_map: BodyMap, mesh: SkinnedMesh, body: Morph
     """Drive of the fingers of ``rig``, the ``still_skeleton`` of a mesh fitted to ``body``; None if it has none."""
     unturned = np.tile(IDENTITY_QUATERNION, (rig.joint_count, 1))
     rest = finger_rest(rig, rig_map, unturned, _bound_hands(mesh, body) @ T_POSE_HANDS)
-    return FingerDrive(rest, _gripping(rest.directions)) if rest.joints else None
+    return FingerDrive(rest, gripping_rotations(rest.directions)) if rest.joints else None
 
 
 def t_pose_rotations_of_fingers(poses: FingerPoses) -> FloatArray:
@@ -92,10 +92,10 @@ def t_pose_rotations_of_fingers(poses: FingerPoses) -> FloatArray:
     directions[:, 0] = _THUMB_ASIDE
     rest = FingerRest({}, (0, 0), T_POSE_HANDS, np.zeros(FINGER_CELLS), directions)
     axes = from_matrix(T_POSE_HANDS)[:, None, None]
-    return multiply(multiply(axes, FingerDrive(rest, _gripping(directions)).relative(poses)), inverse(axes))
+    return multiply(multiply(axes, FingerDrive(rest, gripping_rotations(directions)).relative(poses)), inverse(axes))
 
 
-def _gripping(directions: FloatArray) -> FloatArray:
+def gripping_rotations(directions: FloatArray) -> FloatArray:
     """``FingerDrive.gripping`` of hands whose bones have these ``directions`` (2, 5, 3, 3) at rest."""
     angles = np.empty((len(_GRIPS), *FINGER_CELLS))
     angles[:] = np.diff(FINGER_BENDS, prepend=0.0)[:, None, None]

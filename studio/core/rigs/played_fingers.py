@@ -1,7 +1,7 @@
 """Fingers of both hands over time, as captures have them and as the clips of a row ask, for any skeleton."""
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,17 @@ from studio.core.normalized.compose import Composite
 from studio.core.normalized.pieces import PlayedPiece
 from studio.core.project_cache import project_cache
 from studio.core.rigs.character_skeleton import t_pose_rotations
-from studio.core.rigs.finger_rest import FINGER_CELLS, HAND_PARTS, T_POSE_HANDS, bend, finger_rest, relative_rotations
+from studio.core.rigs.driven_fingers import FingerDrive, gripping_rotations
+from studio.core.rigs.finger_rest import (
+    FINGER_CELLS,
+    HAND_PARTS,
+    T_POSE_HANDS,
+    FingerRest,
+    bend,
+    finger_rest,
+    relative_rotations,
+    rotations_in_hand,
+)
 from studio.core.rotations import IDENTITY_QUATERNION, from_matrix, inverse, multiply, slerp
 from studio.core.stage.clip import Clip
 from studio.core.stage.holding import CLOSING, grips_on_props
@@ -132,6 +142,28 @@ def captured_rotations(capture: Capture, frames: FloatArray, *, mirrored: bool =
     return rotations[:, ::-1] * _MIRRORED if mirrored else rotations
 
 
+def on_captured_joints(capture: Capture, poses: FingerPoses, others: PoseSequence | None = None) -> PoseSequence:
+    """Poses of the skeleton of a capture that has fingers: these fingers, and the rest of it as in ``others``, or else
+    in its reference pose.
+    """
+    source, skeleton = _captured(_Recorded(capture)), capture.skeleton
+    if source is None:
+        raise ValueError("The capture has no fingers.")
+    rest, frames = source.rest, len(poses.captured)
+    in_hand = rotations_in_hand(FingerDrive(rest, gripping_rotations(rest.directions)).relative(poses))
+    from_hand = multiply(multiply(inverse(source.before), in_hand), inverse(source.after))
+    if others is None:
+        resting = np.tile(capture.reference_rotations, (frames, 1, 1))
+        others = PoseSequence(resting, np.tile(skeleton.offsets, (frames, 1, 1)))
+    local = np.array(others.local_rotations)
+    for finger, joint in rest.joints.items():
+        above = np.tile(IDENTITY_QUATERNION, (frames, 1))
+        for each in skeleton.path(rest.hands[finger.side], joint)[1:-1]:
+            above = multiply(above, local[:, each])
+        local[:, joint] = multiply(inverse(above), from_hand[(slice(None), *finger.cell)])
+    return replace(others, local_rotations=local)
+
+
 @dataclass(frozen=True, eq=False)
 class _CapturedFingers:
     """Finger joints of a capture; with L their rotation in the joint of the hand, ``before`` L ``after`` is that in the
@@ -146,6 +178,7 @@ class _CapturedFingers:
     """(2, 1, 1, 4)"""
     after: FloatArray
     """(2, 5, 3, 4)"""
+    rest: FingerRest
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,7 +221,7 @@ def _captured(recorded: _Recorded) -> _CapturedFingers | None:
     at_rest = _along_chains(reference[None, joints], table)[0]
     to_joints = from_matrix(np.swapaxes(hands, 1, 2) @ rest.axes)[:, None, None]
     after = multiply(multiply(inverse(at_rest), to_joints), bend(flexions))
-    return _CapturedFingers(np.array(joints), table, inverse(to_joints), after)
+    return _CapturedFingers(np.array(joints), table, inverse(to_joints), after, rest)
 
 
 def _nearest(finger: tuple[int, ...], known: Collection[FingerJoint]) -> FingerJoint | None:
