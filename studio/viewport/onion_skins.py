@@ -34,7 +34,8 @@ def onion_ghosts(
 ) -> Iterator[Ghost]:
     """Ghosts of poses by performer id at ``time`` (seconds of the stage), ``skins.step`` frames apart.
 
-    None is beyond the ends of its motion. They show the newest whole motion, and so follow a drag after its clip is solved again.
+    None is beyond the ends of its motion. They show the newest whole motion, and so follow a drag after its
+    clip is solved again.
     """
     for performer_id, pose in poses.items():
         for sign, count, colour in (
