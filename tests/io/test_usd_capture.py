@@ -58,6 +58,38 @@ def test_a_file_whose_mesh_hangs_from_its_skeleton_is_a_character_of_the_same_me
     assert set(read.character.skin.rig.names) >= {"Hips", "LeftForeArm", "RightToeBase"}
 
 
+def test_a_skeleton_below_a_turned_node_stands_as_that_node_is_turned(tmp_path: Path) -> None:
+    """As Blender writes it: rest pose, bind pose and meshes count from the skeleton, names say nothing."""
+    path, turned = tmp_path / "woman.usda", tmp_path / "turned.usda"
+    write_take(take_of_standing(bundled_characters()["adult_woman"]), path)
+    stage = Usd.Stage.Open(str(path))
+    space = Gf.Matrix4d().SetRotate(Gf.Rotation(Gf.Vec3d(1.0, 0.0, 0.0), -90.0))
+    UsdGeom.Xformable(stage.GetDefaultPrim()).AddTransformOp(opSuffix="above").Set(space)
+    back = space.GetInverse()
+    for prim in stage.Traverse():
+        if prim.IsA(UsdSkel.Skeleton):
+            skeleton = UsdSkel.Skeleton(prim)
+            rest, bind = skeleton.GetRestTransformsAttr(), skeleton.GetBindTransformsAttr()
+            first, *others = rest.Get()
+            paths = [str(each) for each in skeleton.GetJointsAttr().Get()]
+            numbers = {
+                name: f"Node_{k}" for k, name in enumerate({part: 0 for each in paths for part in each.split("/")})
+            }
+            plain = ["/".join(numbers[part] for part in each.split("/")) for each in paths]
+            skeleton.GetJointsAttr().Set(Vt.TokenArray(plain))
+            skeleton.GetJointNamesAttr().Clear()
+            rest.Set(Vt.Matrix4dArray([first * back, *others]))
+            bind.Set(Vt.Matrix4dArray([each * back for each in bind.Get()]))
+        elif prim.IsA(UsdGeom.Mesh):
+            bound = UsdSkel.BindingAPI(prim).CreateGeomBindTransformAttr()
+            bound.Set((bound.Get() or Gf.Matrix4d(1.0)) * back)
+    stage.Export(str(turned))
+    whole, found = (load_character(each).character for each in (path, turned))
+    assert found.build.stature == pytest.approx(whole.build.stature, abs=1e-4)
+    assert found.skin.vertices == pytest.approx(whole.skin.vertices, abs=1e-4)
+    assert found.skin.rig.rotations == pytest.approx(whole.skin.rig.rotations, abs=1e-4)
+
+
 def test_a_mesh_of_the_figure_that_hangs_from_no_joint_is_told(tmp_path: Path) -> None:
     path = tmp_path / "hero.usda"
     write_take(take_of_standing(bundled_characters()["child"]), path)

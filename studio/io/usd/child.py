@@ -55,7 +55,15 @@ def main(source: str, target: str, what: str) -> None:
     rest = _rest(skeleton, paths, about["parents"])
     meshes, arrays = meshes_of(_prims(stage), skeleton, paths) if what != "motion" else ([], {})
     if what == "figure" or any(len(arrays[f"{number} weights"]) for number in range(len(meshes))):
-        arrays |= {"world": _world(rest, about["parents"]), "bind": _bind(skeleton, paths)}
+        joints = {"world": _world(rest, about["parents"]), "bind": _bind(skeleton, paths)}
+        if np.allclose(*(each[0] for each in joints.values())):  # Blender's bind pose counts from the skeleton
+            above = _columns(
+                [UsdGeom.Xformable(skeleton.GetPrim()).ComputeLocalToWorldTransform(stage.GetStartTimeCode())]
+            )
+            spaces = [name for name in arrays if name.endswith(" to_world")]
+            joints = {name: _moved(above[0], each) for name, each in joints.items()}
+            arrays |= {name: _moved(above[0], arrays[name]) for name in spaces}
+        arrays |= joints
         about |= {"meshes": meshes, "kind": "USD", "bones": [True] * len(paths)}
     else:
         arrays = _motion(skeleton, animation, moments or [stage.GetStartTimeCode()], rest, paths, about["up_axis"])
@@ -137,6 +145,13 @@ def _world(rest: FloatArray, parents: list[int]) -> FloatArray:
         if parent >= 0:
             world[joint] = world[parent] @ rest[joint]
     return world[:, :3]
+
+
+def _moved(above: FloatArray, transforms: FloatArray) -> FloatArray:
+    """Transforms (..., 3, 4) under a node whose own is ``above`` (4, 4)."""
+    moved = above[:3, :3] @ transforms
+    moved[..., 3] += above[:3, 3]
+    return moved
 
 
 def _motion(
