@@ -54,8 +54,10 @@ QUALITY = """# Quality of adaptation
 
 Every capture on the five bundled characters with detected contacts and no constraints, arms out of the own body; each
 figure is the worst of the five. *Slide* is how far a standing heel, toe, hand, knee or seat moves along the ground,
-*float* and *below* how far it is off the ground. *Knees* are how many degrees more than the capture's those of standing
-legs are bent, mean and most; *hips* how much lower they ride, mean, and *bob* their ups and downs beside the capture's;
+*float* and *below* how far it is off the ground. *Knees* are how many degrees more than the capture's those of
+standing legs are bent, mean and most; *swing knee* how many degrees straighter they are in the air, in the straightest
+fiftieth of the frames, *toes* how much farther toes fold there; *face* and *palms* how many degrees these look
+elsewhere, at most; *hips* how much lower they ride, mean, and *bob* their ups and downs beside the capture's;
 *posture* how many degrees trunk, upper arms, forearms, thighs or shanks rise otherwise; *shoulders* how much nearer to
 each other they come, beside their median; *hands* by how much the distance of near wrists is missed, mean; *sunk* how
 far any joint is deeper in the ground than the capture's deepest, *inside* how far an arm is deeper in the own body,
@@ -63,10 +65,11 @@ there and at rest; *jump* compares each joint's greatest step with its own in th
 as long as the actor's. Other lengths are as if legs had 85 cm. The second table compares the greatest angular
 acceleration of each segment with its own in the capture: 1 is as smooth.
 
-Asked of walks, runs, strikes and dances are knees of 2 (walks 6 at most), hips of 5 mm, a bob of 0.9 to 1.1, shoulders
-within 0.05, hands within 1 cm, sunk 5 mm, inside 0, jumps of 1.5 and peaks of 2; of planks and crawls a posture within
-20. Written by `benchmarks/quality_tables.py --write`; `make quality` prints the same, the actor's own body among the
-bodies, for any folder and characters, and `adapt` reports the first three for any capture and character.
+Asked of walks, runs, strikes and dances are knees of 2 (walks 6 at most), swing knees of 8, toes of 35, faces of 10,
+palms of 20, hips of 5 mm, a bob of 0.9 to 1.1, shoulders within 0.05, hands within 1 cm, sunk 5 mm, inside 0, jumps of
+1.5 and peaks of 2; of planks and crawls a posture within 20. Written by `benchmarks/quality_tables.py --write`; `make
+quality` prints the same, the actor's own body among the bodies, for any folder and characters, and `adapt` reports the
+first three for any capture and character.
 
 """
 SHORT = """
@@ -90,7 +93,8 @@ the body its posture is beyond 40 in 19 of 70 captures instead of 55.
 """
 ASKED = {
     "knees mean": 2.0, "knees most": 6.0, "hips mm": 5.0, "bob": 1.1, "shoulders": 0.05, "hands cm": 1.0,
-    "sunk mm": 5.0, "inside mm": 5.0, "jump": 1.5, "posture": 20.0,
+    "sunk mm": 5.0, "inside mm": 5.0, "jump": 1.5, "posture": 20.0, "swing knee": 8.0, "toes": 35.0, "face": 10.0,
+    "palms": 20.0,
 }  # fmt: skip
 """Limits by title: figures beyond them are listed as short."""
 PEAK = 2.0
@@ -98,8 +102,10 @@ PEAK = 2.0
 RATIOS = "bob", "jump", *(f"peak of {part}" for part in PART_SEGMENTS)
 """Figures of which 1 is as in the capture."""
 SEEN = {
-    "knees mean": ("knee_mean", degrees(1.0)), "knees most": ("knee_most", degrees(1.0)), "hips mm": ("drop", 1e3),
-    "bob": ("bob", 1.0), "posture": ("posture", degrees(1.0)), "shoulders": ("shoulders", -1.0),
+    "knees mean": ("knee_mean", degrees(1.0)), "knees most": ("knee_most", degrees(1.0)),
+    "swing knee": ("swing_knee", degrees(1.0)), "toes": ("toes", degrees(1.0)), "hips mm": ("drop", 1e3),
+    "bob": ("bob", 1.0), "posture": ("posture", degrees(1.0)), "face": ("face", degrees(1.0)),
+    "palms": ("palms", degrees(1.0)), "shoulders": ("shoulders", -1.0),
     "hands cm": ("hands", 1e2), "sunk mm": ("below", 1e3), "inside mm": ("inside", 1e3), "jump": ("jump", 1.0),
 }  # fmt: skip
 """Titles of what an animator would see, fields of ``MotionQuality``, and their factors."""
