@@ -361,6 +361,7 @@ class MainWindow(QMainWindow):
         self.library.scene_requested.connect(lambda key: self.actions_by_id.by_id[f"scene_{key}"].trigger())
         self.library.project_requested.connect(lambda path: self.open_paths([path]))
         self.inspector.reimport_requested.connect(self._reimport)
+        self.inspector.steps_requested.connect(lambda capture: capture_import.stand_on_steps(bench, capture))
         self.inspector.markers_requested.connect(lambda capture: open_markers(bench, capture))
         self.inspector.character_requested.connect(
             lambda capture: character_import.make_actor_character(bench, capture)
