@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from PySide6.QtCore import QBuffer, QIODevice, Qt
+from PySide6.QtGui import QImageWriter
 
 from studio.app import capture_import, character_import, sample
 from studio.app.file_dialogs import PROJECTS, ask_file, ask_new_file, characters, motions
@@ -127,7 +128,7 @@ def stage_thumbnail(bench: Workbench) -> bytes | None:
     buffer = QBuffer()
     buffer.open(QIODevice.OpenModeFlag.WriteOnly)
     image = bench.viewport.drawn_image.scaledToWidth(THUMBNAIL_WIDTH, Qt.TransformationMode.SmoothTransformation)
-    image.save(buffer, b"PNG")
+    QImageWriter(buffer, b"PNG").write(image)
     return bytes(buffer.data().data())
 
 
