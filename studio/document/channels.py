@@ -16,7 +16,7 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.core.curves.retiming import FASTEST_CLIP, SLOWEST_CLIP
 from studio.core.curves.tangents import HEAVIEST, LIGHTEST, Tangent, TangentMode, Tangents, tangents_of
-from studio.core.plausible import PLACE_RANGE
+from studio.core.plausible import PLACE_RANGE, WEIGHT
 from studio.core.rotations import from_euler, from_matrix, to_euler
 from studio.document.keyed_fields import Keyed, KeyedField
 from studio.document.length_units import shown_unit
@@ -78,6 +78,8 @@ def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
                 return (Channel(field, 0, field.name, "°", DEGREES_PER_RADIAN),)
             if field.collection == "clips":
                 return (Channel(field, 0, field.name, "×", baseline=0.0, limits=(SLOWEST_CLIP, FASTEST_CLIP)),)
+            if field.name == "weight":
+                return (Channel(field, 0, field.name, "", baseline=0.0, limits=(0.0, WEIGHT.most)),)
             metre = shown_unit("m")
             return (Channel(field, 0, field.name, metre.symbol, metre.factor, limits=(0.0, PLACE_RANGE.most)),)
         case KeyedProportions():

@@ -30,6 +30,7 @@ from studio.core.solver.asking.limb_availability import arm_limit_fractions, leg
 from studio.core.solver.asking.packing import pack_tasks, priority_order
 from studio.core.solver.asking.releasing import contact_release, is_ramped, ramped_target
 from studio.core.solver.asking.self_contact import arm_activations
+from studio.core.solver.asking.shared_goals import share_goals
 from studio.core.solver.asking.tracks import OwnPath, Targets, Track, Tracks, raised_along_arms
 from studio.core.solver.performers.followed_tracks import own_track
 from studio.core.solver.smoothing.level_smoothing import (
@@ -93,7 +94,7 @@ class SolvedWindow:
             stands = np.array([each.standing[window] for each in held])
             acts = np.concatenate([stands & (activations[:, window] > 0.0).any(axis=0), acts])
         self._activations = np.ascontiguousarray(acts)
-        self._sunk = np.zeros(acts.shape)
+        self._shifts = share_goals(self._rows, self._held, acts)
         self._shares, self._targets = self._lead(asked)
         joints = joints_of_chains(tuple(map(relevant_chain, everything)), self._rows.levels, body.layout)
         self._joints = joints if bound.uses_joint_limits else joints.without_limits
@@ -133,7 +134,7 @@ class SolvedWindow:
                 places[c] = below
                 if self._asked[-1].uses_ground:
                     places[c] = target_above_ground(constraint, below, self.standing, self.window)
-                    self._sunk[c] = places[c][:, 2] - below[:, 2]
+                    self._shifts[c] = np.hypot(self._shifts[c], places[c][:, 2] - below[:, 2])
         return fractions, replace(self._rows, positions=places).stacked_targets
 
     def _find_freedoms(self, activations: FloatArray) -> FloatArray:
@@ -202,7 +203,7 @@ class SolvedWindow:
                 clearance = clearance._replace(activations=fractions)
         tiered = activations_by_tier(acts, self._clearance) if self._clear else acts[None]
         recruits = BalanceJoints(joints.recruited, usual, self._freedoms)
-        asked = ConstraintSet(rows.tasks, rows.areas, chain, recruits, self._targets, tiered)
+        asked = ConstraintSet(rows.tasks, rows.areas, chain, recruits, self._targets, tiered, rows.stacked_weights)
         motion = MotionArrays(*self._unsolved, self._positions, self._rotations)
         solve_frames(asked, self._body, motion, clearance, easing, self._missed[: len(rows.tasks)])
 
@@ -338,12 +339,12 @@ class SolvedWindow:
     def residuals(self) -> FloatArray:
         """Residuals (C, F), metres or radians, in the given order of constraints.
 
-        The depth by which a target was raised counts at right angles to what is left to the raised target: only that
-        is held against lower constraints, not the distance to the target in the ground.
+        The shift from a target to its goal, out of the ground or to a mean of targets, counts at right angles to what
+        is left to the goal: only that is held against lower constraints, not the distance to the target.
         """
         residuals = np.empty((len(self._order) + len(self._clear), len(self._positions)))
         residuals[self._order + self._clear] = self._missed[self._held :]
-        residuals[self._order] = np.hypot(residuals[self._order], (self._activations * self._sunk)[self._held :])
+        residuals[self._order] = np.hypot(residuals[self._order], (self._activations * self._shifts)[self._held :])
         return residuals
 
 
