@@ -94,12 +94,15 @@ def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
 
 def values_at(channel: Channel, keyed: Keyed, times: ArrayLike) -> FloatArray:
     """(N,) values at ``times`` (N,) of the field."""
+    return np.asarray(components_at(keyed, times)[:, channel.component] * channel.factor)
+
+
+def components_at(keyed: Keyed, times: ArrayLike) -> FloatArray:
+    """(N, D) stored values of all channels at ``times`` (N,), of a rotation its angles in radians."""
     seconds = np.asarray(times, dtype=np.float64)
     if isinstance(keyed, ActivationCurve):
-        return keyed.at(seconds)
-    if isinstance(keyed, KeyedTurn):
-        return np.asarray(_angles(keyed, seconds)[:, channel.component] * channel.factor)
-    return np.asarray(keyed.at(seconds)[:, channel.component] * channel.factor)
+        return keyed.at(seconds)[:, None]
+    return _angles(keyed, seconds) if isinstance(keyed, KeyedTurn) else np.asarray(keyed.at(seconds))
 
 
 def key_values(channel: Channel, keyed: Keyed) -> FloatArray:
