@@ -119,12 +119,18 @@ def _rivals(first: Constraint, second: Constraint) -> bool:
     return begin < end or (begin == end and a == b)
 
 
-def are_blended(first: Constraint, second: Constraint) -> bool:
-    """True for two constraints whose targets are blended by weight if their priorities are equal: of one kind, on one
-    point or segment, with targets outside the body.
+def blended_thing(constraint: Constraint) -> object:
+    """Kind, and point or segment, for which several targets of one priority are blended by weight; None for other kinds
+    and for targets on the own body.
     """
-    outside = _followed(first) is None and _followed(second) is None
-    return first.kind == second.kind and first.kind in _BLENDED and outside and _about(first) == _about(second)
+    is_blended = constraint.kind in _BLENDED and _followed(constraint) is None
+    return (constraint.kind, _about(constraint)) if is_blended else None
+
+
+def are_blended(first: Constraint, second: Constraint) -> bool:
+    """True for two constraints whose targets are blended by weight if their priorities are equal."""
+    thing = blended_thing(first)
+    return thing is not None and thing == blended_thing(second)
 
 
 def _is_keyed(*weights: float | KeyedNumber) -> bool:

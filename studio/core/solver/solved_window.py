@@ -94,7 +94,8 @@ class SolvedWindow:
             stands = np.array([each.standing[window] for each in held])
             acts = np.concatenate([stands & (activations[:, window] > 0.0).any(axis=0), acts])
         self._activations = np.ascontiguousarray(acts)
-        self._shifts = share_goals(self._rows, self._held, acts)
+        share_goals(self._rows, asked, self._held, acts)
+        self._sunk = np.zeros(acts.shape)
         self._shares, self._targets = self._lead(asked)
         joints = joints_of_chains(tuple(map(relevant_chain, everything)), self._rows.levels, body.layout)
         self._joints = joints if bound.uses_joint_limits else joints.without_limits
@@ -134,7 +135,7 @@ class SolvedWindow:
                 places[c] = below
                 if self._asked[-1].uses_ground:
                     places[c] = target_above_ground(constraint, below, self.standing, self.window)
-                    self._shifts[c] = np.hypot(self._shifts[c], places[c][:, 2] - below[:, 2])
+                    self._sunk[c] = places[c][:, 2] - below[:, 2]
         return fractions, replace(self._rows, positions=places).stacked_targets
 
     def _find_freedoms(self, activations: FloatArray) -> FloatArray:
@@ -339,12 +340,12 @@ class SolvedWindow:
     def residuals(self) -> FloatArray:
         """Residuals (C, F), metres or radians, in the given order of constraints.
 
-        The shift from a target to its goal, out of the ground or to a mean of targets, counts at right angles to what
-        is left to the goal: only that is held against lower constraints, not the distance to the target.
+        The depth by which a target was raised counts at right angles to what is left to the raised target: only that
+        is held against lower constraints, not the distance to the target in the ground.
         """
         residuals = np.empty((len(self._order) + len(self._clear), len(self._positions)))
         residuals[self._order + self._clear] = self._missed[self._held :]
-        residuals[self._order] = np.hypot(residuals[self._order], (self._activations * self._shifts)[self._held :])
+        residuals[self._order] = np.hypot(residuals[self._order], (self._activations * self._sunk)[self._held :])
         return residuals
 
 
