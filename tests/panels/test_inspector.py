@@ -249,6 +249,15 @@ def test_a_tied_constraint_shares_the_place_of_the_one_above_and_has_a_weight_am
     assert document.project.constraints["constraint 1"].weight == 1.0
 
 
+def test_all_rows_of_the_order_are_in_sight(inspector, document, qtbot):
+    """The last one hid the first while it was selected."""
+    document.selection.set(("constraints", "constraint 2"))
+    order = inspector.findChild(OrderList)
+    qtbot.wait(20)
+    assert order.verticalScrollBar().maximum() == 0
+    assert order.visualItemRect(order.item(0)).top() >= 0
+
+
 def test_a_keyed_weight_lets_a_second_target_of_one_point_share_a_priority(inspector, document, qtbot):
     first = document.project.constraints["constraint 0"]
     other = replace(document.project.constraints["constraint 1"], point=first.point, target=(0.3, 0.1, 1.2))

@@ -181,8 +181,8 @@ class Constraint:
 
     def weights_at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """Weights (F or 1,) at ``times`` (F,) seconds, above 0 so that means by weight exist."""
-        keyed = isinstance(self.weight, KeyedNumber)
-        return np.maximum(self.weight.at(times)[:, 0] if keyed else [self.weight], LEAST_WEIGHT)
+        keyed = self.weight.at(times)[:, 0] if isinstance(self.weight, KeyedNumber) else np.array([self.weight])
+        return np.asarray(np.maximum(keyed, LEAST_WEIGHT))
 
     def carried(self, carry: "ClipTransform") -> dict[str, Any]:
         """Field values that change where a clip plays (``constraints.carried_over``)."""

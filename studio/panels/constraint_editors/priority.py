@@ -68,7 +68,7 @@ class PrioritySection(Section):
             shown = [(self._list.item(k).data(ID), self._list.item(k).text()) for k in range(self._list.count())]
             if rows != shown:
                 self._fill(rows)
-        self._list.setFixedHeight(PRIORITY_ROW_PX * len(rows))
+        self._list.setFixedHeight(PRIORITY_ROW_PX * len(rows) + 2 * self._list.frameWidth())
         order = list(constraints)
         place = order.index(self._editor.entity_id)
         ties = shared_priorities(constraints, order)
