@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from enum import IntEnum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -103,6 +103,15 @@ def components_at(keyed: Keyed, times: ArrayLike) -> FloatArray:
     if isinstance(keyed, ActivationCurve):
         return keyed.at(seconds)[:, None]
     return _angles(keyed, seconds) if isinstance(keyed, KeyedTurn) else np.asarray(keyed.at(seconds))
+
+
+def allowed_value_at(field: KeyedField, keyed: Keys, time: float) -> Any:
+    """Value of a field at ``time``; of a number within its limits, which its curve may overshoot between keys."""
+    value = keyed.value_at(time)
+    if isinstance(keyed, KeyedNumber):
+        least, most = channels_of(field, keyed)[0].limits
+        return min(max(value, least), most)
+    return value
 
 
 def key_values(channel: Channel, keyed: Keyed) -> FloatArray:

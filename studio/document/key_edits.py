@@ -15,6 +15,7 @@ from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.core.curves.tangents import Beyond
 from studio.core.stage.correction import KeyedPoses
 from studio.core.stage.prop import Prop
+from studio.document.channels import allowed_value_at
 from studio.document.clip_edits import set_speed
 from studio.document.edited_project import EditedProject
 from studio.document.keyed_fields import (
@@ -185,7 +186,7 @@ def set_keys(document: EditedProject, turning: bool = False) -> int:
     items = [item for item in selected if item[0] != "performers"] or [*selected]
     fields = selected_fields(document.shown_project, items)
     values: dict[KeyedField, Keys] = {
-        field: value.with_key(time, value.value_at(time))
+        field: value.with_key(time, allowed_value_at(field, value, time))
         for field, value in fields.items()
         if isinstance(value, Keys)
         for time in (time_at_playhead(document, field),)
@@ -220,7 +221,7 @@ def _fixed(document: EditedProject, field: KeyedField, value: Keys) -> object:
     """Value without keys for a field, equal to the present one."""
     if isinstance(value, KeyedOwnPlace):
         return value.own_at(time_at_playhead(document, field))
-    found = value.value_at(time_at_playhead(document, field))
+    found = allowed_value_at(field, value, time_at_playhead(document, field))
     return Proportions(*found) if isinstance(found, tuple) and isinstance(value, KeyedProportions) else found
 
 

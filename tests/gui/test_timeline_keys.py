@@ -12,6 +12,7 @@ from studio.core.body.morphology import Proportions
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.follow import UNTURNED
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
+from studio.core.curves.tangents import Tangent, TangentMode, Tangents
 from studio.core.stage.prop import Prop
 from studio.document.key_edits import set_keys
 from studio.document.keyed_fields import KeyedField
@@ -252,6 +253,16 @@ def test_set_key_keys_a_constraint_and_not_the_body_that_is_selected_with_it(doc
     document.selection.set(("performers", "performer 0"), ("constraints", kick))
     document.playhead.set_time(40 / RATE)
     assert set_keys(document) == 1
+
+
+def test_set_key_where_a_weight_overshoots_below_zero_sets_zero(document, timeline, kick):
+    side = Tangent(TangentMode.FREE, (-9.0,))
+    weight = KeyedNumber((24 / RATE, 44 / RATE), (0.2, 1.0), tangents=(Tangents(side, side), None))
+    document.replace("constraints", "kick", replace(document.project.constraints["kick"], weight=weight), "Weigh")
+    document.playhead.set_frame(28)
+    assert weight.value_at(28 / RATE) < 0.0
+    set_keys(document)
+    assert document.project.constraints["kick"].weight.values == (0.2, 0.0, 1.0)
 
 
 @pytest.mark.parametrize("collection", ["constraints", "props"])
