@@ -40,7 +40,7 @@ PART_SEGMENTS = {
     "legs": (12, 13, 16, 17), "feet": (14, 18), "toes": (15, 19),
 }  # fmt: skip
 """Segments, of those that ``_segments`` compares, by the part of the body that they are."""
-HEAD, HANDS = 3, PART_SEGMENTS["hands"]
+_HEAD, _HANDS = 3, PART_SEGMENTS["hands"]
 """Segments whose x axes are directions: that of the face, and the normals of the palms."""
 SWING_SHARE = 98.0
 """Percentile of the straightness of swinging knees that is reported."""
@@ -117,8 +117,8 @@ def motion_quality(
         toes=float(folded.max()) if len(folded) else np.nan,
         bob=_bob(adapted) / max(_bob(source), LEAST_BOB),
         posture=float(np.abs(limb_elevations(adapted) - limb_elevations(source)).max()),
-        face=float(_x_axes_apart(adapted, source, HEAD).max()),
-        palms=max(float(_x_axes_apart(adapted, source, hand).max()) for hand in HANDS),
+        face=float(_x_axes_apart(adapted, source, _HEAD).max()),
+        palms=max(float(_x_axes_apart(adapted, source, hand).max()) for hand in _HANDS),
         shoulders=_least_shoulders(adapted) - _least_shoulders(source),
         hands=_hands(adapted, source),
         jump=_jump(adapted, source),
