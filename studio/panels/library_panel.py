@@ -16,7 +16,7 @@ from PySide6.QtCore import (
     Qt,
     Signal,
 )
-from PySide6.QtGui import QKeyEvent, QMouseEvent
+from PySide6.QtGui import QCursor, QKeyEvent, QMouseEvent
 from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QListView, QVBoxLayout, QWidget
 
 from studio.core.stage.project import Performer
@@ -173,6 +173,7 @@ class LibraryPanel(QWidget):
         self.view.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
         self.view.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.view.setUniformItemSizes(False)
+        self.view.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
         self.view.setDragEnabled(True)
         self.view.setResizeMode(QListView.ResizeMode.Adjust)
         column = QVBoxLayout(self)
@@ -195,10 +196,25 @@ class LibraryPanel(QWidget):
         self.refresh()
 
     def refresh(self) -> None:
-        """Update all rows."""
+        """Update all rows; a row that stays does not move under the mouse."""
+        anchor = self._anchor()
         with QSignalBlocker(self.view.selectionModel()):
             self.model.show(self._rows())
+        if anchor is not None:
+            item, top = anchor
+            bar = self.view.verticalScrollBar()
+            bar.setValue(bar.value() + self.row_rect(item).top() - top)
         self._show_selection()
+
+    def _anchor(self) -> tuple[tuple[str, str], int] | None:
+        """Item whose row is to stay, and its top pixel: under the mouse, else the current one, else the first one."""
+        remaining = {row.item for row in self._rows()}
+        mouse, area = self.view.viewport().mapFromGlobal(QCursor.pos()), self.view.viewport().rect()
+        rects = {row.item: self.row_rect(row.item) for row in self.model.rows if row.item and row.item in remaining}
+        visible = {item: rect for item, rect in rects.items() if rect.intersects(area)}
+        under = [item for item, rect in visible.items() if rect.contains(mouse)]
+        current = [self.document.selection.current] if self.document.selection.current in visible else []
+        return next(((item, visible[item].top()) for item in (*under, *current, *visible) if item), None)
 
     def _rows(self) -> list[LibraryRow]:
         return rows_of(self.document.shown_project, self.document.active_motion_id, self.search_field.text())
