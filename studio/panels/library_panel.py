@@ -197,24 +197,25 @@ class LibraryPanel(QWidget):
 
     def refresh(self) -> None:
         """Update all rows; a row that stays does not move under the mouse."""
-        anchor = self._anchor()
+        anchor, bar = self._anchor(), self.view.verticalScrollBar()
+        scrolled = bar.value()
         with QSignalBlocker(self.view.selectionModel()):
             self.model.show(self._rows())
         if anchor is not None:
             item, top = anchor
-            bar = self.view.verticalScrollBar()
-            bar.setValue(bar.value() + self.row_rect(item).top() - top)
+            scrolled = bar.value() + self.row_rect(item).top() - top
+        bar.setValue(scrolled)
         self._show_selection()
 
     def _anchor(self) -> tuple[tuple[str, str], int] | None:
-        """Item whose row is to stay, and its top pixel: under the mouse, else the current one, else the first one."""
+        """Item whose row is to stay, and its top pixel: the one under the mouse, else the current one if it is seen."""
         remaining = {row.item for row in self._rows()}
         mouse, area = self.view.viewport().mapFromGlobal(QCursor.pos()), self.view.viewport().rect()
         rects = {row.item: self.row_rect(row.item) for row in self.model.rows if row.item and row.item in remaining}
-        visible = {item: rect for item, rect in rects.items() if rect.intersects(area)}
-        under = [item for item, rect in visible.items() if rect.contains(mouse)]
-        current = [self.document.selection.current] if self.document.selection.current in visible else []
-        return next(((item, visible[item].top()) for item in (*under, *current, *visible) if item), None)
+        under = [item for item, rect in rects.items() if rect.contains(mouse)]
+        current = self.document.selection.current
+        seen = [current] if current in rects and rects[current].intersects(area) else []
+        return next(((item, rects[item].top()) for item in (*under, *seen) if item), None)
 
     def _rows(self) -> list[LibraryRow]:
         return rows_of(self.document.shown_project, self.document.active_motion_id, self.search_field.text())
