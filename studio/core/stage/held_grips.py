@@ -71,7 +71,8 @@ def _curve_in(
 
 
 def _holds(props: Mapping[str, Prop], prop_id: str | None) -> list[Carried]:
-    return [each for each in props[prop_id].holds if isinstance(each, Carried)] if prop_id in props else []
+    prop = props.get(prop_id or "")
+    return [each for each in prop.holds if isinstance(each, Carried)] if prop else []
 
 
 @dataclass(frozen=True)
