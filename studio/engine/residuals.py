@@ -51,7 +51,7 @@ class Residual:
     amount: float
     """Metres or radians, as ``measure`` says."""
     frame: int
-    """Of the constraint's own motion."""
+    """Frame of the constraint's own motion."""
     stage_frame: int
     time: float
     """Seconds of the stage."""

@@ -16,7 +16,7 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.project import Project
 from studio.core.stage.prop import Carried, Prop
 
-SAME_TIME = 1e-6
+SAME_STAGE_TIME = 1e-6
 """Seconds that are no difference between two moments."""
 
 
@@ -61,13 +61,13 @@ def _curve_in(
         last = max(origin.stage_time(curve.full_end), row_end)
     first = max(first, -math.inf if hold.begin is None else hold.begin)
     last = min(last, math.inf if hold.end is None else hold.end)
-    if first > last + SAME_TIME:
+    if first > last + SAME_STAGE_TIME:
         return None
     full, full_end = piece.motion_time(first), piece.motion_time(max(last, first))
     times = full - (curve.full - curve.start), full, full_end, full_end + curve.end - curve.full_end
     if piece.stage_time(times[3]) <= piece.begin or piece.stage_time(times[0]) >= piece.end:
         return None
-    return curve if np.allclose(times, curve.times, rtol=0.0, atol=SAME_TIME) else curve.with_times(*times)
+    return curve if np.allclose(times, curve.times, rtol=0.0, atol=SAME_STAGE_TIME) else curve.with_times(*times)
 
 
 def _holds(props: Mapping[str, Prop], prop_id: str | None) -> list[Carried]:
@@ -108,7 +108,7 @@ class _Piece:
 
     def plays_no_longer_than(self, seconds: float) -> bool:
         """True if it ends before or at ``seconds`` of the motion."""
-        return seconds >= self.clip.last / self.frame_rate - SAME_TIME
+        return seconds >= self.clip.last / self.frame_rate - SAME_STAGE_TIME
 
 
 def _pieces(project: Project, performer_id: str, constraint: Constraint) -> Iterator[_Piece]:
