@@ -106,7 +106,7 @@ class ExportDialog(QDialog):
         first, more = self._carried[:1], len(self._carried) - 1
         words = f"Keep: {', '.join(first)}{f' and {more} more' if more > 0 else ''}"
         self.others = Choice("Other joints", [("carry", words), ("leave", "Leave out")])
-        self.range = Choice("Range", [("all", "All frames"), ("timeline", "Timeline range")])
+        self.range = Choice("Range", [("all", "All frames"), ("timeline", "Play range")])
         self.frame_rate = Choice(
             "Frame rate", [(None, "As captured"), *((rate, f"{rate:g} fps") for rate in MOTION_RATES)]
         )

@@ -125,7 +125,7 @@ def _rows_of(
         own = {aspect: _worst(np.where(acts, values, np.nan), times, each) for aspect, (values, each) in tracks.items()}
         found = worst_residual(project, performer_id, motion, asked.constraint_id)
         if found is not None:
-            own["residual"] = Finding(found.amount, stage_time(clip, rate, found.frame / rate), found.measure)
+            own["residual"] = Finding(found.amount, found.time, found.measure)
         name = (mirrored_constraint(constraint) if clip.mirrored else constraint).name
         yield SummaryRow(performer_id, performer.name, asked.constraint_id, name, _known(own))
 

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactInterval
-from studio.core.constraints.base import Constraint
 from studio.core.curves.activation import FULLY_ACTIVE
 from studio.core.project_cache import project_cache
+from studio.core.solver.performers.rows import stage_span, timing_of
 from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.solver.request import AdaptedMotion
-from studio.core.stage.clip import Clip
 from studio.core.stage.project import Project
+from studio.core.stage.timing import Timing
 from studio.document import colours
 from studio.engine.live_interface import Live
 from studio.engine.residual_measures import LENGTH_MEASURE, Measure, measure_of
@@ -46,11 +46,15 @@ class Inactive(StrEnum):
 
 @dataclass(frozen=True)
 class Residual:
-    """Worst residual of a constraint on a body: its amount, the motion's frame, True if it is fully active there."""
+    """Worst residual of a constraint on a body, and where it is."""
 
     amount: float
     """Metres or radians, as ``measure`` says."""
     frame: int
+    """Frame of the constraint's own motion."""
+    stage_frame: int
+    time: float
+    """Seconds of the stage."""
     fully_active: bool
     measure: Measure = LENGTH_MEASURE
 
@@ -82,26 +86,33 @@ class Residual:
 
 @dataclass(frozen=True, eq=False)
 class ConstraintResiduals:
-    """Residuals of a constraint in frames of its own motion, from ``first_frame`` on, at ``frame_rate``. ``amounts``
-    (F,) metres or radians, NaN where inactive.
-    """
+    """Residuals of a constraint in the frames of a body's row."""
 
-    first_frame: int
-    frame_rate: float
+    timing: Timing
+    """Frames of the row on the stage; 0 is the first one here."""
+    frames: NDArray[np.int64]
+    """(F,) frames of the constraint's own motion, -1 where the row plays another one."""
     amounts: FloatArray
+    """(F,) metres or radians, NaN where inactive."""
+    activation: FloatArray
+    """(F,) activation without contacts."""
+    freedom: FloatArray
+    """(F,) factor of the activation: 0 where a contact holds the limb, 1 without one."""
+    played: NDArray[np.bool_]
+    """(F,) True where a clip plays the motion."""
 
     @property
-    def frames(self) -> NDArray[np.int64]:
-        """(F,) frames of the motion."""
-        return self.first_frame + np.arange(len(self.amounts))
+    def times(self) -> FloatArray:
+        """(F,) seconds of the stage."""
+        return self.timing.begin + np.arange(len(self.frames)) / self.timing.frame_rate
 
 
 def residuals_on(
     project: Project, performer_id: str, motion: AdaptedMotion | None, constraint_id: str
 ) -> ConstraintResiduals | None:
-    """Residual of a constraint on a body; None without a result, or where it does not apply.
+    """Residuals of a constraint on a body; None without a result, or where it does not apply.
 
-    Where a performer plays its motion more than once, the worse one counts.
+    Where several parts of the constraint act in a frame, the worst one counts.
     """
     constraint = project.constraints.get(constraint_id)
     performer = project.performers.get(performer_id)
@@ -112,25 +123,39 @@ def residuals_on(
     # With another count the result answers an older question.
     if not rows or len(motion.residuals) != len(asked):
         return None
-    composite = motion.composite
+    count, composite = motion.first_frame + motion.frame_count, motion.composite
+    amounts = np.full(count, np.nan)
+    amounts[motion.first_frame :] = np.fmax.reduce(motion.residuals[rows], axis=0)
+    timing = timing_of(project, performer)
+    own, clips = np.full(count, -1), np.full(count, -1)
+    curves = {(asked[row].clip, asked[row].repeat): asked[row].constraint.activation for row in rows}
+    activation, freedom = np.zeros(count), np.ones(count)
     if composite is None or composite.is_plain:
-        return ConstraintResiduals(
-            motion.first_frame, motion.frame_rate, np.fmax.reduce(motion.residuals[rows], axis=0)
-        )
-    clip = performer.clips[asked[rows[0]].clip]
-    capture = project.captures[project.motions[clip.motion_id].capture_id]
-    amounts = np.full(capture.frame_count, np.nan)
-    played = {each.piece.origin: each for each in reversed(composite.played)}
-    if any((asked[row].clip, asked[row].repeat) not in played for row in rows):
-        return None  # the result is of a row of other clips
-    for row in rows:
-        each = played[asked[row].clip, asked[row].repeat]
-        frames = motion.first_frame + np.flatnonzero(
-            np.isfinite(motion.residuals[row])
-        )  # on into parts of a split clip
-        own = np.rint(each.motion_frames(frames, composite.timing)).astype(np.int64).clip(0, capture.frame_count - 1)
-        np.fmax.at(amounts, own, motion.residuals[row, frames - motion.first_frame])
-    return ConstraintResiduals(0, capture.frame_rate, amounts)
+        pieces = [((0, 0), np.arange(count), np.arange(count))]
+    else:
+        timing, frames = composite.timing, np.arange(count)
+        played = {each.piece.origin: each for each in composite.played}
+        if not curves.keys() <= played.keys():
+            return None  # the result is of a row of other clips
+        pieces = [
+            (origin, there, np.rint(each.motion_frames(there, timing)).astype(np.int64))
+            for origin, each in played.items()
+            if len(there := frames[each.first : each.last + 1])
+        ]
+    for (place, repeat), there, of_motion in pieces:
+        clip = performer.clips[place]
+        if clip.motion_id != constraint.motion_id:
+            continue
+        rate = project.frame_rate_of(clip)
+        own[there], clips[there] = of_motion, np.where((of_motion >= clip.first) & (of_motion <= clip.last), place, -1)
+        curve = curves.get((place, repeat))
+        if curve is None and np.isfinite(amounts[there]).any():
+            curve = next(iter(curves.values()))  # on into a part of a split clip
+        activation[there] = 0.0 if curve is None else curve.at(of_motion / rate)
+        contacts = tuple(project.contacts_for(performer_id, clip).values())
+        held = _freedom(contacts, constraint.point.part, int(of_motion.max()) + 1, rate)
+        freedom[there] = held[np.maximum(of_motion, 0)]
+    return ConstraintResiduals(timing, own, amounts, activation, freedom, clips >= 0)
 
 
 def applies_to(project: Project, performer_id: str, constraint_id: str) -> bool:
@@ -154,21 +179,19 @@ def worst_residual(
     missed = residuals_on(project, performer_id, motion, constraint_id)
     if missed is None:
         return None
-    constraint = project.constraints[constraint_id]
-    frames = missed.frames
-    clips = _clips_with(project, performer_id, constraint)
-    played = np.any([(frames >= clip.first) & (frames <= clip.last) for clip in clips], axis=0)
-    asked = np.where(played, missed.amounts, np.nan)
-    activation = constraint.activation.at(frames / missed.frame_rate) * freedom_from_contacts(
-        project, performer_id, constraint, missed
-    )
-    full = np.where(activation >= FULLY_ACTIVE, asked, np.nan)
+    asked = np.where(missed.played, missed.amounts, np.nan)
+    full = np.where(missed.activation * missed.freedom >= FULLY_ACTIVE, asked, np.nan)
     fully_active = bool(np.isfinite(full).any())
     counted = full if fully_active else asked
     if not np.isfinite(counted).any():
         return None
     place = int(np.nanargmax(counted))
-    return Residual(float(counted[place]), int(frames[place]), fully_active, measure_of(constraint))
+    time, measure = float(missed.times[place]), measure_of(project.constraints[constraint_id])
+    stage = stage_span(project)
+    return Residual(
+        float(counted[place]), int(missed.frames[place]), round(time * stage.frame_rate) if stage else place, time,
+        fully_active, measure,
+    )  # fmt: skip
 
 
 def inactivity(project: Project, performer_id: str, motion: AdaptedMotion | None, constraint_id: str) -> Inactive:
@@ -176,27 +199,10 @@ def inactivity(project: Project, performer_id: str, motion: AdaptedMotion | None
     missed = residuals_on(project, performer_id, motion, constraint_id)
     if missed is None:
         return Inactive.ELSEWHERE
-    constraint, frames = project.constraints[constraint_id], missed.frames
-    clips = _clips_with(project, performer_id, constraint)
-    played = np.any([(frames >= clip.first) & (frames <= clip.last) for clip in clips], axis=0)
-    active = played & (constraint.activation.at(frames / missed.frame_rate) > 0.0)
-    free = freedom_from_contacts(project, performer_id, constraint, missed) >= 1.0
+    active = missed.played & (missed.activation > 0.0)
     if not active.any():
         return Inactive.ELSEWHERE
-    return Inactive.CUT if (active & free).any() else Inactive.OVERRIDDEN
-
-
-def freedom_from_contacts(
-    project: Project, performer_id: str, constraint: Constraint, missed: ConstraintResiduals
-) -> FloatArray:
-    """Factor (F,) of the constraint's activation: 0 in frames in which a contact holds its limb, 1 without one."""
-    clip, frames = _clips_with(project, performer_id, constraint)[0], missed.frames
-    contacts = tuple(project.contacts_for(performer_id, clip).values())
-    return _freedom(contacts, constraint.point.part, int(frames[-1]) + 1, missed.frame_rate)[frames]
-
-
-def _clips_with(project: Project, performer_id: str, constraint: Constraint) -> list[Clip]:
-    return [each for each in project.performers[performer_id].clips if each.motion_id == constraint.motion_id]
+    return Inactive.CUT if (active & (missed.freedom >= 1.0)).any() else Inactive.OVERRIDDEN
 
 
 @project_cache(maxsize=64)

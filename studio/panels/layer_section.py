@@ -17,17 +17,17 @@ class LayerSection(Section):
         super().__init__("Layer")
         self._editor = editor
         self._region = Choice("Body region", [(region, region.label) for region in Region])
-        self._region.value_chosen.connect(lambda region: self._put("Layer on another region", region=region))
+        self._region.value_chosen.connect(lambda region: self._put("Set body region of", region=region))
         self.add_row("Body region", self._region)
         self._weight = editor.bind(
             NumberField("Weight", "%", 0.0, PER_CENT, 1.0, 0),
-            lambda number: self._put("Weight of layer", weight=number / PER_CENT),
+            lambda number: self._put("Set layer weight of", weight=number / PER_CENT),
         )
         self.add_row("Weight", self._weight)
         self._fades = [
             editor.bind(
                 NumberField(f"Fades {way}", "s", 0.0, 60.0, 0.05),
-                lambda seconds, name=name: self._put("Set fade of layer", **{name: seconds}),  # type: ignore[misc]
+                lambda seconds, name=name: self._put("Set layer fade of", **{name: seconds}),  # type: ignore[misc]
             )
             for way, name in (("in", "fade_in"), ("out", "fade_out"))
         ]
@@ -35,11 +35,11 @@ class LayerSection(Section):
             field.setSpecialValueText("automatic")
         self.add_row("Fade in / out (s)", *self._fades)
         self._additive = check_box("Additive")
-        self._additive.toggled.connect(lambda on: self._put("Set layer additive", additive=on))
+        self._additive.toggled.connect(lambda on: self._put("Set additive mode of", additive=on))
         self.add_row("Blend mode", self._additive)
         self._reference = editor.bind(
             NumberField("Reference frame", "", -1, 1e6, 1, 0),
-            lambda frame: self._put("Set reference frame of layer", reference=round(frame)),
+            lambda frame: self._put("Set reference frame of", reference=round(frame)),
         )
         self._reference.setSpecialValueText("first frame")
         self._reference.setToolTip("Additive: the difference from this frame of the clip is added.")

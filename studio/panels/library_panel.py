@@ -20,7 +20,7 @@ from PySide6.QtCore import (
     Qt,
     Signal,
 )
-from PySide6.QtGui import QKeyEvent, QMouseEvent
+from PySide6.QtGui import QCursor, QKeyEvent, QMouseEvent
 from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QListView, QVBoxLayout, QWidget
 
 from studio.core.stage.project import Performer
@@ -182,6 +182,7 @@ class LibraryPanel(QWidget):
         self.view.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
         self.view.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.view.setUniformItemSizes(False)
+        self.view.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
         self.view.setDragEnabled(True)
         self.view.setResizeMode(QListView.ResizeMode.Adjust)
         column = QVBoxLayout(self)
@@ -204,9 +205,15 @@ class LibraryPanel(QWidget):
         self.refresh()
 
     def refresh(self) -> None:
-        """Update all rows."""
+        """Update all rows; a row that stays does not move under the mouse."""
+        anchor, bar = self._anchor(), self.view.verticalScrollBar()
+        scrolled = bar.value()
         with QSignalBlocker(self.view.selectionModel()):
             self.model.show(self._rows())
+        if anchor is not None:
+            item, top = anchor
+            scrolled = bar.value() + self.row_rect(item).top() - top
+        bar.setValue(scrolled)
         self._show_selection()
 
     def show_recent(self, recent: Iterable[Path]) -> None:
@@ -214,6 +221,16 @@ class LibraryPanel(QWidget):
         self._scenes = scene_rows(recent)
         self.thumbnails.forget_saved()
         self.refresh()
+
+    def _anchor(self) -> tuple[tuple[str, str], int] | None:
+        """Item whose row is to stay, and its top pixel: the one under the mouse, else the current one if it is seen."""
+        remaining = {row.item for row in self._rows()}
+        mouse, area = self.view.viewport().mapFromGlobal(QCursor.pos()), self.view.viewport().rect()
+        rects = {row.item: self.row_rect(row.item) for row in self.model.rows if row.item and row.item in remaining}
+        under = [item for item, rect in rects.items() if rect.contains(mouse)]
+        current = self.document.selection.current
+        seen = [current] if current in rects and rects[current].intersects(area) else []
+        return next(((item, rects[item].top()) for item in (*under, *seen) if item), None)
 
     def _rows(self) -> list[LibraryRow]:
         document = self.document

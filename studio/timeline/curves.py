@@ -163,8 +163,7 @@ class CurveQuery:
         if self.quantity is Quantity.ERROR and self.constraint_id:
             missed = residuals_on(self.project, performer_id, adapted, self.constraint_id)
             if missed is not None:
-                frames = missed.first_frame + np.arange(len(missed.amounts))
-                return np.asarray(self.subject.to_stage(frames / missed.frame_rate))
+                return missed.times
         timing = timing_of(self.project, self.project.performers[performer_id])
         return timing.begin + (adapted.first_frame + np.arange(adapted.frame_count)) / timing.frame_rate
 

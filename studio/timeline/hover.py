@@ -80,11 +80,12 @@ def strip_text(sheet: TimelineLayout, constraint_id: str, performer_id: str, fra
             if sheet.context.applies_to(constraint_id, performer_id)
             else ""
         )
-    if strip.state_at(frame) == StripState.INACTIVE:
+    time = sheet.context.subject.stage_time(frame)
+    if strip.state_at(time) == StripState.INACTIVE:
         return ""
-    if strip.state_at(frame) == StripState.YIELDING:
+    if strip.state_at(time) == StripState.YIELDING:
         return f"{name}: overridden by a contact at {sheet.context.frame_words(frame)}"
-    return f"{name}: {strip.measure.text_of(strip.error_at(frame))} at {sheet.context.frame_words(frame)}"
+    return f"{name}: {strip.measure.text_of(strip.error_at(time))} at {sheet.context.frame_words(frame)}"
 
 
 def _label_text(sheet: TimelineLayout, hit: Hit) -> str:

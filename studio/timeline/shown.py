@@ -120,9 +120,8 @@ class RowContext:
 
     def frame_words(self, frame: float) -> str:
         """``frame 1809 (178 of the clip)``: the frame of the stage for a frame of the motion."""
-        stage = self.subject.stage_time(frame) * self.axis.frame_rate
-        own = f" ({number_text(frame)} of the clip)" if abs(stage - frame) >= 0.005 else ""
-        return f"frame {number_text(stage)}{own}"
+        stage = self.subject.stage_time(frame)
+        return frame_words(stage * self.axis.frame_rate, self.subject.looped_frame(stage))
 
     def moment(self, frame: float) -> str:
         """``30.151 s · frame 1809 (178 of the clip)``, of a frame of the motion."""
@@ -140,6 +139,13 @@ class RowContext:
     def x_of_motion_time(self, seconds: float) -> float:
         """Pixel of a time of the motion."""
         return self.axis.x_of_time(self.subject.to_stage(seconds))
+
+    @property
+    def later_repeats(self) -> range:
+        """Visible repeats of the clip after its first one."""
+        clip, rate, axis = self.subject.clip, self.subject.frame_rate, self.axis
+        left, right = (clip.repeat_at(axis.time_at(x), rate) for x in (axis.left, axis.right))
+        return range(max(left, 1), right + 1)
 
     def result(self, performer_id: str) -> AdaptedMotion | None:
         """Newest adapted motion of a body."""
@@ -160,6 +166,12 @@ class RowContext:
     def inactivity(self, constraint_id: str, performer_id: str) -> Inactive:
         """Reason why a constraint without a residual is inactive on a body."""
         return inactivity(self.project, performer_id, self.live.reported_motion(performer_id), constraint_id)
+
+
+def frame_words(stage: float, own: float) -> str:
+    """``frame 1809 (178 of the clip)``, of frames of the stage and of the motion."""
+    of_clip = f" ({number_text(own)} of the clip)" if abs(stage - own) >= 0.005 else ""
+    return f"frame {number_text(stage)}{of_clip}"
 
 
 def clipped_span(point: QPointF, x: float, y: float, reach: float) -> bool:

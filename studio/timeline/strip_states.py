@@ -5,12 +5,13 @@ from enum import StrEnum
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
+from studio.core.stage.timing import Timing
 from studio.engine.residual_measures import LENGTH_MEASURE, Measure, measure_of
-from studio.engine.residuals import freedom_from_contacts, residuals_on
+from studio.engine.residuals import residuals_on
 
 
 class StripState(StrEnum):
@@ -26,28 +27,42 @@ class StripState(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class ErrorStrip:
-    """Residuals (F,) in metres or radians and activation (F,), from frame ``first_frame`` on.
+    """Residuals (F,) in metres or radians and activation (F,), of the frames of a body's row.
 
     A residual is NaN where the constraint is inactive; if the activation is positive there, a foot's constraint yields
     to that foot's contact.
     """
 
-    first_frame: int
+    timing: Timing
+    """Frames of the row on the stage."""
     errors: NDArray[np.float64]
     activation: NDArray[np.float64]
     measure: Measure = LENGTH_MEASURE
 
-    def error_at(self, frame: int) -> float:
-        """Residual at a frame of the motion; NaN outside."""
-        place = frame - self.first_frame
-        return float(self.errors[place]) if 0 <= place < len(self.errors) else float("nan")
+    def frames_at(self, seconds: ArrayLike) -> NDArray[np.int64]:
+        """Frames of the row at times of the stage, before its begin and after its end too."""
+        since = np.asarray(seconds, dtype=np.float64) - self.timing.begin
+        return np.rint(since * self.timing.frame_rate).astype(np.int64)
 
-    def state_at(self, frame: int) -> StripState:
-        """State of the strip at a frame of the motion."""
-        place = frame - self.first_frame
-        if not 0 <= place < len(self.errors):
+    def error_at(self, seconds: float) -> float:
+        """Residual at a time of the stage; NaN outside."""
+        frame = int(self.frames_at(seconds))
+        return float(self.errors[frame]) if 0 <= frame < len(self.errors) else float("nan")
+
+    def state_at(self, seconds: float) -> StripState:
+        """State of the strip at a time of the stage."""
+        frame = int(self.frames_at(seconds))
+        if not 0 <= frame < len(self.errors):
             return StripState.INACTIVE
-        return STATES[int(self.state_indices[place])]
+        return STATES[int(self.state_indices[frame])]
+
+    @property
+    def span(self) -> tuple[float, float] | None:
+        """Seconds of the stage of the first and last frame in which the constraint is active; None if in none."""
+        active = np.flatnonzero(self.state_indices)
+        if not len(active):
+            return None
+        return self.timing.stage_time(int(active[0])), self.timing.stage_time(int(active[-1]))
 
     @cached_property
     def state_indices(self) -> NDArray[np.int64]:
@@ -84,12 +99,9 @@ def strip_of(
     missed = residuals_on(project, performer_id, result, constraint_id)
     if missed is None:
         return None
-    constraint = project.constraints[constraint_id]
-    activation = constraint.activation.at(missed.frames / missed.frame_rate)
-    held = freedom_from_contacts(project, performer_id, constraint, missed) < 1.0
     # A clip that is cut within a fade does without the constraint, and frames that are not played do.
-    activation = np.where(np.isfinite(missed.amounts) | held, activation, 0.0)
-    return ErrorStrip(missed.first_frame, missed.amounts, activation, measure_of(constraint))
+    activation = np.where(np.isfinite(missed.amounts) | (missed.freedom < 1.0), missed.activation, 0.0)
+    return ErrorStrip(missed.timing, missed.amounts, activation, measure_of(project.constraints[constraint_id]))
 
 
 def strip_heights(errors: NDArray[np.float64], most: int, measure: Measure = LENGTH_MEASURE) -> NDArray[np.int64]:

@@ -69,6 +69,15 @@ class ActiveMotion:
         """Frame of the motion, with a fraction, at a time of the stage."""
         return float(self.to_motion(seconds) * self.frame_rate)
 
+    @property
+    def repeat_seconds(self) -> float:
+        """Duration on the stage of one repeat of the clip."""
+        return self.clip.length(self.frame_rate) / self.clip.repeats
+
+    def looped_frame(self, seconds: float) -> float:
+        """Frame of the motion, with a fraction, that the clip's repeats play at a time of the stage."""
+        return self.motion_frame(seconds - self.clip.repeat_at(seconds, self.frame_rate) * self.repeat_seconds)
+
 
 def subject_of(document: Document) -> ActiveMotion | None:
     """Content of the rows; None when no performer plays a motion."""

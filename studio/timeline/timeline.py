@@ -91,7 +91,7 @@ class Timeline(QWidget):
         shown = self._sheet().context
         strip = shown.strip(constraint_id, performer_id)
         unknown = StripState.UNKNOWN if shown.applies_to(constraint_id, performer_id) else StripState.INACTIVE
-        return strip.state_at(frame) if strip else unknown
+        return strip.state_at(shown.subject.stage_time(frame)) if strip else unknown
 
     def fit(self) -> None:
         """Show all of time."""

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from studio.core.constraints.balance import Support
+from studio.core.solver.performers.stage import constraints_of_performer
+from studio.core.stage.held_grips import gripped_prop
 from studio.core.stage.project import Project
 from studio.engine.moments import TargetContext
 from studio.engine.performance import PosedPerformer
@@ -67,10 +69,23 @@ def constraint_handles(
                     constraint_id, performer_id, constraint.kind,
                     None if place is None else pose.clip_placement.to_stage(place),
                     figure.placed(pose.clip_placement),
-                    float(constraint.activation.at(pose.seconds)), performer_id == active,
+                    _activation(project, performer_id, pose, constraint_id), performer_id == active,
                 )
             )  # fmt: skip
     return handles
+
+
+def _activation(project: Project, performer_id: str, pose: PosedPerformer, constraint_id: str) -> float:
+    """Present activation: of a grip on a prop that of the playing repeat, as it lasts no longer than the hold."""
+    constraint = project.constraints[constraint_id]
+    if gripped_prop(constraint) is None or pose.played is None:
+        return float(constraint.activation.at(pose.seconds))
+    here = [
+        each.constraint.activation
+        for each in constraints_of_performer(project, performer_id)
+        if each.constraint_id == constraint_id and (each.clip, each.repeat) == pose.played.piece.origin
+    ]
+    return max((float(curve.at(pose.seconds)) for curve in here), default=0.0)
 
 
 def floor_under(project: Project, pose: PosedPerformer) -> float:

@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 
 from studio.core.constraints.carried_over import mirrored_constraint
-from studio.core.solver.performers.rows import stage_span
 from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.stage.project import Project
-from studio.engine.performance import Results, stage_time
+from studio.engine.performance import Results
 from studio.engine.residuals import Residual, worst_residual
 
 
@@ -16,9 +15,6 @@ class Problem:
 
     performer_id: str
     constraint_id: str
-    frame: int
-    time: float
-    """On the stage, seconds."""
     residual: Residual
     sentence: str
 
@@ -36,17 +32,13 @@ def worst_problem(project: Project, result_of: Results) -> Problem | None:
             if found is None or found.amount <= found.measure.worth_saying:
                 continue
             if worst is None or found.weight > worst.residual.weight:
-                rate = project.frame_rate_of(clip)
-                time = stage_time(clip, rate, found.frame / rate)
-                span = stage_span(project)
-                frame = round(time * span.frame_rate) if span else found.frame
                 name = (mirrored_constraint(constraint) if clip.mirrored else constraint).name
-                sentence = _sentence(performer.name, found, name, frame)
-                worst = Problem(performer_id, constraint_id, found.frame, time, found, sentence)
+                sentence = _sentence(performer.name, found, name)
+                worst = Problem(performer_id, constraint_id, found, sentence)
     return worst
 
 
-def _sentence(performer: str, residual: Residual, constraint: str, frame: int) -> str:
-    own = f" ({residual.frame} of the clip)" if residual.frame != frame else ""
+def _sentence(performer: str, residual: Residual, constraint: str) -> str:
+    own = f" ({residual.frame} of the clip)" if residual.frame != residual.stage_frame else ""
     remark = f", {residual.remark}" if residual.remark else ""
-    return f"{performer}: {residual.text} short of '{constraint}' at frame {frame}{own}{remark}"
+    return f"{performer}: {residual.text} short of '{constraint}' at frame {residual.stage_frame}{own}{remark}"

@@ -301,7 +301,7 @@ class Viewport(Canvas):
     def go_to_problem(self) -> None:
         """Go to the frame of the most important problem and select its performer and constraint."""
         if self._problem is not None:
-            self._document.playhead.set_time(self._problem.time)
+            self._document.playhead.set_time(self._problem.residual.time)
             performer, constraint = self._problem.performer_id, self._problem.constraint_id
             self._document.selection.set(("performers", performer), ("constraints", constraint))
 

@@ -405,6 +405,61 @@ def test_hands_on_a_box_that_is_handed_over_report_the_residual_that_they_have()
         assert worst < 0.02
 
 
+def looped(project: Project) -> Project:
+    """Project whose first performer plays four seconds twice."""
+    key, performer = next(iter(project.performers.items()))
+    clip = replace(performer.clips[0], last=240, repeats=2)
+    return project.with_entity("performers", key, replace(performer, clips=(clip,)))
+
+
+def test_who_has_handed_a_box_over_does_not_reach_for_it_as_the_clip_plays_again() -> None:
+    """The giver's hands were on their way to a box that the other had carried off: 347 mm short."""
+    project = looped(handing())
+    made = performed(project).performances[next(iter(project.performers))]
+    assert {each.repeat for each in made.clip_constraints} == {0}
+    times = made.composite.timing.begin + np.arange(made.adapted.frame_count) / 60.0
+    assert np.isnan(made.adapted.residuals[:, times > GIVEN + 0.6]).all()
+    assert np.isfinite(made.adapted.residuals[:, (times > 0.3) & (times < GIVEN)]).all()
+
+
+def carrying_on() -> Project:
+    """One body takes a box at 1.5 s and puts it down at 6 s, while a clip of 4 s plays twice."""
+    hold = Carried("", carrying.HANDS_CENTRE, begin=1.5, end=6.0)
+    asked = grip_constraints("walk", "", "box", Prop("Box", SIZE), (1.5, 4.0), 0)
+    return own_of(carrier(hold, asked=asked, clip={"last": 240, "repeats": 2}))
+
+
+@pytest.mark.parametrize("clips", [1, 2])
+def test_hands_stay_on_a_box_while_it_is_held_as_its_clip_plays_again(clips: int) -> None:
+    """They let go of it at every end of the clip, and took it again only where they had the first time."""
+    project = carrying_on()
+    if clips == 2:
+        [(key, performer)] = project.performers.items()
+        clip = replace(performer.clips[0], repeats=1)
+        after = replace(clip, id="after", start=clip.length(60.0))
+        project = project.with_entity("performers", key, replace(performer, clips=(clip, after)))
+    [made] = performed(project).performances.values()
+    seconds = made.composite.timing.begin + np.arange(made.adapted.frame_count) / 60.0
+    held = (seconds > 1.5) & (seconds < 6.0)
+    asked = np.max([each.activation.at(seconds) for each in made.request.constraints], axis=0)
+    assert asked[seconds < 0.9].max() == 0.0
+    assert asked[held] == pytest.approx(1.0)
+    assert asked[seconds > 6.6].max() == 0.0
+    rows = zip(made.adapted.residuals, made.request.constraints, strict=True)
+    assert max(np.fmax.reduce(row[held]) for row, each in rows if each.unit == "m") < 2e-3
+
+
+def test_hands_that_let_go_of_a_box_early_are_not_brought_back_to_it() -> None:
+    project = carrying_on()
+    early = [
+        (name, replace(each, activation=each.activation.with_times(1.0, 1.5, 2.5, 3.0)), None)
+        for name, each in project.constraints.items()
+    ]
+    [made] = performed(project.with_entities("constraints", early)).performances.values()
+    first = [each.constraint.activation.times for each in made.clip_constraints if each.repeat == 0]
+    assert first == [(1.0, 1.5, 2.5, 3.0)] * 4
+
+
 def test_who_takes_a_prop_takes_it_out_of_the_hands_that_hold_it_then() -> None:
     box = Prop("Box", held=Carried("a")).taken(Carried("b"), 2.0).taken(Carried("c"), 3.0)
     assert [(each.performer_id, each.begin, each.end) for each in box.holds] == [

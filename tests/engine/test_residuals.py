@@ -15,6 +15,7 @@ from studio.core.solver.request import AdaptedMotion
 from studio.engine.live_adaptation import normalized_with_actor
 from studio.engine.residuals import residuals_on, worst_residual
 from studio.panels.constraint_editors.worst_residuals import residuals_of, words_of
+from studio.timeline.strip_states import strip_of
 from studio.viewport.problem import worst_problem
 from tests.builders import make_constraint, make_contact, make_morphology, make_project
 
@@ -92,11 +93,32 @@ def test_an_answer_to_a_row_of_other_clips_is_not_read_though_it_asks_as_much():
     assert worst_problem(after, lambda _: told) is None
 
 
+def test_the_worst_frame_is_the_one_of_the_stage_in_the_repeat_in_which_it_is():
+    """In the second repeat of a clip, the first one's frame was shown, where all is well."""
+    project = project_of(make_constraint(name="Wrist"), frames=FRAMES)
+    performer = project.performers["performer 0"]
+    twice = replace(performer, clips=(replace(performer.clips[0], repeats=2),))
+    project = project.with_entity("performers", "performer 0", twice)
+    motion = normalized_with_actor(next(iter(project.captures.values())))[0]
+    composite = composite_of(project, "performer 0", lambda _: motion)
+    rows = np.full((2, composite.motion.frame_count), np.nan)
+    rows[0, 10], rows[1, FRAMES - 1 + 12] = 0.01, 0.04
+    nothing = np.zeros((rows.shape[1], 1, 3))
+    told = replace(answer(), positions=nothing, rotations=nothing, residuals=rows, composite=composite)
+    found = worst_residual(project, "performer 0", told, "c")
+    assert (found.amount, found.frame, found.stage_frame) == (0.04, 12, 41)
+    assert found.time == pytest.approx(41 / RATE)
+    problem = worst_problem(project, lambda _: told)
+    assert problem.sentence == "Body 0: 40 mm short of 'Wrist' at frame 41 (12 of the clip)"
+    strip = strip_of(project, "performer 0", told, "c")
+    assert (strip.error_at(41 / RATE), strip.error_at(10 / RATE)) == (0.04, 0.01)
+
+
 def test_viewport_and_inspector_tell_the_same_number_and_frame():
     project = project_of(make_constraint(name="Wrist"))
     motion = answer(peaks(f3=0.9, f10=0.04))
     problem = worst_problem(project, lambda _: motion)
     [line] = residuals_of(project, SimpleNamespace(reported_motion=lambda _: motion, ready=True), "c")
-    assert (problem.residual.amount, problem.frame) == pytest.approx((line.worst.amount, line.worst.frame))
+    assert (problem.residual.amount, problem.residual.frame) == pytest.approx((line.worst.amount, line.worst.frame))
     assert problem.sentence == "Body 0: 40 mm short of 'Wrist' at frame 10"
     assert words_of(line) == "short by 40 mm at 10"

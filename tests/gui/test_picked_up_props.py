@@ -13,6 +13,8 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.mesh.hand_shapes import OPEN_GRIP
 from studio.core.rotations import rotations_about_z
 from studio.core.solver.performers.prop_tracks import carried_track
+from studio.core.solver.performers.stage import constraints_of_performer
+from studio.core.stage.held_grips import gripped_prop
 from studio.core.stage.mirrored_props import constraint_as_played
 from studio.core.stage.prop import Carried, InHand, Prop
 from studio.document.clip_edits import mirror_clip
@@ -205,6 +207,21 @@ def test_who_has_just_taken_a_box_does_not_lose_it_as_the_giver_would_put_it_dow
     one, two = document.project.props[prop_id].holds
     assert (one.performer_id, one.end) == (FIRST, pytest.approx(document.playhead.time))
     assert two == taken.holds[1]
+
+
+def test_a_box_picked_up_as_a_clip_plays_again_is_gripped_from_then_on_and_not_before(played):
+    document = played.bench.document
+    performer = document.project.performers[FIRST]
+    once = performer.clips[0].length(document.project.frame_rate_of(performer.clips[0]))
+    twice = replace(performer, clips=(replace(performer.clips[0], repeats=2),))
+    document.replace("performers", FIRST, twice, "Loop")
+    prop_id = document.add("props", Prop("Box", position=(4.0, 0.0, 0.2)), "Add box")
+    assert played.bench.live.wait_until_solved(SECONDS)
+    pick_up(played, FIRST, prop_id, once + PICKED)
+    asked = [each for each in constraints_of_performer(document.project, FIRST) if gripped_prop(each.constraint)]
+    begins = {each.repeat: once * each.repeat + each.constraint.activation.full for each in asked}
+    assert list(begins.values()) == pytest.approx([once + PICKED] * len(begins))
+    assert 1 in begins
 
 
 @pytest.mark.parametrize("turned", [0.0, math.pi / 2])

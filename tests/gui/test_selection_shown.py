@@ -8,6 +8,7 @@ from PySide6.QtTest import QTest
 
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Motion
+from studio.core.stage.prop import Prop
 from studio.document.document import Document
 from studio.panels.inspector import Inspector
 from studio.panels.library_panel import LibraryPanel
@@ -97,3 +98,20 @@ def test_ctrl_still_adds_to_what_is_selected_in_the_library(document, library):
     place = library.row_rect(("performers", SECOND)).center() - QPoint(60, 0)
     QTest.mouseClick(library.view.viewport(), LEFT, Qt.KeyboardModifier.ControlModifier, place)
     assert {*document.selection.items} == {("performers", FIRST), ("performers", SECOND)}
+
+
+def test_a_row_that_is_clicked_stays_under_the_mouse_though_others_come_and_go(document, library):
+    """The list went back to its top, so that a second click, or a Ctrl click beside it, met another row."""
+    for place in range(30):
+        document.add("props", Prop(f"Box {place}"), "Add box")
+    for place in range(9):
+        document.add("constraints", make_constraint("motion", f"Wrist {place}", priority=place + 2), "Add")
+    document.selection.set(("performers", FIRST))
+    library.resize(320, 260)
+    bar = library.view.verticalScrollBar()
+    bar.setValue(bar.value() + library.row_rect(("performers", FIRST)).top())
+    before = library.row_rect(("performers", SECOND))
+    click(library, ("performers", SECOND))
+    assert document.active_performer_id == SECOND
+    assert library.row_rect(("constraints", "wrist")).isEmpty()
+    assert library.row_rect(("performers", SECOND)) == before

@@ -8,6 +8,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.base import BodyPoint
 from studio.core.curves.activation import ActivationCurve
+from studio.core.stage.timing import Timing
 from studio.engine.residuals import Inactive, inactivity
 from studio.panels.constraint_editors.worst_residuals import residuals_of, words_of
 from studio.timeline.strip_states import ErrorStrip, StripState, strip_heights, strip_of
@@ -17,7 +18,7 @@ from tests.timeline.fakes import make_result
 
 def make_strip(errors, activation=1.0):
     errors = np.asarray(errors, float)
-    return ErrorStrip(0, errors, np.broadcast_to(float(activation), errors.shape))
+    return ErrorStrip(Timing(0.0, 1.0, 0, len(errors) - 1), errors, np.broadcast_to(float(activation), errors.shape))
 
 
 @pytest.mark.parametrize(
@@ -90,8 +91,8 @@ def test_residuals_are_found_by_priority_among_the_enabled_constraints():
     project = project.with_entity("constraints", "constraint 0", make_constraint(name="off", priority=0, enabled=False))
     result = make_result(project, {"constraint 1": 0.5, "constraint 2": 0.0})
     assert strip_of(project, "performer 0", result, "constraint 0") is None
-    assert strip_of(project, "performer 0", result, "constraint 1").error_at(10) == 0.5
-    assert strip_of(project, "performer 0", result, "constraint 2").error_at(10) == 0.0
+    assert strip_of(project, "performer 0", result, "constraint 1").error_at(10 / 60) == 0.5
+    assert strip_of(project, "performer 0", result, "constraint 2").error_at(10 / 60) == 0.0
 
 
 def test_a_result_of_an_older_question_is_not_shown():

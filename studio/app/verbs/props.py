@@ -342,7 +342,7 @@ def _stretches(project: Project, performer: Performer, begin: float | None) -> d
     stretches: dict[str, tuple[float, float]] = {}
     for clip in _clips_after(project, performer, begin):
         rate = project.frame_rate_of(clip)
-        first = clip.first / rate if begin is None else motion_time(clip, rate, begin)
+        first = clip.first / rate if begin is None else _looped_motion_time(clip, rate, begin)
         known = stretches.get(clip.motion_id, (first, first))
         stretches[clip.motion_id] = min(first, known[0]), max(clip.last / rate, known[1])
     for clip in performer.clips:
@@ -351,3 +351,9 @@ def _stretches(project: Project, performer: Performer, begin: float | None) -> d
         if over and clip.motion_id in stretches and clip.last / rate > stretches[clip.motion_id][0]:
             del stretches[clip.motion_id]
     return stretches
+
+
+def _looped_motion_time(clip: Clip, frame_rate: float, time: float) -> float:
+    """Seconds of the clip's motion that its repeats play at a time of the stage, clamped to the clip."""
+    once = clip.length(frame_rate) / clip.repeats
+    return motion_time(clip, frame_rate, time - clip.repeat_at(time, frame_rate) * once)

@@ -58,7 +58,11 @@ class ClipTransform:
         """True if a clip that starts no more than ``pause`` seconds later continues this one."""
         ours, others = (np.array([each.begin, each.turn, *each.shift, each.mirrored]) for each in (self, after))
         alike = self.speed == after.speed and np.allclose(ours, others, rtol=0.0, atol=1e-4)
-        return bool(-1e-9 <= after.first - self.last <= pause and alike)
+        return self.adjoins(after, pause) and bool(alike)
+
+    def adjoins(self, after: "ClipTransform", pause: float) -> bool:
+        """True if a clip starts no more than ``pause`` seconds after this one, on the same side of the mirror."""
+        return -1e-9 <= after.first - self.last <= pause and self.mirrored == after.mirrored
 
     def stage_times(self, times: ArrayLike) -> FloatArray:
         """Seconds on the stage for seconds of the motion."""

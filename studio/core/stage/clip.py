@@ -81,3 +81,8 @@ class Clip:
             return np.asarray(since * self.speed + self.first / frame_rate)
         begin = playing_seconds(self.speed, self.first / frame_rate)
         return motion_seconds(self.speed, begin + since)
+
+    def repeat_at(self, seconds: float, frame_rate: float) -> int:
+        """Number of the repeat at a time of the stage; the first or last one before and after the clip."""
+        once = self.length(frame_rate) / self.repeats
+        return int(min(max((seconds - self.start) // once, 0), self.repeats - 1)) if once > 0.0 else 0

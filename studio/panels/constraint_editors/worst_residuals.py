@@ -135,7 +135,7 @@ def words_of(residual: BodyResidual) -> str:
     if residual.worst is None or word == "held":
         return word
     remark = f", {residual.worst.remark}" if residual.worst.remark else ""
-    return f"{word} by {residual.worst.text} at {residual.worst.frame}{remark}"
+    return f"{word} by {residual.worst.text} at {residual.worst.stage_frame}{remark}"
 
 
 def short_words_of(residual: BodyResidual) -> str:

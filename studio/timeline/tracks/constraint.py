@@ -1,14 +1,16 @@
 """Row of a constraint: a bar with its activation curve, four handles, and its strips, one for each body."""
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRect, Qt
+from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPainterPath, QPolygonF
 
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.target import key_times
+from studio.core.curves.activation import ActivationCurve
+from studio.core.solver.performers.stage import constraints_of_performer
 from studio.document import colours
 from studio.engine.residuals import Inactive, unsolved_words
-from studio.timeline.shown import HANDLES, Hit, ItemPart, RowContext, clipped_span, label_area
+from studio.timeline.shown import HANDLES, Hit, ItemPart, RowContext, clipped_span, frame_words, label_area
 from studio.timeline.subject import BodyOnTimeline
 from studio.timeline.tracks.brush import hairline, paint_dot, paint_fold, paint_label, translucent
 from studio.timeline.tracks.error_strip import PITCH, paint_strip, paint_unknown
@@ -17,6 +19,7 @@ CURVE_TOP_PX, CURVE, STRIP_GAP_PX, STRIP_BOTTOM_PX = 6, 19, 2, 3
 ACTIVATION_HANDLE_REACH = 6.0
 RAMP_POINTS = 48
 ROOM_FOR_LABEL = 44
+LATER_REPEAT_OPACITY = 0.2
 FOLDED_CONSTRAINT_HEIGHT = 22
 """Pixels of a folded row: a low curve, and the strip of who misses it most."""
 LOW_ABOVE, LOW_CURVE = 2, 11
@@ -64,8 +67,9 @@ def paint_constraint(painter: QPainter, row: QRect, shown: RowContext, constrain
     constraint = shown.project.constraints[constraint_id]
     colour = colours.kind_colour(constraint.kind) if constraint.enabled else colours.TEXT_THIRD
     line = line_colour(shown, constraint_id)
-    path = _curve_path(shown, row, constraint)
+    path = _curve_path(shown, row, constraint.activation)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    _paint_later_repeats(painter, row, shown, constraint_id, colour)
     painter.setPen(hairline(line, 1.5))
     if not constraint.enabled:
         painter.setPen(Qt.PenStyle.DashLine)
@@ -125,7 +129,7 @@ def constraint_hit(shown: RowContext, row: QRect, constraint_id: str, point: QPo
     }
     if near:
         return Hit("constraints", constraint_id, _nearest(near, point))
-    inside = _curve_path(shown, row, constraint).contains(point)
+    inside = _curve_path(shown, row, constraint.activation).contains(point)
     return Hit("constraints", constraint_id, ItemPart.BODY if inside else ItemPart.EMPTY)
 
 
@@ -140,18 +144,38 @@ def _nearest(near: dict[ItemPart, QPointF], point: QPointF) -> ItemPart:
     )
 
 
-def _curve_path(shown: RowContext, row: QRect, constraint: Constraint) -> QPainterPath:
-    """Activation over the visible pixels, closed along the baseline."""
-    curve, axis = constraint.activation, shown.axis
+def _paint_later_repeats(painter: QPainter, row: QRect, shown: RowContext, constraint_id: str, colour: str) -> None:
+    """Draw where the constraint acts as the clip plays again, without handles."""
+    performer, subject = shown.project.performers[shown.subject.performer_id], shown.subject
+    later = shown.later_repeats
+    if not later:
+        return
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(translucent(colour, LATER_REPEAT_OPACITY))
+    for asked in constraints_of_performer(shown.project, subject.performer_id):
+        is_shown = asked.constraint_id == constraint_id and asked.repeat in later
+        if is_shown and performer.clips[asked.clip].id == subject.clip.id:
+            delay = asked.repeat * subject.repeat_seconds
+            begin = shown.axis.x_of_time(subject.clip.start + delay)
+            painter.save()
+            painter.setClipRect(QRectF(begin, row.top(), subject.repeat_seconds * shown.axis.scale, row.height()))
+            painter.drawPath(_curve_path(shown, row, asked.constraint.activation, delay))
+            painter.restore()
+
+
+def _curve_path(shown: RowContext, row: QRect, curve: ActivationCurve, delay: float = 0.0) -> QPainterPath:
+    """Activation over the visible pixels, closed along the baseline, ``delay`` seconds after the first repeat."""
+    axis = shown.axis
     corners = (curve.start, curve.full, curve.full_end, curve.end)
-    corner_xs = [shown.x_of_motion_time(time) for time in corners]
+    corner_xs = [shown.x_of_motion_time(time) + delay * axis.scale for time in corners]
     left, right = max(corner_xs[0], axis.left - 20), min(corner_xs[-1], axis.right + 20)
     path = QPainterPath()
     if left > right:
         return path
     ramps = [np.linspace(corner_xs[k], corner_xs[k + 1], RAMP_POINTS) for k in (0, 2)]
     xs = np.unique(np.clip([left, *ramps[0], *ramps[1], right], left, right))
-    times = np.clip(shown.subject.to_motion(axis.start + (xs - axis.left) / axis.scale), curve.start, curve.end)
+    stage_seconds = axis.start + (xs - axis.left) / axis.scale - delay
+    times = np.clip(shown.subject.to_motion(stage_seconds), curve.start, curve.end)
     low = baseline(row) + 0.5
     ys = low - curve_height(row) * curve.at(times)
     outline = [QPointF(left, low), *map(QPointF, xs.tolist(), ys.tolist()), QPointF(right, low)]
@@ -173,7 +197,9 @@ def _paint_strips(painter: QPainter, row: QRect, shown: RowContext, constraint_i
         if not shown.applies_to(constraint_id, body.performer_id):
             continue
         if strip is not None:
-            paint_strip(painter, shown, strip, left, right, top, body.colour)
+            begin, end = (shown.axis.x_of_time(time) for time in strip.span or (0.0, 0.0))
+            ends = (min(left, begin), max(right, end)) if strip.span else (left, right)
+            paint_strip(painter, shown, strip, *ends, top, body.colour)
         else:
             paint_unknown(painter, shown.axis.right, left, right, top, body.colour)
 
@@ -225,7 +251,7 @@ def residual_text(shown: RowContext, constraint_id: str) -> tuple[str, str]:
         on = f" on {which} characters" if len(strips) > 1 else ""
         return f"held{on}{' at full activation' if eases else ''}", colours.TEXT_THIRD
     worst, name = max(missed, key=lambda each: each[0].weight)
-    text = f"{name} {worst.text} at {shown.frame_words(worst.frame)}"
+    text = f"{name} {worst.text} at {frame_words(worst.stage_frame, worst.frame)}"
     colour = (
         colours.PARTLY if worst.is_hardly_visible else colours.mixed_colour(colours.NOT_REACHED, colours.TEXT, 0.25)
     )

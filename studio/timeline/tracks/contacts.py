@@ -14,6 +14,8 @@ CONTACT_LINE_PX, THIN_LINE = 7, 3
 """Pixels of a row, and of one of its lines, as high as it is and folded."""
 CONTACT_EDGE_REACH = 5.0
 LEAST_BAR = 3.0
+REPEATED = 0.4
+"""Opacity of what a later repeat of a clip plays again."""
 EDGE_FIELDS = {ItemPart.FIRST: "first", ItemPart.LAST: "last"}
 LANES: dict[str, tuple[ContactPoint | Touch, ...]] = {
     "left foot": (ContactPoint.LEFT_HEEL, ContactPoint.LEFT_TOE),
@@ -80,6 +82,10 @@ def paint_contacts(painter: QPainter, row: QRect, shown: RowContext, row_id: str
         for left, right in seen_bars(shown, own):
             bar = QRectF(left, line.top(), right - left, line.height())
             paint_bar(painter, bar, translucent(fill, 1.0), 2, None)
+        for repeat in shown.later_repeats:
+            for left, right in seen_bars(shown, own, repeat * shown.subject.repeat_seconds):
+                bar = QRectF(left, line.top(), right - left, line.height())
+                paint_bar(painter, bar, translucent(fill, REPEATED), 2, None)
     for key, contact in contacts:
         if contact.scope.is_narrow:
             _paint_own(painter, contact_bar(shown, row, contact), shown)
@@ -96,11 +102,11 @@ def _paint_own(painter: QPainter, bar: QRectF, shown: RowContext) -> None:
     painter.fillRect(QRectF(bar.left(), bar.bottom() - 2, bar.width(), 2), QColor(colour))
 
 
-def seen_bars(shown: RowContext, spans: list[tuple[int, int]]) -> list[tuple[float, float]]:
+def seen_bars(shown: RowContext, spans: list[tuple[int, int]], delay: float = 0.0) -> list[tuple[float, float]]:
     """First and last pixel of the visible bars of ``spans`` (first and last frame, in time order), overlapping ones
-    joined.
+    joined, ``delay`` seconds later than the first repeat of the clip.
     """
-    ends = shown.xs_of_frames(np.array(spans, dtype=np.float64).reshape(-1, 2))
+    ends = shown.xs_of_frames(np.array(spans, dtype=np.float64).reshape(-1, 2)) + delay * shown.axis.scale
     spare = np.maximum(LEAST_BAR - (ends[:, 1] - ends[:, 0]), 0.0) / 2
     ends += spare[:, None] * [-1.0, 1.0]
     ends = ends[(ends[:, 1] >= shown.axis.left) & (ends[:, 0] <= shown.axis.right + LEAST_BAR)]

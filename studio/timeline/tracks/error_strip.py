@@ -61,9 +61,7 @@ def _columns(
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """State and height of each pixel column, by the worst of the frames ``first`` to ``last`` in it."""
     stage_seconds = shown.axis.start + (xs - shown.axis.left) / shown.axis.scale
-    seconds = shown.subject.to_motion(stage_seconds.astype(np.float64))
-    frames = np.rint(seconds * shown.subject.frame_rate).astype(np.int64) - strip.first_frame
-    starts = np.clip(frames, first, last)
+    starts = np.clip(strip.frames_at(stage_seconds), first, last)
     errors = np.nan_to_num(strip.errors)[: last + 1]
     states = np.maximum.reduceat(strip.state_indices[: last + 1], starts)
     heights = strip_heights(np.maximum.reduceat(errors, starts), PITCH, strip.measure)

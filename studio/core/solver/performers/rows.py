@@ -16,6 +16,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import MotionPiece, PlayedPiece
 from studio.core.stage.clip import Clip
 from studio.core.stage.correction import Correction
+from studio.core.stage.held_grips import gripped_prop
 from studio.core.stage.project import Performer, Project
 from studio.core.stage.timing import Timing
 
@@ -130,7 +131,8 @@ def constraints_in(
 ) -> tuple[Constraint, ...]:
     """Constraints mapped to their clips, in the same order.
 
-    Where a clip continues the one before it, as parts of a split clip do, a constraint of both is active throughout.
+    Where a clip continues the one before it, as parts of a split clip do, a constraint of both is active throughout; a
+    grip on a prop also where the next clip or repeat plays another part of the motion.
     """
     if composite.is_plain:
         return tuple(each.constraint for each in asked)
@@ -140,12 +142,23 @@ def constraints_in(
     for each in asked:
         by_place[places[each.clip, each.repeat]].append(each)
 
+    pause = 1.5 / composite.timing.frame_rate
+
     def goes_on(each: ClipConstraint, index: int) -> bool:
         """True if the clip at ``index`` has the same constraint, and continues the one before."""
-        return (
-            0 < index < len(carries)
-            and carries[index - 1].goes_on_in(carries[index], 1.5 / composite.timing.frame_rate)
-            and all(any(_is_same(each, other) for other in by_place[at]) for at in (index - 1, index))
+        if not 0 < index < len(carries):
+            return False
+        before, after = carries[index - 1 : index + 1]
+        ours, others = ([one for one in by_place[at] if _is_same(each, one)] for at in (index - 1, index))
+        if not ours or not others:
+            return False
+        held = gripped_prop(each.constraint) is not None and before.adjoins(after, pause)
+        return before.goes_on_in(after, pause) or (
+            held
+            and np.allclose(
+                before.stage_times(ours[0].constraint.activation.times),
+                after.stage_times(others[0].constraint.activation.times),
+            )
         )
 
     def carried(each: ClipConstraint) -> Constraint:

@@ -21,6 +21,7 @@ from studio.core.solver.asking.tracks import OwnPath, Track, Tracks
 from studio.core.solver.asking.whole_body import areas_of
 from studio.core.solver.performers.rows import ClipConstraint, timing_of
 from studio.core.solver.request import AdaptedMotion, UnconstrainedPoses
+from studio.core.stage.held_grips import repeats_as_held
 from studio.core.stage.mirrored_props import with_held_props_reflected
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Performer, Project
@@ -54,7 +55,7 @@ def constraints_of_performer(project: Project, performer_id: str) -> tuple[ClipC
 def _asked_of(project: Project, performer_id: str) -> tuple[ClipConstraint, ...]:
     performer, playing = project.performers[performer_id], _playing(project)
     asked = [
-        ClipConstraint(key, with_held_props_reflected(project, performer_id, clip, part, repeat), place, repeat)
+        ClipConstraint(key, with_held_props_reflected(project, performer_id, clip, held, repeat), place, repeat)
         for place, clip in enumerate(performer.clips)
         for key, constraint in project.constraints_for(performer_id, clip).items()
         if constraint.enabled
@@ -64,8 +65,9 @@ def _asked_of(project: Project, performer_id: str) -> tuple[ClipConstraint, ...]
             )
         )
         is not None
-        for repeat in range(clip.repeats)
         for part in _parts_of(concerned, project.characters[performer.character_id])
+        for repeat, held in enumerate(repeats_as_held(project, performer_id, clip, part))
+        if held is not None
     ]
     return tuple(sorted(asked, key=lambda each: each.constraint.priority))
 
