@@ -4,12 +4,9 @@ import shutil
 
 import pytest
 from PySide6.QtCore import QEvent
-from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from studio.app.application import make_application, make_window
 from studio.app.main_window import MainWindow
-from studio.app.settings import Settings
 from studio.core.captures.contacts import ContactPoint
 from studio.document.document import Document
 from studio.io.bvh.writer import write_bvh
@@ -20,6 +17,7 @@ from studio.timeline.timeline import Timeline
 from studio.viewport.widget import Viewport
 from tests.builders import make_capture, make_constraint, make_contact, make_project
 from tests.gui.hand import Hand, curve
+from tests.gui.shared_window import SharedWindow
 from tests.gui.viewport_use import settle
 from tests.patience import PATIENCE
 from tests.timeline.fakes import FakeLive
@@ -27,12 +25,13 @@ from tests.viewport.standing import StandingLive
 
 
 @pytest.fixture(autouse=True)
-def closed():
-    """No window outlives its test: the theme of each that follows is applied to those that are left as well."""
+def closed(shared_window):
+    """No window but the shared one outlives its test: the theme of the next one would be applied to it as well."""
     yield
     if application := QApplication.instance():
         application.sendPostedEvents(None, QEvent.Type.DeferredDelete)
-        left = [each for each in application.topLevelWidgets() if isinstance(each, MainWindow)]
+        windows = [each for each in application.topLevelWidgets() if isinstance(each, MainWindow)]
+        left = [each for each in windows if not shared_window.owns(each)]
         for window in left:
             window.deleteLater()
         assert left == []
@@ -44,18 +43,19 @@ def project():
     return make_project(characters=2)
 
 
+@pytest.fixture(scope="module")
+def shared_window():
+    """One window for the tests of a file."""
+    shared = SharedWindow()
+    yield shared
+    shared.close()
+
+
 @pytest.fixture
-def window(qtbot, tmp_path, project):
+def window(qtbot, tmp_path, project, shared_window):
     """A small project in the window, nothing playing."""
-    make_application()
-    window = make_window(Settings(tmp_path / "studio.ini"), Document(project))
-    window.resize(1400, 900)  # before it is shown, or all is laid out twice
-    with qtbot.waitExposed(window):
-        window.show()
-    yield window
-    window.close_without_saving()
-    window.deleteLater()
-    QTest.qWait(0)
+    yield shared_window.opened(tmp_path / "studio.ini", project)
+    shared_window.release()
 
 
 @pytest.fixture
