@@ -2,9 +2,10 @@
 
     python benchmarks/quality_tables.py [FOLDER ...] [--characters NAME ...] [--write]
 
-FOLDERs are searched for BVH files; by default the captures beside the checkout. Each figure is the worst of the
-characters named, bundled ones or files; by default the five bundled ones and the actor's own body. ``--write`` measures
-round trips too, and writes both pages of docs.
+FOLDERs are searched for BVH files; by default those are the bundled clips, the recordings that the project makes, and
+the captures beside the checkout, where they are there. Each figure is the worst of the characters named, bundled ones
+or files; by default the five bundled ones and the actor's own body. ``--write`` measures round trips too, and writes
+both pages of docs.
 """
 
 import argparse
@@ -13,6 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import degrees, inf, isnan, nan
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
@@ -21,6 +23,7 @@ from studio.startup.process import prepare_process  # noqa: E402
 
 prepare_process()
 
+from examples.keyed.recording import RECORDINGS, write_recording  # noqa: E402
 from studio.cli.printing import print_table  # noqa: E402
 from studio.core.errors import StudioError  # noqa: E402
 from studio.core.grounds.ground import Ground  # noqa: E402
@@ -35,6 +38,7 @@ from studio.io.importing import load_capture  # noqa: E402
 from studio.io.json_text import JsonObject  # noqa: E402
 from studio.jobs.adapt_report import quality_record  # noqa: E402
 from studio.jobs.adaptation import ReadyCapture, chosen_characters, made_ready  # noqa: E402
+from studio.resources_folder import example_captures_folder  # noqa: E402
 
 CAPTURES = ROOT.parent / "shared" / "captures" / "bvh"
 FOREIGN = [str(ROOT.parent / "shared" / "captures" / "characters" / name) for name in (
@@ -52,21 +56,25 @@ and 0.01 degrees. Written by `benchmarks/quality_tables.py`; `info` prints the s
 """
 QUALITY = """# Quality of adaptation
 
-Every capture on the five bundled characters with detected contacts and no constraints, arms out of the own body; each
-figure is the worst of the five. *Slide* is how far a standing heel, toe, hand, knee or seat moves along the ground,
-*float* and *below* how far it is off the ground. *Knees* are how many degrees more than the capture's those of standing
-legs are bent, mean and most; *hips* how much lower they ride, mean, and *bob* their ups and downs beside the capture's;
-*posture* how many degrees trunk, upper arms, forearms, thighs or shanks rise otherwise; *shoulders* how much nearer to
-each other they come, beside their median; *hands* by how much the distance of near wrists is missed, mean; *sunk* how
-far any joint is deeper in the ground than the capture's deepest, *inside* how far an arm is deeper in the own body,
-there and at rest; *jump* compares each joint's greatest step with its own in the capture, seen from the hips on bones
-as long as the actor's. Other lengths are as if legs had 85 cm. The second table compares the greatest angular
-acceleration of each segment with its own in the capture: 1 is as smooth.
+Every bundled clip, recording that the project makes and capture beside the checkout on the five bundled characters
+with detected contacts and no constraints, arms out of the own body; each figure is the worst of the five. *Slide* is
+how far a standing heel, toe, hand, knee or seat moves along the ground, *float* and *below* how far it is off the
+ground. *Knees* are how many degrees more than the capture's those of standing legs are bent, mean and most; *swing
+knee* how many degrees straighter they are in the air, in the straightest fiftieth of the frames, *toes* how much
+farther toes fold there; *face* and *palms* how many degrees these look elsewhere, at most; *hips* how much lower they
+ride, mean, and *bob* their ups and downs beside the capture's; *posture* how many degrees trunk, upper arms, forearms,
+thighs or shanks rise otherwise; *shoulders* how much nearer to each other they come, beside their median; *hands* by
+how much the distance of near wrists is missed, mean; *sunk* how far any joint is deeper in the ground than the
+capture's deepest, *inside* how far an arm is deeper in the own body, there and at rest; *jump* compares each joint's
+greatest step with its own in the capture, seen from the hips on bones as long as the actor's. Other lengths are as if
+legs had 85 cm. The second table compares the greatest angular acceleration of each segment with its own in the
+capture: 1 is as smooth.
 
-Asked of walks, runs, strikes and dances are knees of 2 (walks 6 at most), hips of 5 mm, a bob of 0.9 to 1.1, shoulders
-within 0.05, hands within 1 cm, sunk 5 mm, inside 0, jumps of 1.5 and peaks of 2; of planks and crawls a posture within
-20. Written by `benchmarks/quality_tables.py --write`; `make quality` prints the same, the actor's own body among the
-bodies, for any folder and characters, and `adapt` reports the first three for any capture and character.
+Asked of walks, runs, strikes and dances are knees of 2 (walks 6 at most), swing knees of 8, toes of 35, faces of 10,
+palms of 20, hips of 5 mm, a bob of 0.9 to 1.1, shoulders within 0.05, hands within 1 cm, sunk 5 mm, inside 0, jumps of
+1.5 and peaks of 2; of planks and crawls a posture within 20. Written by `benchmarks/quality_tables.py --write`; `make
+quality` prints the same, the actor's own body among the bodies, for any folder and characters, and `adapt` reports the
+first three for any capture and character.
 
 """
 SHORT = """
@@ -90,7 +98,8 @@ the body its posture is beyond 40 in 19 of 70 captures instead of 55.
 """
 ASKED = {
     "knees mean": 2.0, "knees most": 6.0, "hips mm": 5.0, "bob": 1.1, "shoulders": 0.05, "hands cm": 1.0,
-    "sunk mm": 5.0, "inside mm": 5.0, "jump": 1.5, "posture": 20.0,
+    "sunk mm": 5.0, "inside mm": 5.0, "jump": 1.5, "posture": 20.0, "swing knee": 8.0, "toes": 35.0, "face": 10.0,
+    "palms": 20.0,
 }  # fmt: skip
 """Limits by title: figures beyond them are listed as short."""
 PEAK = 2.0
@@ -98,8 +107,10 @@ PEAK = 2.0
 RATIOS = "bob", "jump", *(f"peak of {part}" for part in PART_SEGMENTS)
 """Figures of which 1 is as in the capture."""
 SEEN = {
-    "knees mean": ("knee_mean", degrees(1.0)), "knees most": ("knee_most", degrees(1.0)), "hips mm": ("drop", 1e3),
-    "bob": ("bob", 1.0), "posture": ("posture", degrees(1.0)), "shoulders": ("shoulders", -1.0),
+    "knees mean": ("knee_mean", degrees(1.0)), "knees most": ("knee_most", degrees(1.0)),
+    "swing knee": ("swing_knee", degrees(1.0)), "toes": ("toes", degrees(1.0)), "hips mm": ("drop", 1e3),
+    "bob": ("bob", 1.0), "posture": ("posture", degrees(1.0)), "face": ("face", degrees(1.0)),
+    "palms": ("palms", degrees(1.0)), "shoulders": ("shoulders", -1.0),
     "hands cm": ("hands", 1e2), "sunk mm": ("below", 1e3), "inside mm": ("inside", 1e3), "jump": ("jump", 1.0),
 }  # fmt: skip
 """Titles of what an animator would see, fields of ``MotionQuality``, and their factors."""
@@ -111,9 +122,22 @@ _TITLES = *_FIGURES, *(f"peak of {part}" for part in PART_SEGMENTS)
 def main() -> int:
     """Read every file once; print the tables, or write both pages."""
     asked = _arguments()
-    files = sorted(file for folder in asked.folders for file in Path(folder).rglob("*.bvh"))
+    with TemporaryDirectory(prefix="morpho-studio-recordings-") as recorded:
+        return measure(asked, asked.folders or [example_captures_folder(), write_recordings(Path(recorded)), CAPTURES])
+
+
+def write_recordings(folder: Path) -> Path:
+    """Write the project's recordings to a folder, and return it."""
+    for name in RECORDINGS:
+        write_recording(name, folder / f"{name}.bvh")
+    return folder
+
+
+def measure(asked: argparse.Namespace, folders: Sequence[Path]) -> int:
+    """Measure the files of ``folders`` in turn, and print or write the tables; returns the exit code."""
+    files = [file for folder in folders for file in sorted(Path(folder).rglob("*.bvh"))]
     if not files:
-        print(f"No BVH files in {', '.join(map(str, asked.folders))}. Name a folder that has some.", file=sys.stderr)
+        print(f"No BVH files in {', '.join(map(str, folders))}. Name a folder that has some.", file=sys.stderr)
         return 1
     try:
         characters, foreign = chosen_characters(asked.characters), chosen_characters(FOREIGN if asked.write else ())
@@ -144,7 +168,7 @@ def main() -> int:
 
 def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folders", nargs="*", default=[CAPTURES], metavar="FOLDER")
+    parser.add_argument("folders", nargs="*", type=Path, metavar="FOLDER")
     parser.add_argument("--characters", nargs="+", default=[], metavar="NAME")
     parser.add_argument("--write", action="store_true")
     return parser.parse_args()

@@ -28,6 +28,7 @@ from pictured.shots import (
     rotate,
     skin_point,
     sliders,
+    tilted_area,
     timeline,
     window,
 )
@@ -44,6 +45,7 @@ STILLS = {
     "onion_skins": onion_skins,
     "rotate": rotate,
     "skin_point": skin_point,
+    "tilted_area": tilted_area,
     "poses": poses,
     "preferences": preferences,
     "problem_table": problem_table,

@@ -17,7 +17,11 @@ from pictured.session import KICK_TIME, Session, example, kick_target, left_wris
 from studio.app.marker_dialog import open_markers
 from studio.app.preferences_dialog import PreferencesDialog
 from studio.app.verbs.media import add_footage, add_sound
+from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Proportions
+from studio.core.constraints.area import AreaConstraint, AreaShape
+from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.stage.prop import Prop
 from studio.document import colours
@@ -28,7 +32,7 @@ from studio.document.keyed_fields import KeyedField, KeyRef
 from studio.io.export import write_capture
 from studio.io.importing import load_capture
 from studio.library.scenes import SCENES
-from studio.viewport.body_points import body_joints
+from studio.viewport.body_points import body_joints, point_path
 from studio.viewport.onion_skins import OnionSkins
 from studio.viewport.rotate_gizmo import RotateGizmo
 
@@ -127,12 +131,43 @@ def rotate() -> QImage:
     return image
 
 
+def tilted_area() -> QImage:
+    """A table under a hand while a ring tilts it."""
+    session = Session("reach_grasp", (1120, 760))
+    session.document.playhead.set_time(2.2)
+    session.settle()
+    viewport = session.bench.viewport
+    pose = viewport.posed["tall_man"]
+    point = BodyPoint(BodyPart.RIGHT_HAND, at_end=True)
+    hand = point_path(pose.motion, point, slice(pose.row, pose.row + 1))
+    x, y, z = pose.points_in_clip(hand)[0].tolist()
+    table = AreaConstraint(
+        pose.motion_id, "Table", point, Chain(trunk=0.3), 3, ActivationCurve(1.9, 2.1, 2.3, 2.5),
+        shape=AreaShape.TABLE, centre=(x + 0.1, y, z + 0.06), size=(0.5, 0.6, 0.06),
+    )  # fmt: skip
+    key = session.document.add("constraints", table, "Add")
+    for other in session.document.project.performers:
+        if other != "tall_man":
+            body = session.document.project.performers[other]
+            session.document.replace("performers", other, replace(body, visible=False), "Hide")
+    session.document.selection.set(("performers", "tall_man"), ("constraints", key))
+    session.settle()
+    session.look(38, 14, 1.3, among=("tall_man",))
+    viewport.set_tool("rotate")
+    session.settle()
+    end = _turn_by_ring(session, "x")
+    image = session.picture(part=_part(session, [viewport]))
+    QTest.mouseRelease(viewport, LEFT, NO_KEY, end)
+    session.close()
+    return image
+
+
 def correction() -> QImage:
     """An elbow of a walk turned by a ring, its form, and its bar on the timeline."""
-    session = Session("walk_turn", (1440, 900))
+    session = Session("walk_turn", (1280, 800))
     session.document.playhead.set_time(0.8)
     session.settle()
-    session.look(28, 6, 1.1, among=("adult_woman",))
+    session.look(28, 6, 1.35, among=("adult_woman",))
     viewport = session.bench.viewport
     pose = viewport.posed["adult_woman"]
     joint = next(one for one in body_joints(pose.motion.morphology.layout) if one.name == "left elbow")

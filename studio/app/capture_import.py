@@ -1,5 +1,6 @@
 """Import of captures: read in the background, contacts detected, played by the visible bodies; one undo step."""
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -13,12 +14,15 @@ from studio.app.relinking import offer_relinking, source_finder
 from studio.app.workbench import Workbench
 from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
+from studio.core.captures.contacts import ContactInterval
 from studio.core.captures.remarks import remarks_on
 from studio.core.errors import StudioError
+from studio.core.grounds import Steps
+from studio.core.grounds.slope import direction_vector
 from studio.core.markers.take import MarkerTake
 from studio.core.solver.performers.rows import stage_span
 from studio.core.stage.clip import Clip
-from studio.core.stage.project import Motion, Project, new_id
+from studio.core.stage.project import GROUND_ID, Motion, Project, new_id
 from studio.core.stage.staging import is_unarranged, lined_up, side_by_side, swept_points, travel_heading
 from studio.document.document import Document
 from studio.io.figure.kept_references import with_reference_kept
@@ -85,10 +89,10 @@ def read_motion_ready(
     expect: Callable[[Capture], object] = lambda _capture: None,
 ) -> ReadMotion:
     """Read capture for a project, with its contacts; the arguments are those of ``read_motion``."""
-    from studio.core.normalized.drift import with_drift_reported  # what computes is loaded after the window
+    from studio.core.normalized.floor_guesses import with_floor_reported  # what computes is loaded after the window
 
     capture, read_as = with_corrections(read, options, known, _reading(progress))
-    capture = with_drift_reported(capture)
+    capture = with_floor_reported(capture)
     capture = with_reference_kept(capture)
     expect(capture)
     progress(READ_SHARE, "looking for contacts")
@@ -182,6 +186,48 @@ def resolve_markers(bench: Workbench, capture_id: str, take: MarkerTake) -> int:
     """Solve the body again from the markers ``take`` of a capture; returns the task."""
     text = f"Re-solve {bench.document.project.captures[capture_id].name}"
     return reread_capture(bench, capture_id, ImportOptions(**user_options(bench, capture_id)), text, take)
+
+
+def stand_on_steps(bench: Workbench, capture_id: str) -> int:
+    """Make the steps on which a capture was recorded the ground, with contacts on them: one undo step; returns the
+    task.
+    """
+    capture = bench.document.project.captures[capture_id]
+    text = f"Use steps of {capture.name} as ground"
+
+    def find(progress: Progress) -> tuple[Steps | None, tuple[ContactInterval, ...]]:
+        from studio.core.normalized.normalize import captured_steps, detected_contacts  # late: it loads kernels
+
+        progress(0.1, "looking for contacts")
+        return captured_steps(capture), detected_contacts(capture, "", on_steps=True)
+
+    def done(found: tuple[Steps | None, tuple[ContactInterval, ...]]) -> None:
+        document, (steps, contacts) = bench.document, found
+        if steps is None or document.project.captures.get(capture_id) is not capture:
+            return
+        with document.group(text):
+            ground = _on_stage(steps, capture_id, document)
+            document.replace("grounds", GROUND_ID, ground, text)
+            replace_motion(document, capture_id, capture.without_guess("steps"), Annotations(contacts), text)
+
+    task: int = bench.runner.run(text, find, done)
+    return task
+
+
+def _on_stage(steps: Steps, capture_id: str, document: Document) -> Steps:
+    """Steps of a motion's space where the performer stands who plays it: the active one before others."""
+    project, active = document.project, document.active_performer_id
+    playing = [
+        key
+        for key, each in project.performers.items()
+        if each.clips and project.motions[each.clips[0].motion_id].capture_id == capture_id
+    ]
+    if not playing:
+        return steps
+    performer = project.performers[active if active in playing else playing[0]]
+    turned = math.hypot(*steps.start) * direction_vector(math.atan2(*steps.start[::-1]) + performer.heading)
+    start = tuple((turned + performer.position).tolist())
+    return replace(steps, start=start, direction=steps.direction + performer.heading)
 
 
 def reread_capture(

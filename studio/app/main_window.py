@@ -358,6 +358,7 @@ class MainWindow(QMainWindow):
         self.status.progress.message_posted.connect(self._show_progress)
         self.library.performance_requested.connect(lambda capture: capture_import.play_capture(bench, capture))
         self.inspector.reimport_requested.connect(self._reimport)
+        self.inspector.steps_requested.connect(lambda capture: capture_import.stand_on_steps(bench, capture))
         self.inspector.markers_requested.connect(lambda capture: open_markers(bench, capture))
         self.inspector.character_requested.connect(
             lambda capture: character_import.make_actor_character(bench, capture)

@@ -50,9 +50,9 @@ def relink(bench: Workbench, capture_id: str) -> int:
             ask_source(bench, capture_id)
 
     def found(source: SourceFile) -> None:
-        link_source(bench, capture_id, source)
-        other = ("Choose another…", lambda: ask_source(bench, capture_id))
-        bench.post_message(_words(bench, capture_id, source), ("Close", bench.clear_message), other)
+        if link_source(bench, capture_id, source):
+            other = ("Choose another…", lambda: ask_source(bench, capture_id))
+            bench.post_message(_words(bench, capture_id, source), ("Close", bench.clear_message), other)
 
     task: int = bench.runner.run(f"Looking for {capture.source}", source_finder(bench, capture_id), found, missed)
     return task
@@ -72,25 +72,26 @@ def ask_source(bench: Workbench, capture_id: str, then: Callable[[], object] = l
 
     def chosen(path: Path) -> None:
         def linked(source: SourceFile) -> None:
-            link_source(bench, capture_id, source)
-            bench.post_message(_words(bench, capture_id, source))
-            then()
+            if link_source(bench, capture_id, source):
+                bench.post_message(_words(bench, capture_id, source))
+                then()
 
         bench.runner.run(f"Relinking {capture.name}", lambda _: SourceFile(path, digest_of(path)), linked)
 
     ask_file(bench, f"Source file of {capture.name}", motions("capture_reader"), chosen)
 
 
-def link_source(bench: Workbench, capture_id: str, source: SourceFile) -> None:
-    """Make a file the source of a capture; another name or content is an undo step."""
+def link_source(bench: Workbench, capture_id: str, source: SourceFile) -> bool:
+    """Make a file the source of a capture; another name or content is an undo step. False if the capture is gone."""
     capture = bench.document.project.captures.get(capture_id)
     if capture is None:
-        return
+        return False
     bench.sources[capture_id] = source.path
     bench.settings.remember_source(source.path)
     if capture.digest != source.digest:
         linked = replace(capture, source=source.path.name, digest=source.digest)
         bench.document.replace("captures", capture_id, linked, f"Relink {capture.name}")
+    return True
 
 
 def offer_media_relinking(bench: Workbench, collection: str, source: str, error: StudioError) -> None:

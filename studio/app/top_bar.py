@@ -71,8 +71,10 @@ class TopBar(QWidget):
 
     def refresh(self, name: str, state: str) -> None:
         """Show the name of the project and if it is saved."""
-        self._label.setText(f"{name} · {state}")
-        self._fit()
+        words = f"{name} · {state}"
+        if self._label.text() != words:
+            self._label.setText(words)
+            self._fit()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Hide parts of a narrow bar in this order: the program's name, the search, texts of tools, document, tools;

@@ -51,6 +51,7 @@ def adapt_settings(arguments: Namespace) -> AdaptSettings:
         places=places_of(arguments.place),
         constraints=arguments.constraints,
         ground=arguments.ground,
+        on_steps=arguments.on_steps,
         suffix=f".{arguments.format.lower().lstrip('.')}",
         reading=import_options(arguments),
         writing=export_options(arguments),

@@ -230,7 +230,9 @@ def add_adaptation_options(parser: ArgumentParser) -> None:
         help="bundled character names, character files, or 'actor' for the captured actor; default: all bundled",
     )
     parser.add_argument("--constraints", type=Path, metavar="FILE.json", help="file with constraints (and contacts)")
-    parser.add_argument("--ground", type=Path, metavar="FILE.json", help="ground file; default: flat at height 0")
+    grounds = parser.add_mutually_exclusive_group()
+    grounds.add_argument("--ground", type=Path, metavar="FILE.json", help="ground file; default: flat at height 0")
+    grounds.add_argument("--on-steps", action="store_true", help="stand on the steps on which the capture was recorded")
     parser.add_argument(
         "--place",
         nargs=4,

@@ -16,7 +16,7 @@ from studio.core.captures.remarks import body_remarks, remarks_on
 from studio.core.errors import StudioError
 from studio.core.markers.take import MarkerTake, centre_errors
 from studio.core.names import counted_noun
-from studio.core.normalized.drift import floor_drift
+from studio.core.normalized.floor_guesses import floor_drift, steps_guess
 from studio.core.normalized.normalize import normalize_capture
 from studio.core.normalized.round_trip import round_trip
 from studio.core.rigs.character_skeleton import character_body_map, character_skeleton
@@ -78,6 +78,7 @@ def _foreign(path: Path, options: ImportOptions) -> JsonObject:
 def _capture(read: ReadCapture) -> JsonObject:
     capture, report = read.capture, read.report
     annotations = known_of_motion(capture, read.annotations, ADAPTED_MOTION_ID)
+    steps = steps_guess(capture)
     return {
         "kind": "skeleton",
         "frames": capture.frame_count,
@@ -88,7 +89,7 @@ def _capture(read: ReadCapture) -> JsonObject:
         "body_map": capture.body_map.to_json(capture.skeleton) if capture.body_map else {},
         "contacts": spans_by_foot(annotations.contacts or ()) if capture.body_map else {},
         "round_trip": _round_trip(capture),
-        "assumptions": _sentences(report.guesses),
+        "assumptions": _sentences((*report.guesses, *([steps] if steps else []))),
         "repairs": list(report.repairs),
         "remarks": [remark.sentence for remark in remarks_on(capture)],
         "first_frame": capture.first_frame,

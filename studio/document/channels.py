@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from enum import IntEnum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +16,7 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.core.curves.retiming import FASTEST_CLIP, SLOWEST_CLIP
 from studio.core.curves.tangents import HEAVIEST, LIGHTEST, Tangent, TangentMode, Tangents, tangents_of
-from studio.core.plausible import PLACE_RANGE
+from studio.core.plausible import PLACE_RANGE, WEIGHT
 from studio.core.rotations import from_euler, from_matrix, to_euler
 from studio.document.keyed_fields import Keyed, KeyedField
 from studio.document.length_units import shown_unit
@@ -78,6 +78,8 @@ def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
                 return (Channel(field, 0, field.name, "°", DEGREES_PER_RADIAN),)
             if field.collection == "clips":
                 return (Channel(field, 0, field.name, "×", baseline=0.0, limits=(SLOWEST_CLIP, FASTEST_CLIP)),)
+            if field.name == "weight":
+                return (Channel(field, 0, field.name, "", baseline=0.0, limits=(0.0, WEIGHT.most)),)
             metre = shown_unit("m")
             return (Channel(field, 0, field.name, metre.symbol, metre.factor, limits=(0.0, PLACE_RANGE.most)),)
         case KeyedProportions():
@@ -92,12 +94,24 @@ def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
 
 def values_at(channel: Channel, keyed: Keyed, times: ArrayLike) -> FloatArray:
     """(N,) values at ``times`` (N,) of the field."""
+    return np.asarray(components_at(keyed, times)[:, channel.component] * channel.factor)
+
+
+def components_at(keyed: Keyed, times: ArrayLike) -> FloatArray:
+    """(N, D) stored values of all channels at ``times`` (N,), of a rotation its angles in radians."""
     seconds = np.asarray(times, dtype=np.float64)
     if isinstance(keyed, ActivationCurve):
-        return keyed.at(seconds)
-    if isinstance(keyed, KeyedTurn):
-        return np.asarray(_angles(keyed, seconds)[:, channel.component] * channel.factor)
-    return np.asarray(keyed.at(seconds)[:, channel.component] * channel.factor)
+        return keyed.at(seconds)[:, None]
+    return _angles(keyed, seconds) if isinstance(keyed, KeyedTurn) else np.asarray(keyed.at(seconds))
+
+
+def allowed_value_at(field: KeyedField, keyed: Keys, time: float) -> Any:
+    """Value of a field at ``time``; of a number within its limits, which its curve may overshoot between keys."""
+    value = keyed.value_at(time)
+    if isinstance(keyed, KeyedNumber):
+        least, most = channels_of(field, keyed)[0].limits
+        return min(max(value, least), most)
+    return value
 
 
 def key_values(channel: Channel, keyed: Keyed) -> FloatArray:

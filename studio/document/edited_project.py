@@ -54,6 +54,7 @@ class EditedProject(QObject):
         self.selection = Selection(self)
         self._active_before: str | None = None
         self._active: tuple[Project, tuple[Item, ...], str | None, str | None] | None = None
+        self._active_clip: tuple[Project, str, tuple[Item, ...], str | None, Clip | None] | None = None
         """Active performer, last, of a project and a selection, and of who was active before."""
         self._clip_before: str | None = None
         self.selection.changed.connect(self._keep_active)
@@ -240,7 +241,14 @@ class EditedProject(QObject):
 
         Of several, or without a selection, the one that was active before; else the first.
         """
-        performer_id = self.active_performer_id or ""
+        performer_id, items, before = self.active_performer_id or "", self.selection.items, self._clip_before
+        known = self._active_clip
+        if known is None or known[0] is not self._project or known[1:4] != (performer_id, items, before):
+            clip = self._find_active_clip(performer_id)
+            known = self._active_clip = self._project, performer_id, items, before, clip
+        return known[4]
+
+    def _find_active_clip(self, performer_id: str) -> Clip | None:
         performer = self._project.performers.get(performer_id)
         clips = sorted(performer.clips if performer else (), key=lambda clip: clip.id != self._clip_before)
         selected = {*self.selection.of("clips")}

@@ -8,11 +8,14 @@ import numpy as np
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Proportions
 from studio.core.changed_records import with_fields
+from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.target import Place, Turn
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.core.curves.tangents import Beyond
 from studio.core.stage.correction import KeyedPoses
+from studio.core.stage.prop import Prop
+from studio.document.channels import allowed_value_at
 from studio.document.clip_edits import set_speed
 from studio.document.edited_project import EditedProject
 from studio.document.keyed_fields import (
@@ -33,6 +36,8 @@ from studio.document.keyed_fields import (
 
 LEAST_TIME_SCALE, MOST_TIME_SCALE = 0.01, 100.0
 """Least and greatest factor by which the times of keys are scaled at once."""
+TURNS = ("heading", "tilt")
+"""Fields with the rotation of an area or a prop."""
 
 
 def replace_fields(
@@ -170,24 +175,25 @@ def delete_keys(document: EditedProject) -> bool:
     return bool(values or gone)
 
 
-def set_keys(document: EditedProject) -> int:
+def set_keys(document: EditedProject, turning: bool = False) -> int:
     """Set a key at the playhead in all keyed fields of the selection, with the present value; return their number.
 
     The target, position, measures or speed of a selected constraint, prop, body or clip without keys becomes keyed; a
-    body only where nothing else is selected, because it is selected with its constraints and clips.
+    body only where nothing else is selected, because it is selected with its constraints and clips. With ``turning``,
+    heading and tilt of a selected area or prop become keyed in place of its position.
     """
     selected = document.selection.items
     items = [item for item in selected if item[0] != "performers"] or [*selected]
     fields = selected_fields(document.shown_project, items)
     values: dict[KeyedField, Keys] = {
-        field: value.with_key(time, value.value_at(time))
+        field: value.with_key(time, allowed_value_at(field, value, time))
         for field, value in fields.items()
         if isinstance(value, Keys)
         for time in (time_at_playhead(document, field),)
     }
     keyed = {field.item for field in values}
-    for field, value in _fixed_fields(document, items).items():
-        if field.item not in keyed:
+    for field, value in _fixed_fields(document, items, turning).items():
+        if field.item not in keyed or field.name in TURNS:
             values[field] = value
     if values:
         replace_fields(document, values, "Set key" if len(values) == 1 else f"Set {len(values)} keys")
@@ -215,12 +221,14 @@ def _fixed(document: EditedProject, field: KeyedField, value: Keys) -> object:
     """Value without keys for a field, equal to the present one."""
     if isinstance(value, KeyedOwnPlace):
         return value.own_at(time_at_playhead(document, field))
-    found = value.value_at(time_at_playhead(document, field))
+    found = allowed_value_at(field, value, time_at_playhead(document, field))
     return Proportions(*found) if isinstance(found, tuple) and isinstance(value, KeyedProportions) else found
 
 
-def _fixed_fields(document: EditedProject, items: Iterable[tuple[str, str]]) -> dict[KeyedField, Keys]:
-    """Fields of selected items without keys, given one at the playhead: targets, centres, props, measures."""
+def _fixed_fields(document: EditedProject, items: Iterable[tuple[str, str]], turning: bool) -> dict[KeyedField, Keys]:
+    """Fields of selected items without keys, given one at the playhead: targets, centres, props, measures; with
+    ``turning``, the rotations of areas and props.
+    """
     found: dict[KeyedField, Keys] = {}
     for collection, entity_id in items:
         if collection == "performers" and entity_id in document.project.performers:
@@ -230,12 +238,17 @@ def _fixed_fields(document: EditedProject, items: Iterable[tuple[str, str]]) -> 
             "constraints": ("target", "centre", "place"), "props": ("position",), "characters": ("proportions",),
             "clips": ("speed",),
         }  # fmt: skip
-        for name in names.get(collection, ()):
+        turned = turning and isinstance(entity, Prop | AreaConstraint) and not _is_half_space(entity)
+        for name in TURNS if turned else names.get(collection, ()):
             field = KeyedField(collection, entity_id, name)
             keys = _first_key(time_at_playhead(document, field), getattr(entity, name, None))
             if keys is not None:
                 found[field] = keys
     return found
+
+
+def _is_half_space(entity: Prop | AreaConstraint) -> bool:
+    return isinstance(entity, AreaConstraint) and entity.shape is AreaShape.HALF_SPACE
 
 
 def _first_key(time: float, value: Proportions | Place | Turn | float | None) -> Keys | None:

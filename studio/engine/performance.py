@@ -76,8 +76,13 @@ class PosedPerformer:
 
     @property
     def over_time(self) -> AdaptedMotion:
-        """Newest motion with more frames than the shown one, if there is one."""
-        return self.frames_around or self.motion
+        """Newest motion with more frames than the shown one, if there is one of a body with the same segments: another
+        character may have just been put in place of the one that it was solved for.
+        """
+        around = self.frames_around
+        if around is None or around.morphology.layout != self.motion.morphology.layout:
+            return self.motion
+        return around
 
     @cached_property
     def points(self) -> FloatArray:

@@ -1,7 +1,7 @@
 """Functions shared by several verbs: preparing a capture, choosing characters by name, a whole adaptation."""
 
 from collections.abc import Container, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain, count
 from pathlib import Path
@@ -11,12 +11,13 @@ from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval
 from studio.core.errors import StudioError
+from studio.core.grounds import Steps
 from studio.core.markers.cleaning import cleaned_trial
 from studio.core.markers.take import mapped_labels
 from studio.core.mesh.character import Character
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.normalized.normalize import detected_contacts, normalize_capture
+from studio.core.normalized.normalize import captured_steps, detected_contacts, normalize_capture
 from studio.core.solver.source import source_motion
 from studio.io.importing import ImportOptions, known_of_motion, load_character, read_capture
 from studio.io.json_text import JsonObject
@@ -85,6 +86,18 @@ def made_ready(capture: Capture, annotations: Annotations | None = None) -> Read
     """Normalise a capture; without ``annotations`` its contacts are detected."""
     annotations = annotations or Annotations(detected_contacts(capture, ADAPTED_MOTION_ID))
     return ReadyCapture(capture, *normalize_capture(capture), annotations)
+
+
+def on_its_steps(ready: ReadyCapture) -> tuple[ReadyCapture, Steps]:
+    """Capture with its contacts on the steps on which it was recorded, and these. Raises StudioError without any."""
+    steps = captured_steps(ready.capture)
+    if steps is None:
+        raise StudioError(
+            f"'{ready.capture.name}' was recorded on no steps: its feet stand on one level, or at heights that are"
+            " not evenly apart. Leave out --on-steps."
+        )
+    contacts = detected_contacts(ready.capture, ADAPTED_MOTION_ID, on_steps=True)
+    return replace(ready, annotations=replace(ready.annotations, contacts=contacts)), steps
 
 
 def cleaning_records(capture: Capture) -> list[JsonObject]:

@@ -23,6 +23,7 @@ from studio.jobs.adaptation import (
     chosen_characters,
     cleaning_records,
     make_folder,
+    on_its_steps,
     ready_capture,
 )
 from studio.jobs.run_tracks import with_tracks
@@ -45,6 +46,8 @@ class AdaptSettings:
     constraints: Path | None = None
     ground: Path | None = None
     """File of the ground; level at 0 without one."""
+    on_steps: bool = False
+    """Stand on the steps on which a capture was recorded, instead of that ground."""
     suffix: str = ".bvh"
     reading: ImportOptions = field(default_factory=ImportOptions)
     writing: ExportOptions = field(default_factory=ExportOptions)
@@ -121,9 +124,15 @@ def file_name(capture: Path, key: str, suffix: str) -> str:
 
 
 def adapt_file(path: Path, settings: AdaptSettings, cast: Cast, folder: Path) -> JsonObject:
-    """Adapt one capture to all of the cast, write their files into ``folder``, and return the report."""
+    """Adapt one capture to all of the cast, write their files into ``folder``, and return the report.
+
+    Raises StudioError where it shall stand on its steps and was recorded on none.
+    """
     own = None if settings.constraints is None else read_constraints(settings.constraints, ADAPTED_MOTION_ID)
     ready = ready_capture(path, settings.reading, all_frames=settings.all_frames)
+    if settings.on_steps:
+        ready, steps = on_its_steps(ready)
+        cast = replace(cast, ground=steps)
     given = own or ConstraintFile(ready.annotations.constraints, None)
     if settings.constraints is not None:
         check_frames(given, ready, settings.constraints)

@@ -36,6 +36,9 @@ class CaptureEditor(Editor[Capture]):
     character_requested = Signal(str)
     """Capture id: its actor is to become a character."""
 
+    steps_requested = Signal(str)
+    """Capture id: the steps on which it was recorded are to be the ground."""
+
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         self._facts = Section("Capture")
@@ -155,6 +158,8 @@ class CaptureEditor(Editor[Capture]):
             section.add_wide(_guess_lines(guess))
             if guess.subject == "cleaning":
                 section.add_wide(press_button("Clean motion", lambda: self._ask(clean=True)))
+            if guess.subject == "steps":
+                section.add_wide(press_button("Use as ground", lambda: self.steps_requested.emit(self.entity_id)))
         if capture.body_map is not None:
             section.add_wide(ReferenceFigure(capture, capture.body_map))
         if not capture.guesses:

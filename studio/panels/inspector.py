@@ -60,6 +60,7 @@ class Inspector(QScrollArea):
     """View of one form, kept up to date."""
 
     reimport_requested = Signal(str, object)
+    steps_requested = Signal(str)
     """Capture id, {option: value}: the file is to be read otherwise."""
     markers_requested = Signal(str)
     """Capture id: its markers are to be shown."""
@@ -97,6 +98,7 @@ class Inspector(QScrollArea):
         self.editor = self._make(collection, entity_id)
         if isinstance(self.editor, CaptureEditor):
             self.editor.reimport_requested.connect(self.reimport_requested)
+            self.editor.steps_requested.connect(self.steps_requested)
             self.editor.markers_requested.connect(self.markers_requested)
             self.editor.character_requested.connect(self.character_requested)
         if isinstance(self.editor, CharacterEditor | PerformerEditor):

@@ -29,6 +29,7 @@ class JointFigure(QWidget):
         self._parents: tuple[int, ...] = ()
         self._flat = np.zeros((0, 2))
         self._colours: dict[int, str] = {}
+        self._body: list[int] = []
         self._ringed: int | None = None
 
     def sizeHint(self) -> QSize:
@@ -43,6 +44,7 @@ class JointFigure(QWidget):
         left = left * [1.0, 1.0, 0.0]
         left = left / max(float(np.linalg.norm(left)), 1e-9)
         self._flat = np.column_stack([-positions @ left, positions[:, 2]])
+        self._body = body_map.with_descendants(skeleton)
         self._names, self._parents = skeleton.names, tuple(skeleton.parents.tolist())
         sides = {"LEFT": colours.LEFT, "RIGHT": colours.RIGHT}
         self._colours = dict.fromkeys(body_map.spine, colours.TEXT) | {
@@ -65,7 +67,8 @@ class JointFigure(QWidget):
 
     def _places(self) -> FloatArray:
         """(J, 2) pixels."""
-        low, high = self._flat.min(axis=0), self._flat.max(axis=0)
+        body = self._flat[self._body]
+        low, high = body.min(axis=0), body.max(axis=0)
         room = np.array([self.width(), self.height()]) - 2.0 * _MARGIN
         scale = float((room / np.maximum(high - low, 1e-6)).min())
         centre = 0.5 * np.array([self.width(), self.height()])

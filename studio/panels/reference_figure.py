@@ -32,6 +32,7 @@ class ReferenceFigure(QWidget):
         self.setToolTip("Interpreted reference pose; if sides, front or up are wrong, correct the body map")
         self._points = _standing(capture, body_map)
         self._chains = _chains(capture, body_map)
+        self._drawn = sorted({joint for _, joints in self._chains for joint in joints})
 
     def sizeHint(self) -> QSize:
         """Width of the panel."""
@@ -58,14 +59,17 @@ class ReferenceFigure(QWidget):
 
     def _paint_view(self, painter: QPainter, across: FloatArray, box: QRectF) -> None:
         heights = self._points[:, 2]
+        low, wide = heights[self._drawn].min(), across[self._drawn]
         room = box.height() - 2.0 * _MARGIN - _CAPTION
-        span = max(float(np.ptp(heights)), float(np.ptp(across)) * room / max(box.width() - 4.0 * _MARGIN, 1.0), 1e-6)
+        tall, broad = float(np.ptp(heights[self._drawn])), float(np.ptp(wide))
+        span = max(tall, broad * room / max(box.width() - 4.0 * _MARGIN, 1.0), 1e-6)
         scale = room / span
-        middle = 0.5 * (across.min() + across.max())
+        middle = 0.5 * (wide.min() + wide.max())
         xs = box.center().x() + scale * (across - middle)
-        ys = box.bottom() - _MARGIN - _CAPTION - scale * (heights - heights.min())
+        floor = box.bottom() - _MARGIN - _CAPTION
+        ys = floor - scale * (heights - low)
         painter.setPen(QColor(colours.TEXT_SECOND))
-        painter.drawLine(QPointF(box.left() + _MARGIN, ys.max()), QPointF(box.right() - _MARGIN, ys.max()))
+        painter.drawLine(QPointF(box.left() + _MARGIN, floor), QPointF(box.right() - _MARGIN, floor))
         for colour, joints in self._chains:
             painter.setPen(QPen(QColor(colour), _WIDTH, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
             painter.drawPolyline([QPointF(float(xs[joint]), float(ys[joint])) for joint in joints])

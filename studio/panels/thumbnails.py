@@ -114,19 +114,20 @@ def capture_picture(capture: Capture, size: int = THUMBNAIL_PIXELS) -> QImage:
     picture = QImage(size, size, QImage.Format.Format_ARGB32_Premultiplied)
     picture.fill(Qt.GlobalColor.transparent)
     skeleton = capture.skeleton
+    shown = capture.body_map.with_descendants(skeleton) if capture.body_map else list(range(skeleton.joint_count))
+    bones = [(joint, parent) for joint in shown if (parent := int(skeleton.parents[joint])) in shown]
     with QPainter(picture) as painter:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         for moment, across, opacity in _POSES:
             frame = round(moment * (capture.frame_count - 1))
             places = joint_positions(skeleton, capture.poses.frames(frame, frame))[0]
             seen = np.stack([places @ _left_of(capture, places), places[:, 2]], axis=1)
-            low, high = seen.min(axis=0), seen.max(axis=0)
+            low, high = seen[shown].min(axis=0), seen[shown].max(axis=0)
             scale = (size - 2 * _MARGIN) / max(float((high - low).max()), 1e-6)
             points = size / 2 + scale * (seen - (low + high) / 2) * [1.0, -1.0] + [across * size, 0.0]
             colour = QColor(colours.TEXT)
             colour.setAlpha(opacity)
             painter.setPen(QPen(colour, size / 28.0, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
-            bones = [(joint, parent) for joint, parent in enumerate(skeleton.parents.tolist()) if parent >= 0]
             painter.drawLines([QLineF(*points[parent], *points[joint]) for joint, parent in bones])
     return picture
 

@@ -3,6 +3,7 @@
 from PySide6.QtCore import QSignalBlocker, Signal
 from PySide6.QtWidgets import QDoubleSpinBox, QGridLayout, QLabel, QWidget
 
+from studio.core.curves.keyed import Keys
 from studio.document import colours
 from studio.document.channels import Channel, key_values, with_values
 from studio.document.key_edits import KeyDrag
@@ -45,7 +46,7 @@ class CurveFields(QWidget):
         self._target = self._find() if shown is not None else None
         self.time.setEnabled(self._target is not None)
         keyed = self._keyed()
-        self.value.setEnabled(keyed is not None and self._target is not None and self._target[0].unit != "")
+        self.value.setEnabled(self._target is not None and isinstance(keyed, Keys))
         if shown is None or self._target is None or keyed is None:
             return
         channel, places = self._target

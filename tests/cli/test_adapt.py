@@ -17,6 +17,8 @@ from studio.core.body.morphology import Proportions
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
+from studio.core.normalized.normalize import normalize_capture
+from studio.core.solver.source import source_motion
 from studio.io.export import write_capture
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters, write_character
@@ -24,6 +26,7 @@ from studio.jobs.adapt_report import residual_record
 from studio.resources_folder import example_captures_folder, resources_folder
 from tests.architecture.sources import ROOT
 from tests.builders import make_capture, make_constraint
+from tests.climbs import write_climb
 from tests.io.bvh_exports import EXTRAS, with_extras
 
 KEYS = {
@@ -152,6 +155,19 @@ def test_a_calibration_pose_is_left_out_unless_asked_for(capsys, captures, tmp_p
     assert load_capture(report["characters"][0]["file"]).frame_count == report["frames"]
     _, whole = adapt(capsys, salsa, tmp_path, "--character", "child", "--all-frames")
     assert (whole["first_frame"], whole["frames"]) == (0, report["frames"] + report["first_frame"])
+
+
+def test_bodies_stand_on_the_steps_on_which_a_capture_was_recorded_if_asked_for(capsys, walk, tmp_path):
+    steps = write_climb(tmp_path / "climb.bvh", 0.16)
+    rises = {}
+    for asked in ((), ("--on-steps",)):
+        _, report = adapt(capsys, tmp_path / "climb.bvh", tmp_path, "--character", "child", *asked)
+        hips = source_motion(*normalize_capture(load_capture(report["characters"][0]["file"]))).positions[:, 0, 2]
+        rises[asked] = hips[-1] - hips[0]
+        assert report["characters"][0]["slide_mm"] < 1.0
+    assert rises["--on-steps",] == pytest.approx(steps.count * steps.rise, abs=0.05)
+    assert main(["adapt", str(walk), "--out", str(tmp_path / "out"), "--on-steps"]) == 1
+    assert "recorded on no steps" in capsys.readouterr().err
 
 
 def test_what_is_no_human_is_refused_with_what_is_missing(capsys, captures, tmp_path):

@@ -22,6 +22,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.procedural import CirclePlace
 from studio.core.constraints.scope import EVERYONE, Scope
 from studio.core.curves.activation import ActivationCurve
+from studio.core.curves.keyed import KeyedNumber
 from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Project
@@ -175,8 +176,9 @@ def test_two_targets_for_one_point_at_once_and_of_one_priority_are_a_contradicti
     other = constraint_of("Grasp", target=(0.3, 0.2, 1.0))
     assert objection(other, [REACH]) == (
         "'Grasp' contradicts 'Reach': both ask for the same point at the same time with the same priority."
-        " Give one of them another priority or other times."
+        " Give one of them another priority, other times or a keyed weight."
     )
+    assert objection(replace(other, weight=KeyedNumber((1.0, 2.0), (0.0, 1.0))), [REACH]) is None
     assert objections([REACH, other]) == [objection(other, [REACH])]
 
 

@@ -10,6 +10,7 @@ from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.quality.report import BLOCKED_BY_CORRECTIONS, BLOCKED_BY_NOTHING, fully_active, report_of
 from studio.core.rotations import from_matrix, from_rotation_vector, to_matrix, to_rotation_vector
 from studio.core.solver.adapt import adapt, body_point_positions, grounded_motion
@@ -181,3 +182,20 @@ def test_a_key_beyond_the_range_takes_the_range_along() -> None:
 def test_impossible_corrections_are_refused(wrong: object) -> None:
     with pytest.raises(ValueError, match=r".+"):
         wrong()  # type: ignore[operator]
+
+
+def test_a_correction_above_is_reported_on_a_body_without_constraints() -> None:
+    asked = request(correction(hips=(0.0, 0.0, 0.3), above=True))
+    report = report_of(grounded_motion(asked), asked, adapt(asked))
+    assert report.misses.shape == report.winners.shape == (0, WALK.frame_count)
+
+
+@pytest.mark.parametrize("height", [0.8, 1.0, 1.3])
+def test_hips_keyed_above_the_constraints_ride_on_a_platform_that_is_keyed_alike(height: float) -> None:
+    body, metres, times = make_morphology(height), 0.5, (0.5, 1.5)
+    platform = KeyedPlace(times, ((0.0, 0.0, 0.0), (0.0, 0.0, metres)))
+    keys = KeyedPoses(times, (PoseOffsets(), PoseOffsets((), (0.0, 0.0, metres / body.leg_length))))
+    ride = Correction("Ride", "p", ActivationCurve(-1.0, -1.0, 99.0, 99.0), keys, above=True)
+    plain, ridden = (adapt(request(*each, body=body)) for each in ((), (ride,)))
+    assert ridden.positions == pytest.approx(plain.positions + platform.at(WALK.times)[:, None], abs=1e-9)
+    assert np.array_equal(ridden.rotations, plain.rotations)

@@ -539,9 +539,9 @@ def test_segments_with_the_weights_of_their_groups_are_as_none_to_the_bit(body: 
     assert np.array_equal(_walking(body, same).rotations, _walking(body, asked).rotations)
 
 
-@pytest.mark.parametrize("weight", [0.0, -1.0, np.nan, np.inf])
+@pytest.mark.parametrize("weight", [-1.0, np.nan, np.inf])
 def test_a_weight_that_means_nothing_is_refused_under_the_name_of_its_constraint(weight: float) -> None:
-    with pytest.raises(ValueError, match="'Left forearm': a weight is a finite number above 0"):
+    with pytest.raises(ValueError, match="'Left forearm': a weight is a finite number of 0 or more"):
         target("left_forearm", (0, 0, 0), weight=weight)
 
 

@@ -216,6 +216,43 @@ def test_a_body_of_other_proportions_that_does_the_same_does_not_jump() -> None:
     assert motion_quality(shown[1], shown[0], contacts, Ground()).jump < 1.2
 
 
+def _rotated(motion: AdaptedMotion, segments: list[int], axis: int, degrees: float) -> AdaptedMotion:
+    """The motion with segments rotated about an axis of their own; the joints stay."""
+    quaternion = np.eye(4)[axis] * np.sin(np.radians(degrees) / 2) + np.eye(4)[3] * np.cos(np.radians(degrees) / 2)
+    rotations = np.array(motion.rotations)
+    rotations[:, segments] = rotations[:, segments] @ to_matrix(quaternion)
+    return replace(motion, rotations=rotations)
+
+
+def test_faces_palms_and_toes_that_look_elsewhere_are_seen_to_the_degree() -> None:
+    motion, contacts = walk()
+    positions, rotations = realize_motion(motion, BODY)
+    layout = BODY.layout
+    feet, toes = ([at(side) for side in (0, 1)] for at in (layout.foot_segment, layout.toe_segment))
+    rotations[:, toes] = rotations[:, feet]
+    source = AdaptedMotion(BODY, RATE, 0, positions, rotations, np.zeros((0, len(positions))))
+    same = motion_quality(source, source, contacts, Ground())
+    assert (same.face, same.palms, same.toes, same.swing_knee) == pytest.approx((0.0, 0.0, 0.0, 0.0), abs=1e-7)
+    for segments, name, degrees in (
+        ([layout.head_joint], "face", 35.0),
+        ([layout.hand_segment(1)], "palms", 50.0),
+        (toes, "toes", 40.0),
+    ):
+        found = motion_quality(_rotated(source, segments, 1, degrees), source, contacts, Ground())
+        assert np.degrees(getattr(found, name)) == pytest.approx(degrees)
+
+
+def test_a_knee_that_is_straighter_in_the_air_is_seen() -> None:
+    motion, contacts = walk()
+    positions, rotations = realize_motion(motion, BODY)
+    source = AdaptedMotion(BODY, RATE, 0, positions, rotations, np.zeros((0, len(positions))))
+    straight, hip = positions.copy(), BODY.layout.hip_point(0)
+    straight[:, hip + 1] = (straight[:, hip] + straight[:, hip + 2]) / 2.0
+    found = motion_quality(replace(source, positions=straight), source, contacts, Ground())
+    assert found.swing_knee > np.radians(20.0)
+    assert motion_quality(source, replace(source, positions=straight), contacts, Ground()).swing_knee <= 0.0
+
+
 def test_what_is_inside_its_body_at_rest_may_be_so_in_motion() -> None:
     thin, thick = (
         BodyVolume(v.segments, v.places, v.radii, g * v.girths) for v in [usual_volume(BODY)] for g in (1, 15)

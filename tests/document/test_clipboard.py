@@ -147,6 +147,21 @@ def test_keys_are_pasted_on_other_constraints_and_props_mirrored_if_asked(docume
     assert document.project.props[ball].position == (0.0, 0.0, 0.5)
 
 
+def test_keys_of_a_weight_are_pasted_on_the_weight_of_another_constraint(document):
+    crossing = KeyedNumber((0.1, 0.3), (0.0, 1.0))
+    document.replace("constraints", "reach", replace(document.project.constraints["reach"], weight=crossing), "Key")
+    weight = KeyedField("constraints", "reach", "weight")
+    document.keys.set([KeyRef(weight, 0), KeyRef(weight, 1)])
+    text = selection_as_json(document)
+    other = document.add("constraints", make_constraint(name="Left", priority=1), "Add")
+    document.playhead.set_time(0.0)
+    document.selection.set(("constraints", other))
+    paste_json(document, text)
+    pasted = document.project.constraints[other]
+    assert pasted.weight.times == pytest.approx((0.0, 0.2))
+    assert pasted.weight.values == (0.0, 1.0)
+
+
 def test_keys_of_an_angle_are_not_pasted_as_metres(document):
     heading = document.add("props", Prop("Box", heading=KeyedNumber((0.1, 0.3), (0.2, 0.4))), "Add")
     apart = DistanceConstraint(

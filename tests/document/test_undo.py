@@ -40,7 +40,7 @@ PROJECT = make_project(characters=3, constraints=2, contacts=3)
 
 EDITS = (
     "add", "add contact", "add prop", "drag", "drag", "trim", "remove", "ground", "group", "behave", "camera", "sound",
-    "footage", "correct", "correct", "retime", "retime", "tilt",
+    "footage", "correct", "correct", "retime", "retime", "tilt", "weigh",
 )  # fmt: skip
 """Kinds of random edits, the frequent ones twice."""
 REMOVED = {
@@ -92,6 +92,10 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
             target = (chance.choice([0.0, 0.1, 0.2]), 0.0, 1.0)
             moved = replace(project.constraints[key], target=target)
             document.replace("constraints", key, moved, "Move target", gesture)
+        case "weigh" if constraints:
+            key = chance.choice(constraints)
+            weight = chance.choice([0.0, chance.uniform(0.0, 9.0), KeyedNumber((0.1, 0.2), (chance.random(), 0.0))])
+            document.replace("constraints", key, replace(project.constraints[key], weight=weight), "Weigh", gesture)
         case "tilt" if project.motions:
             key = chance.choice([document.add("constraints", make_area(chance.randrange(10**9)), "Add area"), *areas])
             turn = unit_quaternion([chance.uniform(-1.0, 1.0) for _ in range(3)] + [1.0])

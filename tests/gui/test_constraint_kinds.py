@@ -84,7 +84,11 @@ def enter(inspector, name, text):
 
 
 def press(inspector, name):
-    [button] = [each for each in inspector.editor.findChildren(QAbstractButton) if each.accessibleName() == name]
+    [button] = [
+        each
+        for each in inspector.editor.findChildren(QAbstractButton)
+        if each.accessibleName() == name and not each.isHidden()
+    ]
     QTest.mouseClick(button, LEFT)
 
 

@@ -1,6 +1,7 @@
 """The curve editor: keys dragged in time and value, tangents dragged by handles, fields, menus, framing."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -28,6 +29,7 @@ from studio.document.channels import (
     with_values,
 )
 from studio.document.keyed_fields import KeyedField, KeyRef
+from studio.timeline.curves import Quantity
 from studio.timeline.menus import menu_at
 from studio.timeline.tracks.value_curves import HandleRef, plot_area
 from tests.gui.hand import RATE, Hand, curve, frames, pixels
@@ -300,6 +302,26 @@ def test_measured_curves_lie_behind_and_everything_is_painted(document, editor):
     document.selection.clear()
     editor.timeline.tracks.grab()
     assert editor.timeline.tracks.picture.plot.curves
+
+
+def test_measured_curves_are_drawn_again_only_if_they_or_the_axis_change(document, editor, monkeypatch):
+    tracks = editor.timeline.tracks
+    plot = tracks.picture.plot
+    monkeypatch.setattr(tracks.live, "result", cache(tracks.live.result))
+
+    def drawn():
+        tracks.grab()
+        return plot._image
+
+    document.keys.set([KeyRef(FIELD, 0)])
+    first = drawn()
+    document.keys.set([KeyRef(FIELD, 1)])
+    assert drawn() is first
+    tracks.axis.zoom(1.5, 400.0)
+    zoomed = drawn()
+    assert zoomed is not first
+    tracks.set_quantity(Quantity.KNEE_SPEED)
+    assert drawn() is not zoomed
 
 
 def turns():

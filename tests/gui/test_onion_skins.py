@@ -1,5 +1,7 @@
 """Onion skins and kept ghosts: the same body at other moments, in the picture and in no file."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
@@ -10,7 +12,7 @@ from studio.document import colours
 from studio.engine.performance import posed_performers
 from studio.panels.fields import NumberField
 from studio.viewport.onion_skins import OnionSkins, kept_ghosts, onion_ghosts
-from tests.builders import make_project
+from tests.builders import make_morphology, make_project
 from tests.gui.viewport_use import LEFT, chip, settle
 from tests.viewport.standing import FRAMES, RATE, results_of
 
@@ -48,6 +50,14 @@ def test_a_kept_ghost_is_where_the_body_was_and_goes_with_its_performer(stage):
     (ghost,) = kept_ghosts(project, posed, [("performer 1", 20 / RATE), ("gone", 0.1), ("performer 1", 10 / RATE)])
     assert (ghost.pose.frame, ghost.colour) == (20, colours.KEPT_GHOST)
     assert np.array_equal(ghost.pose.points[:, 1:], posed["performer 1"].points[:, 1:])
+
+
+def test_a_motion_of_a_body_with_another_spine_casts_no_ghosts(stage):
+    """Another character was put in place of the one that it was solved for."""
+    pose = stage[1]["performer 0"]
+    other = replace(pose.motion, morphology=make_morphology(spine_count=5))
+    assert replace(pose, frames_around=other).over_time is pose.motion
+    assert replace(pose, frames_around=replace(pose.motion)).over_time is not pose.motion
 
 
 def test_the_chip_shows_skins_in_their_colours_and_takes_them_away(studio):

@@ -5,9 +5,14 @@ import pytest
 from PySide6.QtGui import QColor, QImage
 from pytestqt.qtbot import QtBot
 
+from studio.core.body.humanoid import BodyPart
 from studio.document.colours import LEFT, RIGHT
+from studio.panels.body_map_section import body_of_capture
+from studio.panels.joint_figure import JointFigure
 from studio.panels.reference_figure import ReferenceFigure
+from studio.panels.thumbnails import capture_picture
 from tests.builders import make_capture
+from tests.far_roots import with_far_root
 
 
 def _columns(image: QImage, colour: str, width: int) -> np.ndarray:
@@ -59,3 +64,24 @@ def test_toes_show_whether_sides_are_exchanged(qtbot: QtBot, exchanged: bool) ->
     side_view = columns[columns >= 200]
     leg = np.median(side_view)
     assert (side_view.max() - leg > leg - side_view.min()) == exchanged
+
+
+@pytest.mark.parametrize("direction", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, -1.0)])
+def test_a_root_that_is_far_from_the_body_changes_nothing_in_the_figures(qtbot: QtBot, direction) -> None:
+    capture = make_capture()
+    far = with_far_root(capture, 4.0 * np.array(direction))
+    figures = [ReferenceFigure(each, each.body_map) for each in (capture, far)]
+    for figure in figures:
+        qtbot.addWidget(figure)
+        figure.resize(400, 160)
+    shown, same = (figure.grab().toImage() for figure in figures)
+    assert shown == same
+    assert capture_picture(capture) == capture_picture(far)
+    joints = [JointFigure(), JointFigure()]
+    for widget, each in zip(joints, (capture, far), strict=True):
+        qtbot.addWidget(widget)
+        body = body_of_capture(each)
+        widget.show_body(body.skeleton, body.positions, body.body_map, None)
+    head = capture.skeleton.names[capture.body_map[BodyPart.HEAD]]
+    apart = joints[0].place_of(head) - joints[1].place_of(head)
+    assert apart.manhattanLength() < 0.1

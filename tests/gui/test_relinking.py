@@ -93,3 +93,15 @@ def test_a_source_that_was_edited_where_it_lies_is_read_and_told(qtbot, window, 
     wait_until_idle(qtbot, window)
     assert window.bench.document.project.captures[imported].frame_count == 9
     assert "has changed since it was imported" in window.strip.text
+
+
+@pytest.mark.parametrize("by_hand", [False, True])
+def test_a_capture_that_is_removed_while_its_source_is_looked_for_is_left_alone(
+    qtbot, window, walk, imported, monkeypatch, by_hand
+):
+    answer_with(monkeypatch, walk)
+    (relinking.ask_source if by_hand else relinking.relink)(window.bench, imported)
+    window.bench.document.undo_stack.undo()
+    assert imported not in window.bench.document.project.captures
+    wait_until_idle(qtbot, window)
+    assert window.strip.text == ""

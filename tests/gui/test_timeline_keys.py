@@ -9,7 +9,10 @@ from PySide6.QtTest import QTest
 
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Proportions
-from studio.core.curves.keyed import KeyedNumber, KeyedPlace
+from studio.core.constraints.area import AreaConstraint, AreaShape
+from studio.core.constraints.follow import UNTURNED
+from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
+from studio.core.curves.tangents import Tangent, TangentMode, Tangents
 from studio.core.stage.prop import Prop
 from studio.document.key_edits import set_keys
 from studio.document.keyed_fields import KeyedField
@@ -250,6 +253,34 @@ def test_set_key_keys_a_constraint_and_not_the_body_that_is_selected_with_it(doc
     document.selection.set(("performers", "performer 0"), ("constraints", kick))
     document.playhead.set_time(40 / RATE)
     assert set_keys(document) == 1
+
+
+def test_set_key_where_a_weight_overshoots_below_zero_sets_zero(document, timeline, kick):
+    side = Tangent(TangentMode.FREE, (-9.0,))
+    weight = KeyedNumber((24 / RATE, 44 / RATE), (0.2, 1.0), tangents=(Tangents(side, side), None))
+    document.replace("constraints", "kick", replace(document.project.constraints["kick"], weight=weight), "Weigh")
+    document.playhead.set_frame(28)
+    assert weight.value_at(28 / RATE) < 0.0
+    set_keys(document)
+    assert document.project.constraints["kick"].weight.values == (0.2, 0.0, 1.0)
+
+
+@pytest.mark.parametrize("collection", ["constraints", "props"])
+def test_set_key_while_turning_begins_keys_of_heading_and_tilt(document, timeline, kick, collection):
+    base = make_constraint()
+    area = AreaConstraint(
+        base.motion_id, "Table", base.point, base.chain, 5, base.activation, shape=AreaShape.TABLE, heading=0.4
+    )
+    key = document.add(collection, area if collection == "constraints" else Prop("Box", heading=0.4), "Add")
+    document.selection.set((collection, key))
+    document.playhead.set_frame(40)
+    assert set_keys(document) == 1  # its position
+    assert set_keys(document, turning=True) == 3
+    entity = document.project.get(collection, key)
+    assert entity.heading == KeyedNumber((40 / RATE,), (0.4,))
+    assert entity.tilt == KeyedTurn((40 / RATE,), (UNTURNED,))
+    document.undo_stack.undo()
+    assert document.project.get(collection, key).heading == 0.4
 
 
 def test_random_edits_of_keys_are_undone_to_the_project_they_began_with(document, timeline, kick):

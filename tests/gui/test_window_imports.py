@@ -12,11 +12,14 @@ from studio.app.capture_import import repair_words
 from studio.core.body.humanoid import BodyPart
 from studio.core.body.pose import PoseSequence
 from studio.core.captures.annotations import Annotations, Label
+from studio.core.grounds import Steps
+from studio.core.normalized.normalize import captured_steps
 from studio.core.rotations import multiply
 from studio.io.export import take_of_capture, write_take
 from studio.io.importing import load_capture
 from studio.resources_folder import example_captures_folder
 from tests.builders import make_capture, make_constraint, make_contact
+from tests.climbs import write_climb
 from tests.gui.window_use import drop, same, wait_until_idle
 from tests.patience import SECONDS
 
@@ -212,6 +215,31 @@ def test_a_noisy_take_is_offered_a_cleaning_that_one_click_applies_and_undo_take
     wait_until_idle(qtbot, window)
     assert "was cleaned" in document.project.captures[capture_id].repairs[-1]  # the other setting keeps it
     QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)
+    QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)
+    assert same(document.project, as_read)
+
+
+def test_steps_of_a_capture_become_the_ground_by_one_click_and_undo_takes_them_back(qtbot, window, tmp_path):
+    write_climb(tmp_path / "climb.bvh", 0.16)
+    drop(window, tmp_path / "climb.bvh")
+    wait_until_idle(qtbot, window)
+    document = window.bench.document
+    as_read, capture_id = document.project, list(document.project.captures)[-1]
+    document.selection.set(("captures", capture_id))
+    [use] = [each for each in window.inspector.findChildren(QPushButton) if each.text() == "Use as ground"]
+    QTest.mouseClick(use, LEFT)
+    wait_until_idle(qtbot, window)
+    project = document.project
+    ground, performer = project.ground, project.performers[document.active_performer_id]
+    assert (type(ground), ground.count, round(ground.rise, 2)) == (Steps, 4, 0.16)
+    motion_id = performer.clips[0].motion_id
+    assert len(project.contacts_of(motion_id)) > len(as_read.contacts_of(motion_id))
+    assert "steps" not in {guess.subject for guess in project.captures[capture_id].guesses}
+    placed = ground.seen_from(performer.position, performer.heading)
+    steps = captured_steps(project.captures[capture_id])
+    ahead = np.linspace([0.0, 0.0], [4.0, 0.0], 41)
+    np.testing.assert_allclose(placed.height_at(ahead), steps.height_at(ahead), atol=1e-9)
+    assert document.history[-1] == "Use steps of climb as ground"
     QTest.keyClick(window, Qt.Key.Key_Z, CONTROL)
     assert same(document.project, as_read)
 

@@ -90,7 +90,10 @@ def test_the_example_in_the_guide_is_read(tmp_path):
         ({"constraints": [{**WRIST, "chain": {"segments": [["thorax", 7]]}}]}, "chain: .*thorax is 7"),
         ({"constraints": [{**WRIST, "chain": {"segments": [["left_hand", 0]]}}]}, "left hand has no weight of its own"),
         ({"constraints": [{**WRIST, "chain": {"segments": [["tail", 0]]}}]}, "chain: segments: one of pelvis"),
-        ({"constraints": [{**WRIST, "weight": 0}]}, r"'Right wrist'\), a weight is a finite number above 0, got 0"),
+        (
+            {"constraints": [{**WRIST, "weight": -1}]},
+            r"'Right wrist'\), a weight is a finite number of 0 or more, got -1",
+        ),
         (
             {"constraints": [{**WRIST, "point": {"part": "tail"}}]},
             "'Right wrist'.*point: part: one of pelvis.* expected, not 'tail'",

@@ -54,6 +54,8 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     AreaConstraint("motion", "Cage", WRIST, *COMMON, shape="sphere", inside=True),
     AreaConstraint("motion", "Rock", WRIST, *COMMON, shape="mesh", mesh=ROCK, on_surface=True),
     ClearConstraint("motion", "Clear", WRIST, *COMMON, arms="left", margin=0.02),
+    PositionConstraint("motion", "Switch", WRIST, *COMMON, weight=KeyedNumber((0.1, 0.5), (0.0, 1.0))),
+    PositionConstraint("motion", "Off", WRIST, *COMMON, weight=0.0),
     PositionConstraint("motion", "Heavy", WRIST, STIFF, *COMMON[1:], weight=2.5, target=(0.1, 0.2, 0.3)),
 )
 

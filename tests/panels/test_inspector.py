@@ -249,6 +249,39 @@ def test_a_tied_constraint_shares_the_place_of_the_one_above_and_has_a_weight_am
     assert document.project.constraints["constraint 1"].weight == 1.0
 
 
+def test_all_rows_of_the_order_are_in_sight(inspector, document, qtbot):
+    """The last one hid the first while it was selected."""
+    document.selection.set(("constraints", "constraint 2"))
+    order = inspector.findChild(OrderList)
+    qtbot.wait(20)
+    assert order.verticalScrollBar().maximum() == 0
+    assert order.visualItemRect(order.item(0)).top() >= 0
+
+
+def test_a_keyed_weight_lets_a_second_target_of_one_point_share_a_priority(inspector, document, qtbot):
+    first = document.project.constraints["constraint 0"]
+    other = replace(document.project.constraints["constraint 1"], point=first.point, target=(0.3, 0.1, 1.2))
+    document.replace("constraints", "constraint 1", other, "Other")
+    document.selection.set(("constraints", "constraint 1"))
+    weight, tie = named(inspector, NumberField, "Weight (same priority)"), inspector.findChild(QCheckBox, "tie")
+    with qtbot.waitSignal(document.problem_reported) as told:
+        QTest.mouseClick(tie, LEFT, pos=QPoint(8, 8))
+    assert "or a keyed weight" in told.args[0]
+    assert weight.isVisible()
+    box = named(inspector, QCheckBox, "Weight is animated")
+    QTest.mouseClick(box, LEFT, pos=QPoint(8, 8))
+    QTest.mouseClick(tie, LEFT, pos=QPoint(8, 8))
+    assert document.project.constraints["constraint 1"].priority == first.priority
+    document.playhead.set_time(0.5)
+    weight.setValue(0.0)
+    keyed = document.project.constraints["constraint 1"].weight
+    assert (keyed.values, keyed.times[-1]) == ((1.0, 0.0), pytest.approx(0.5, abs=0.02))
+    document.playhead.set_time(0.0)
+    assert weight.value() == 1.0
+    document.undo_stack.setIndex(1)
+    assert document.project.constraints["constraint 1"].weight == 1.0
+
+
 def test_a_tie_that_would_double_a_constraint_is_refused_in_a_sentence(inspector, document, qtbot):
     document.selection.set(("constraints", "constraint 1"))
     tie = inspector.findChild(QCheckBox, "tie")

@@ -59,6 +59,11 @@ class BodyMap:
             self.spine,
         )
 
+    def with_descendants(self, skeleton: Skeleton) -> list[int]:
+        """Joints of the body and all below them, without those above it: a file's root may be far away."""
+        mapped = {*self.spine, *self.parts.values()}
+        return sorted(mapped.union(*(skeleton.descendants(joint) for joint in mapped)))
+
     def to_json(self, skeleton: Skeleton) -> dict[str, str]:
         """Names of joints by part: ``{"pelvis": "Hips", "spine_1": "Spine", ..., "head": "Head", ...}``."""
         names = {"pelvis": skeleton.names[self.spine[0]]}

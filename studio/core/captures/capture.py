@@ -23,7 +23,7 @@ class Guess:
     """Assumption that the user may overrule."""
 
     subject: str
-    """One of ``unit, up axis, frame rate, floor, floor drift, body map, feet, moving offsets,
+    """One of ``unit, up axis, frame rate, floor, floor drift, steps, body map, feet, moving offsets,
     cleaning, reference pose, first frame``."""
     value: str
     reason: str
@@ -116,6 +116,10 @@ class Capture:
     def with_guess(self, guess: Guess) -> "Capture":
         """Copy with one more guess, listed before the others."""
         return replace(self, guesses=(guess, *self.guesses))
+
+    def without_guess(self, subject: str) -> "Capture":
+        """Copy without the guess about a subject, once the user has decided."""
+        return self._overruled(subject)
 
     def _overruled(self, subject: str, **values: object) -> "Capture":
         guesses = tuple(guess for guess in self.guesses if guess.subject != subject)

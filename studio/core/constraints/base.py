@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.scope import EVERYONE, Scope
 from studio.core.curves.activation import ActivationCurve
+from studio.core.curves.keyed import KeyedNumber
 from studio.core.plausible import PLACE_RANGE, WEIGHT
 
 if TYPE_CHECKING:
@@ -48,6 +49,8 @@ SHANKS = (BodyPart.LEFT_SHANK, BodyPart.RIGHT_SHANK)
 BONES = (*UPPER_ARMS, *FOREARMS, *THIGHS, *SHANKS)
 SINGLE = (*TRUNK_PARTS, *CLAVICLES, BodyPart.NECK, BodyPart.HEAD, *BONES)
 """Segments that may have a weight of their own."""
+LEAST_WEIGHT = 1e-12
+"""Weight that a constraint's weight of 0 counts as."""
 
 
 def limb_bones(part: BodyPart) -> tuple[BodyPart, ...]:
@@ -154,10 +157,11 @@ class Constraint:
     priority: int
     activation: ActivationCurve
     enabled: bool = True
-    weight: float = field(default=1.0, kw_only=True)
+    weight: float | KeyedNumber = field(default=1.0, kw_only=True)
     """Weight among constraints of the same priority that cannot all be met; only ratios matter.
 
-    For two bodies that meet it is the fraction of the distance that each moves.
+    Targets of one point, or rotations of one segment, are blended by it. For two bodies that meet it is the fraction
+    of the distance that each moves.
     """
     scope: Scope = field(default=EVERYONE, kw_only=True)
     """Performers that it applies to: all of the motion, one performer, or one clip."""
@@ -169,9 +173,16 @@ class Constraint:
             raise ValueError(
                 f"'{self.name}': free arms and legs help a balance alone. Set free_arms and free_legs to 0."
             )
-        if not (math.isfinite(self.weight) and self.weight > 0.0):
-            raise ValueError(f"'{self.name}': a weight is a finite number above 0, got {self.weight}.")
-        WEIGHT.check(self.weight)
+        weights = self.weight.values if isinstance(self.weight, KeyedNumber) else (self.weight,)
+        for weight in weights:
+            if not (math.isfinite(weight) and weight >= 0.0):
+                raise ValueError(f"'{self.name}': a weight is a finite number of 0 or more, got {weight}.")
+        WEIGHT.check(weights)
+
+    def weights_at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Weights (F or 1,) at ``times`` (F,) seconds, above 0 so that means by weight exist."""
+        keyed = self.weight.at(times)[:, 0] if isinstance(self.weight, KeyedNumber) else np.array([self.weight])
+        return np.asarray(np.maximum(keyed, LEAST_WEIGHT))
 
     def carried(self, carry: "ClipTransform") -> dict[str, Any]:
         """Field values that change where a clip plays (``constraints.carried_over``)."""

@@ -6,6 +6,7 @@ from dataclasses import fields, replace
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import TRUNK_PARTS, BodyPoint, Chain, Constraint, limb_bones
 from studio.core.constraints.follow import FollowBody
+from studio.core.curves.keyed import KeyedNumber
 
 _LIMBS = tuple(
     tuple(BodyPart(f"{side}_{bone}") for bone in bones)
@@ -16,6 +17,8 @@ _FIELDS_OF_EVERY_KIND = {"motion_id", "scope", "name", "chain", "priority", "act
 """Values that say nothing about what is asked."""
 _MANY = {"area", "clear"}
 """Kinds of which a point may have several at once."""
+_BLENDED = {"position", "orientation"}
+"""Kinds whose targets are blended by weight."""
 
 
 def objection(constraint: Constraint, others: Iterable[Constraint]) -> str | None:
@@ -44,10 +47,14 @@ def objection(constraint: Constraint, others: Iterable[Constraint]) -> str | Non
                     f"'{constraint.name}' asks the same as '{other.name}' at the same time and with the same priority."
                     " Keep one of them."
                 )
-            if constraint.kind not in _MANY:
+            blended = are_blended(constraint, other)
+            if constraint.kind not in _MANY and not (blended and _is_keyed(constraint.weight, other.weight)):
+                ways = (
+                    "another priority, other times or a keyed weight" if blended else "another priority or other times"
+                )
                 return (
                     f"'{constraint.name}' contradicts '{other.name}': both ask for the same point at the same time with"
-                    " the same priority. Give one of them another priority or other times."
+                    f" the same priority. Give one of them {ways}."
                 )
     circle = _follow_cycle(constraint, rivals)
     if circle:
@@ -110,6 +117,24 @@ def _rivals(first: Constraint, second: Constraint) -> bool:
     a, b = first.activation, second.activation
     begin, end = max(a.full, b.full), min(a.full_end, b.full_end)
     return begin < end or (begin == end and a == b)
+
+
+def blended_thing(constraint: Constraint) -> object:
+    """Kind, and point or segment, for which several targets of one priority are blended by weight; None for other kinds
+    and for targets on the own body.
+    """
+    is_blended = constraint.kind in _BLENDED and _followed(constraint) is None
+    return (constraint.kind, _about(constraint)) if is_blended else None
+
+
+def are_blended(first: Constraint, second: Constraint) -> bool:
+    """True for two constraints whose targets are blended by weight if their priorities are equal."""
+    thing = blended_thing(first)
+    return thing is not None and thing == blended_thing(second)
+
+
+def _is_keyed(*weights: float | KeyedNumber) -> bool:
+    return any(isinstance(weight, KeyedNumber) for weight in weights)
 
 
 def _about(constraint: Constraint) -> object:

@@ -298,6 +298,8 @@ class ConstraintSet(NamedTuple):
     targets: TargetArrays
     activations: Array
     """(K, C, F) of the tasks down to each of K tiers of ``kernels.limits.clearance_tiers``, all tasks in the last."""
+    weights: Array
+    """(C, F or 1) among tasks of the same level."""
 
 
 class CapsuleArrays(NamedTuple):

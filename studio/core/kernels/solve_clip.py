@@ -81,6 +81,7 @@ def solve_run(request, body, motion, clearance, easing, scratch, out_residuals):
                 pack(request.redundancy),
                 pack(request.targets),
                 request.activations,
+                request.weights,
             )
         ),
         pack(body),
@@ -159,7 +160,7 @@ def solve_activations(frame, tier, clip, problem):
     least, any_acts = 0.0, False
     while True:
         more = next_activation(least, frame, tasks, activations)
-        acts = set_goals(more, frame, activations, clip.constraints.targets, problem)
+        acts = set_goals(more, frame, activations, clip.constraints, problem)
         if acts:
             update_relative_weights(tasks)
             update_joint_weights(more, frame, activations, clip.constraints.redundancy, problem)

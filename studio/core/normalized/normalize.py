@@ -1,14 +1,16 @@
 """Conversion of a capture to its morphology-independent motion (K05 section 4; METHOD 2)."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.canonical import BodyLayout
 from studio.core.body.kinematics import joint_world
 from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
+from studio.core.captures.captured_steps import find_stances, find_steps, foot_levels
 from studio.core.captures.contacts import (
     BODY_POINTS,
     LOW_KNEE,
@@ -32,6 +34,7 @@ from studio.core.captures.floor_slope import FloorSlope, find_floor_slope
 from studio.core.captures.plate_steps import contacts_fitted_to_plates
 from studio.core.captures.rising_heels import rising_heels
 from studio.core.errors import StudioError
+from studio.core.grounds.steps import Steps
 from studio.core.kernels import layout as at
 from studio.core.kernels.body.encode_channels import encode_frames, unwrap_channels
 from studio.core.normalized.actor import SourceRig
@@ -123,14 +126,29 @@ def sole_heights(capture: Capture) -> list[list[float]]:
     return _FOUND(capture).sole_heights
 
 
-def detected_contacts(capture: Capture, motion_id: str) -> tuple[ContactInterval, ...]:
-    """``capture_contacts`` as those of a motion, and the touches of its hands (``touching``)."""
+def captured_steps(capture: Capture) -> Steps | None:
+    """Steps on which a capture was recorded, in the motion's space; None if it has no body map, or was on none."""
+    if capture.body_map is None:
+        return None
+    marks = find_landmarks(capture, capture.body_map)
+    _, soles, upright = _legs(marks, capture)
+    steps = find_steps(find_stances(soles - motion_origin(capture), upright, capture.frame_rate))
+    return steps and replace(steps, height=round(steps.height / steps.rise) * steps.rise)
+
+
+def detected_contacts(capture: Capture, motion_id: str, *, on_steps: bool = False) -> tuple[ContactInterval, ...]:
+    """``capture_contacts`` as those of a motion, and the touches of its hands (``touching``).
+
+    Feet that are ``on_steps`` stand on the treads of ``captured_steps``, else only on the floor.
+    """
     from studio.core.normalized.touching import find_touches  # it needs a body, which is measured here
 
     if capture.body_map is None:
         return ()
     motion, actor = normalize_capture(capture)
     standing = capture_contacts(capture)
+    if on_steps:
+        standing = _contacts_of(find_landmarks(capture, capture.body_map), capture, on_steps=True)[0]
     hands = (standing[ContactPoint.LEFT_HAND], standing[ContactPoint.RIGHT_HAND])
     free = np.array([~contact_mask(spans, motion.frame_count) for spans in hands])
     touches = find_touches(motion, actor.morphology, free, capture.first_frame)
@@ -173,15 +191,16 @@ _FOUND: Shared[Capture, _FoundContacts] = Shared(_find, owner=lambda capture: ca
 """The contacts of all captures that are the same but for their guesses."""
 
 
-def _risen(marks: Landmarks, heels: Sequence[NDArray[np.bool_]], leg_length: float) -> FloatArray:
-    """(F,) height in metres of the floor over its lowest, from the ``heels`` (F,) of standing legs.
+def _risen(points: FloatArray, layout: BodyLayout, heels: Sequence[NDArray[np.bool_]], leg_length: float) -> FloatArray:
+    """(F,) height in metres of the floor over its lowest, from the ``heels`` (F,) of standing legs; ``points`` are
+    landmarks (F, P, 3).
 
     Captured floors are tilted, and drift by centimetres, also under the hands. Knees and seats follow it less, because
     they come down long after a leg has stood.
     """
-    frames, shown = np.arange(len(marks.points)), []
+    frames, shown = np.arange(len(points)), []
     for side, stands in enumerate(heels):
-        hips, ankles = (marks.points[:, marks.layout.hip_point(side) + step, 2] for step in (0, 2))
+        hips, ankles = (points[:, layout.hip_point(side) + step, 2] for step in (0, 2))
         known = np.flatnonzero(stands & (hips - ankles > HEEL_STAND_HIP * leg_length))
         if len(known):
             heights = ankles[known]
@@ -189,15 +208,46 @@ def _risen(marks: Landmarks, heels: Sequence[NDArray[np.bool_]], leg_length: flo
     return np.mean(shown, axis=0) if shown else np.zeros(len(frames))
 
 
-def _contacts_of(marks: Landmarks, capture: Capture) -> tuple[Contacts, FloorSlope]:
-    layout, rate = marks.layout, capture.frame_rate
+def _off_their_steps(
+    points: FloatArray, soles: FloatArray, upright: BoolArray, capture: Capture, layout: BodyLayout
+) -> tuple[FloatArray, FloatArray]:
+    """Landmarks (F, P, 3) and soles lowered by the treads on which the feet stand, all else by the mean of both."""
+    placed = soles - motion_origin(capture)
+    stances = find_stances(placed, upright, capture.frame_rate)
+    steps = find_steps(stances)
+    if steps is None:
+        return points, soles
+    levels = foot_levels(stances, steps, placed)
+    lowered = points - [[0.0, 0.0, 1.0]] * levels.mean(axis=1)[:, None, None]
+    for side in range(2):
+        leg = slice(layout.hip_point(side), layout.hip_point(side) + 5)
+        lowered[:, leg, 2] = points[:, leg, 2] - levels[:, [side]]
+    return lowered, soles - levels[:, :, None, None] * [0.0, 0.0, 1.0]
+
+
+def _legs(marks: Landmarks, capture: Capture) -> tuple[float, FloatArray, BoolArray]:
+    """Length of the legs in metres, ``sole_points`` (F, 2, 3, 3), and (F, 2) true where a leg is upright.
+
+    No leg is before the first frame of the motion proper.
+    """
     hips = [marks.layout.hip_point(0), marks.layout.hip_point(1)]
-    leg = np.linalg.norm(np.diff(marks.reference[hips[0] : hips[0] + 3], axis=0), axis=1).sum()
-    soles = sole_points(marks, float(leg), capture.first_frame)
-    legs = marks.points[:, hips, 2] - marks.points[:, [layout.ankle_point(0), layout.ankle_point(1)], 2]
+    leg = float(np.linalg.norm(np.diff(marks.reference[hips[0] : hips[0] + 3], axis=0), axis=1).sum())
+    ankles = marks.points[:, [marks.layout.ankle_point(0), marks.layout.ankle_point(1)], 2]
+    upright = marks.points[:, hips, 2] - ankles > HEEL_STAND_HIP * leg
+    upright[: capture.first_frame] = False
+    return leg, sole_points(marks, leg, capture.first_frame), upright
+
+
+def _contacts_of(marks: Landmarks, capture: Capture, *, on_steps: bool = False) -> tuple[Contacts, FloorSlope]:
+    layout, rate = marks.layout, capture.frame_rate
     own = slice(capture.first_frame, None)
-    slope = find_floor_slope(soles[own], legs[own] > HEEL_STAND_HIP * leg, rate)
-    points, soles = slope.levelled(marks.points), slope.levelled(soles)
+    hips = [layout.hip_point(0), layout.hip_point(1)]
+    leg, soles, upright = _legs(marks, capture)
+    on_floor = marks.points
+    if on_steps:
+        on_floor, soles = _off_their_steps(on_floor, soles, upright, capture, layout)
+    slope = find_floor_slope(soles[own], upright[own], rate)
+    points, soles = slope.levelled(on_floor), slope.levelled(soles)
     toes = points[:, [layout.toe_point(0), layout.toe_point(1)]]
     shortest = round(SHORTEST_CONTACT * capture.frame_rate)
     feet = detect_contacts(soles, rate, capture.first_frame)
@@ -210,17 +260,17 @@ def _contacts_of(marks: Landmarks, capture: Capture) -> tuple[Contacts, FloorSlo
         feet[heel] = [
             (a, b) for a, b in spans_outside_mask(feet[heel], raised, shortest) if flat[a : b + 1].mean() < 0.5
         ]
-    risen = _risen(marks, [contact_mask(feet[heel], len(points)) for heel in HEELS], float(leg))
+    risen = _risen(on_floor, layout, [contact_mask(feet[heel], len(points)) for heel in HEELS], leg)
     tracks = {point: points[:, touching_points(point, layout)].mean(axis=1) for point in BODY_POINTS}
     for point, track in tracks.items():
         track[:, 2] -= capture.floor + (risen if point.member == "hand" else 0.0)
-    bodies = detect_body_contacts(tracks, float(leg), capture.frame_rate, capture.first_frame)
+    bodies = detect_body_contacts(tracks, leg, capture.frame_rate, capture.first_frame)
     for side, name in enumerate(("left", "right")):
         heel, toe, knee = (ContactPoint(f"{name}_{member}") for member in ("heel", "toe", "knee"))
         # A heel does not stand while its knee does; who lies or kneels may trail its toes.
         feet[heel] = spans_outside_mask(feet[heel], contact_mask(bodies[knee], len(points)), shortest)
         rising = rising_heels(
-            feet[heel], contact_mask(feet[toe], len(points)), points[:, layout.ankle_point(side)], float(leg)
+            feet[heel], contact_mask(feet[toe], len(points)), points[:, layout.ankle_point(side)], leg
         )
         feet[heel] = spans_outside_mask(feet[heel], rising, shortest)
         low = tracks[knee][:, 2] < LOW_KNEE * leg

@@ -40,6 +40,10 @@ PART_SEGMENTS = {
     "legs": (12, 13, 16, 17), "feet": (14, 18), "toes": (15, 19),
 }  # fmt: skip
 """Segments, of those that ``_segments`` compares, by the part of the body that they are."""
+_HEAD, _HANDS = 3, PART_SEGMENTS["hands"]
+"""Segments whose x axes are directions: that of the face, and the normals of the palms."""
+SWING_SHARE = 98.0
+"""Percentile of the straightness of swinging knees that is reported."""
 
 
 @dataclass(frozen=True)
@@ -53,10 +57,18 @@ class MotionQuality:
     knee_mean: float
     """Additional bend of stance knees, mean and greatest."""
     knee_most: float
+    swing_knee: float
+    """Straightness of knees beyond the source's, in the straightest fiftieth of the frames of a foot in the air."""
+    toes: float
+    """Greatest fold of toes beyond the source's while their foot is in the air."""
     bob: float
     """Ups and downs of the hips, as parts of the source's."""
     posture: float
     """Greatest difference of elevation of trunk, upper arms, forearms, thighs and shanks."""
+    face: float
+    """Greatest angle between the directions of the faces."""
+    palms: float
+    """Greatest angle between the normals of the palms."""
     shoulders: float
     """Least distance of the shoulder joints in parts of that at rest, less the same of the source."""
     hands: float
@@ -82,10 +94,14 @@ def motion_quality(
     first_frame: int = 0,
 ) -> MotionQuality:
     """Quality of a whole adapted motion relative to its ``source`` on the actor's own body."""
-    flat = _steady(foot_states(contacts, adapted.frame_count) == SOLE_STANDS, adapted.frame_rate)[:, first_frame:]
+    states = foot_states(contacts, adapted.frame_count)
+    flat = _steady(states == SOLE_STANDS, adapted.frame_rate)[:, first_frame:]
+    swings = states[:, first_frame:] == 0
     adapted, source = _from(first_frame, adapted), _from(first_frame, source)
     knees = [_knee(adapted, side)[flat[side]] - _knee(source, side)[flat[side]] for side in range(2)]
     above = [[_hips(m)[flat[s], 2] - _scaled(m)[flat[s], _ankle(m, s), 2] for m in (source, adapted)] for s in (0, 1)]
+    straighter = np.concatenate([(_knee(source, s) - _knee(adapted, s))[swings[s]] for s in range(2)])
+    folded = np.concatenate([(_toe_fold(adapted, s) - _toe_fold(source, s))[swings[s]] for s in range(2)])
     bend, drop = np.concatenate(knees), np.concatenate([of_source - own for of_source, own in above])
     stands = len(bend) > 0
     heights = (
@@ -97,8 +113,12 @@ def motion_quality(
         drop=float(drop.mean()) if stands else np.nan,
         knee_mean=float(bend.mean()) if stands else np.nan,
         knee_most=float(bend.max()) if stands else np.nan,
+        swing_knee=float(np.percentile(straighter, SWING_SHARE)) if len(straighter) else np.nan,
+        toes=float(folded.max()) if len(folded) else np.nan,
         bob=_bob(adapted) / max(_bob(source), LEAST_BOB),
         posture=float(np.abs(limb_elevations(adapted) - limb_elevations(source)).max()),
+        face=float(_x_axes_apart(adapted, source, _HEAD).max()),
+        palms=max(float(_x_axes_apart(adapted, source, hand).max()) for hand in _HANDS),
         shoulders=_least_shoulders(adapted) - _least_shoulders(source),
         hands=_hands(adapted, source),
         jump=_jump(adapted, source),
@@ -138,7 +158,25 @@ def _knee(motion: AdaptedMotion, side: int) -> FloatArray:
     """Bend (F,) of a knee in radians, 0 for a straight leg."""
     hip = motion.morphology.layout.hip_point(side)
     thigh, shank = (np.diff(motion.positions[:, hip + k : hip + k + 2], axis=1)[:, 0] for k in (0, 1))
-    return np.asarray(np.arctan2(np.linalg.norm(np.cross(thigh, shank), axis=1), np.einsum("fk,fk->f", thigh, shank)))
+    return vector_angles(thigh, shank)
+
+
+def vector_angles(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Radians (F,) between vectors (F, 3)."""
+    sine = np.linalg.norm(np.cross(first, second), axis=1)
+    return np.asarray(np.arctan2(sine, np.einsum("fk,fk->f", first, second)))
+
+
+def _toe_fold(motion: AdaptedMotion, side: int) -> FloatArray:
+    """Bend (F,) of the toes in radians, 0 in line with the foot."""
+    foot = motion.morphology.layout.foot_segment(side)
+    return vector_angles(motion.rotations[:, foot, :, 0], motion.rotations[:, foot + 1, :, 0])
+
+
+def _x_axes_apart(adapted: AdaptedMotion, source: AdaptedMotion, number: int) -> FloatArray:
+    """(F,) radians between the x axes of both motions' segments with a ``number`` of ``_segments``."""
+    own, theirs = _segments(adapted, source)[number]
+    return vector_angles(adapted.rotations[:, own, :, 0], source.rotations[:, theirs, :, 0])
 
 
 def _bob(motion: AdaptedMotion) -> float:

@@ -134,7 +134,8 @@ def blocking_constraints(
 
 def fully_active(constraints: Sequence[Constraint], times: FloatArray) -> Mask:
     """(C, F) True where the activation of a constraint is 1, with or without contacts."""
-    return np.array([each.activation.at(times) >= FULLY_ACTIVE for each in constraints]).reshape(-1, len(times))
+    active = [each.activation.at(times) >= FULLY_ACTIVE for each in constraints]
+    return np.array(active, dtype=np.bool_).reshape(-1, len(times))
 
 
 def sampled_frames(state: Mask, apart: int) -> tuple[IntArray, IntArray]:

@@ -121,7 +121,7 @@ def captured_rotations(capture: Capture, frames: FloatArray, *, mirrored: bool =
     """
     source = _captured(_Recorded(capture))
     if source is None:
-        return np.tile(IDENTITY_QUATERNION, (len(frames), *FINGER_CELLS, 1))
+        return np.broadcast_to(IDENTITY_QUATERNION, (len(frames), *FINGER_CELLS, 4))
     within = np.clip(frames, 0.0, capture.frame_count - 1.0)
     first, last = int(within.min()), int(np.ceil(within.max()))
     local = capture.poses.local_rotations[first : last + 1, source.joints]

@@ -30,6 +30,7 @@ from studio.core.solver.asking.limb_availability import arm_limit_fractions, leg
 from studio.core.solver.asking.packing import pack_tasks, priority_order
 from studio.core.solver.asking.releasing import contact_release, is_ramped, ramped_target
 from studio.core.solver.asking.self_contact import arm_activations
+from studio.core.solver.asking.shared_goals import share_goals
 from studio.core.solver.asking.tracks import OwnPath, Targets, Track, Tracks, raised_along_arms
 from studio.core.solver.performers.followed_tracks import own_track
 from studio.core.solver.smoothing.level_smoothing import (
@@ -93,6 +94,7 @@ class SolvedWindow:
             stands = np.array([each.standing[window] for each in held])
             acts = np.concatenate([stands & (activations[:, window] > 0.0).any(axis=0), acts])
         self._activations = np.ascontiguousarray(acts)
+        share_goals(self._rows, asked, self._held, acts)
         self._sunk = np.zeros(acts.shape)
         self._shares, self._targets = self._lead(asked)
         joints = joints_of_chains(tuple(map(relevant_chain, everything)), self._rows.levels, body.layout)
@@ -202,7 +204,7 @@ class SolvedWindow:
                 clearance = clearance._replace(activations=fractions)
         tiered = activations_by_tier(acts, self._clearance) if self._clear else acts[None]
         recruits = BalanceJoints(joints.recruited, usual, self._freedoms)
-        asked = ConstraintSet(rows.tasks, rows.areas, chain, recruits, self._targets, tiered)
+        asked = ConstraintSet(rows.tasks, rows.areas, chain, recruits, self._targets, tiered, rows.stacked_weights)
         motion = MotionArrays(*self._unsolved, self._positions, self._rotations)
         solve_frames(asked, self._body, motion, clearance, easing, self._missed[: len(rows.tasks)])
 

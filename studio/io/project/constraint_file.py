@@ -36,7 +36,19 @@ from studio.io.project.value_json import Json, unknown_fields
 _MEMBERS = ("constraints", "contacts", "props")
 _LARGEST = 1e6
 _IDS = {"id", "schema", "kind", "motion_id"}
-_RECORDS = ("scope", "point", "chain", "activation", "target", "other", "distance", "place", "centre", "heading")
+_RECORDS = (
+    "scope",
+    "point",
+    "chain",
+    "activation",
+    "target",
+    "other",
+    "distance",
+    "place",
+    "centre",
+    "heading",
+    "weight",
+)
 _USUAL: Mapping[str, Json] = {"priority": 0, "chain": {}}
 
 

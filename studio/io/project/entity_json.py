@@ -18,6 +18,7 @@ from studio.core.constraints.area import AreaConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import UNTURNED
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
+from studio.core.curves.keyed import KeyedNumber
 from studio.core.errors import StudioError
 from studio.core.grounds import GROUND_KINDS
 from studio.core.grounds.ground import Ground
@@ -29,7 +30,7 @@ from studio.io.project.value_json import Array, Json, MemberCodec, UnknownKind, 
 
 PROJECT_SCHEMA = 2
 ENTITY_SCHEMAS = {
-    **dict.fromkeys(COLLECTIONS, 1), "characters": 3, "performers": 2, "constraints": 6, "contacts": 3, "props": 6,
+    **dict.fromkeys(COLLECTIONS, 1), "characters": 3, "performers": 2, "constraints": 7, "contacts": 3, "props": 6,
 }  # fmt: skip
 """A higher number tells an older version that it would misread what it knows by that name."""
 MEMBER_NAME = re.compile(r"(captures|characters)/[0-9a-f]{64}\.npy")
@@ -95,8 +96,10 @@ def _schema_of(collection: str, entity: Entity) -> int:
         return ENTITY_SCHEMAS[collection]
     if isinstance(entity, Prop) and (entity.tilt != UNTURNED or any(_is_tilted(hold) for hold in entity.holds)):
         return 5
-    if isinstance(entity, AreaConstraint) and entity.tilt != UNTURNED:
+    if isinstance(entity, Constraint) and (isinstance(entity.weight, KeyedNumber) or entity.weight == 0.0):
         return ENTITY_SCHEMAS[collection]
+    if isinstance(entity, AreaConstraint) and entity.tilt != UNTURNED:
+        return 6
     if isinstance(entity, AreaConstraint) and entity.margin:
         return 5
     if isinstance(entity, Constraint | Character | Prop) and _has_curves(entity):

@@ -114,6 +114,7 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
         self._activation.refresh_clip()
         if is_moving(self.entity):
             self.refresh_moment()
+            self._priority.refresh_weight()
 
     def depends_on(self, collection: str, entity_id: str) -> bool:
         """True also for other constraints, whose priorities are an order, performers, which residuals name, and props,

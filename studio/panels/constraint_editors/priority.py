@@ -5,8 +5,10 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QAbstractItemView, QListWidget, QListWidgetItem
 
 from studio.core.constraints.base import Constraint
+from studio.core.constraints.objections import are_blended
 from studio.core.errors import StudioError
 from studio.document.priorities import put_priorities, shared_priorities, shared_priorities_after_move
+from studio.panels.constraint_editors.target_rows import NumberRows
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section, check_box
 
@@ -52,8 +54,9 @@ class PrioritySection(Section):
         self._tied.setToolTip("Same priority: if both cannot be met, the error is shared by weight.")
         self._tied.toggled.connect(self._tie)
         self.add_wide(self._tied)
-        self._weight = editor.bind(NumberField("Weight (same priority)", "", 0.1, 10.0, 0.1, 2), self._set_weight)
-        self._weight_name = self.add_row("Weight", self._weight)
+        self._weight = editor.bind(NumberField("Weight (same priority)", "", 0.0, 10.0, 0.1, 2), self._set_weight)
+        self._number = NumberRows(editor, self, "weight")
+        self._weight_name = self.add_row("Weight", self._weight, self._number.keyed)
 
     def refresh(self) -> None:
         """Update the order."""
@@ -65,16 +68,25 @@ class PrioritySection(Section):
             shown = [(self._list.item(k).data(ID), self._list.item(k).text()) for k in range(self._list.count())]
             if rows != shown:
                 self._fill(rows)
-        self._list.setFixedHeight(PRIORITY_ROW_PX * len(rows))
+        self._list.setFixedHeight(PRIORITY_ROW_PX * len(rows) + 2 * self._list.frameWidth())
         order = list(constraints)
         place = order.index(self._editor.entity_id)
         ties = shared_priorities(constraints, order)
         with QSignalBlocker(self._tied):
             self._tied.setChecked(ties[place])
         self._tied.setEnabled(place > 0)
+        others = (each for key, each in constraints.items() if key != self._editor.entity_id)
+        self._shows_weight = any(ties[place : place + 2]) or any(
+            are_blended(self._editor.entity, each) for each in others
+        )
+        self.refresh_weight()
+
+    def refresh_weight(self) -> None:
+        """Update the weight, which may be keyed."""
         for widget in (self._weight_name, self._weight):
-            widget.setVisible(any(ties[place : place + 2]))
-        self._weight.show_value(self._editor.entity.weight)
+            widget.setVisible(self._shows_weight)
+        self._number.refresh(self._shows_weight)
+        self._weight.show_value(self._number.current_number)
 
     def _fill(self, rows: list[tuple[str, str]]) -> None:
         self._list.clear()
@@ -112,7 +124,7 @@ class PrioritySection(Section):
             self.refresh()
 
     def _set_weight(self, weight: float) -> None:
-        self._editor.change(f"Set weight of {self._editor.entity.name}", weight=weight)
+        self._number.set_number(weight, f"Set weight of {self._editor.entity.name}")
 
 
 def _moved(likely: list[str], before: list[str], after: list[str]) -> str | None:

@@ -15,6 +15,8 @@ from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.target import Place, Turn, own_place_of, with_own_place
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
+from studio.document.channels import allowed_value_at
+from studio.document.keyed_fields import KeyedField
 from studio.document.mnemonics import escaped_mnemonics
 from studio.engine.moments import TargetContext
 from studio.engine.performance import motion_time, stage_time
@@ -377,12 +379,8 @@ class KeyRow:
     def _set(self) -> None:
         """Set a key with the present value."""
         keyed, now = self._keyed(), self._seconds()
-        value = keyed.at([now])[0]
-        if isinstance(keyed, KeyedTurn):
-            from studio.core.rotations import from_matrix
-
-            value = from_matrix(value)
-        self._change(keyed.with_key(now, tuple(value.tolist()) if keyed.size > 1 else float(value[0])), "Set key of")
+        field = KeyedField(self._editor.collection, self._editor.entity_id, self._field)
+        self._change(keyed.with_key(now, allowed_value_at(field, keyed, now)), "Set key of")
 
     def _delete(self) -> None:
         place = self._keyed().key_at(self._seconds())
@@ -414,7 +412,10 @@ class NumberRows:
     def current_number(self) -> float:
         """Number at the playhead."""
         value = getattr(self._editor.entity, self._field)
-        return float(value.at([self._keys.now])[0, 0]) if isinstance(value, KeyedNumber) else float(value)
+        if not isinstance(value, KeyedNumber):
+            return float(value)
+        field = KeyedField(self._editor.collection, self._editor.entity_id, self._field)
+        return float(allowed_value_at(field, value, self._keys.now))
 
     def set_number(self, number: float, text: str) -> None:
         """Set the number: constant, or as a key at the playhead if it is keyed."""

@@ -4,13 +4,14 @@ from collections.abc import Callable
 from functools import partial
 
 import pyqtgraph as pg
-from PySide6.QtCore import QObject, QRect, QRectF, Qt, Signal
-from PySide6.QtGui import QColor, QPainter
+from PySide6.QtCore import QObject, QPointF, QRect, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QPainter, QPixmap
 from PySide6.QtWidgets import QWidget
 
 from studio.document import colours
 from studio.document.length_units import shown_unit
 from studio.engine.scheduler import SolveScheduler
+from studio.timeline.axis import TimeAxis
 from studio.timeline.curves import (
     Curve,
     CurveQuery,
@@ -62,6 +63,9 @@ class PlotPicture(QObject):
         self._asked: dict[str, Basis] = {}
         self._worker: SolveScheduler | None = None
         self._order = 0
+        self._drawn: tuple[object, ...] = ()
+        self._image = QPixmap()
+        """Drawing of the curves with the inputs ``_drawn``, because a picture may change beside them."""
 
     def fetch(self, shown: RowContext) -> None:
         """Update the curves of changed results.
@@ -119,15 +123,26 @@ class PlotPicture(QObject):
     def paint(self, painter: QPainter, row: QRect, shown: RowContext) -> None:
         """Draw the curves over the axis' own range of time, aligned with the bars to the pixel."""
         area = row.adjusted(ROW_LABEL_WIDTH, 4, 0, -3)
-        axis = shown.axis
+        axis, image = shown.axis, painter.device()
+        for y in (self.y_of(row, 0.0), self.y_of(row, self.top)):
+            painter.fillRect(area.left(), round(y), area.width(), 1, translucent(colours.EDGE, 0.7))
+        size, scale = QSize(image.width(), image.height()), image.devicePixelRatio()
+        drawn = (area, axis.start, axis.scale, self.top, size, scale, self.curves)
+        if drawn != self._drawn:
+            self._drawn = drawn
+            self._image = QPixmap(size)  # as large as the picture, so that it begins on whole pixels at any scale
+            self._image.setDevicePixelRatio(scale)
+            self._image.fill(Qt.GlobalColor.transparent)
+            with QPainter(self._image) as curves:
+                self._paint_curves(curves, area, axis)
+        painter.drawPixmap(QPointF(), self._image)
+
+    def _paint_curves(self, painter: QPainter, area: QRect, axis: TimeAxis) -> None:
         if self._widget.size() != area.size():
             self._widget.resize(area.size())
             self._widget.resizeEvent(None)  # Qt keeps it back from a widget that is not on the screen
         self._item.setXRange(axis.time_at(area.left()), axis.time_at(area.left() + area.width()), padding=0)
         self._item.setYRange(-0.04 * self.top, self.top * HEADROOM, padding=0)
-        low, high = self.y_of(row, 0.0), self.y_of(row, self.top)
-        for y in (low, high):
-            painter.fillRect(area.left(), round(y), area.width(), 1, translucent(colours.EDGE, 0.7))
         for line, curve in zip(self._lines, self.curves, strict=False):
             pen = pg.mkPen(QColor(curve.colour), width=CURVE_LINE_PX * painter.device().devicePixelRatio())
             pen.setCapStyle(Qt.PenCapStyle.FlatCap)  # other caps would show where segments meet

@@ -2,6 +2,7 @@
 
 from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import dataclass
+from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter
 
 from studio.document import colours
-from studio.document.channels import Channel, Side, channels_of, handle_of, key_values, values_at
+from studio.document.channels import Channel, Side, channels_of, components_at, handle_of, key_values, values_at
 from studio.document.keyed_fields import Keyed, KeyedField, KeyRef, counted_in, keyed_value, selected_fields, to_stage
 from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext, clipped_span
 from studio.timeline.tracks.brush import font, hairline, paint_dot, paint_key, translucent
@@ -200,8 +201,8 @@ class ValueCurves:
             self._paint_scale(
                 painter, area, shown, next((each for each, _ in channels if each == self.active), channels[0][0])
             )
-        for channel, keyed in channels:
-            self._paint_curve(painter, area, shown, channel, keyed)
+        for _, group in groupby(channels, key=lambda each: each[0].field):
+            self._paint_field(painter, area, shown, list(group))
         self._paint_handles(painter, area, shown)
         for handle, point in self.points(shown, area):
             paint_key(painter, point, colour_of(handle.channel), handle.key in shown.document.keys)
@@ -222,19 +223,25 @@ class ValueCurves:
             place = QRect(area.right() - 70, y - 15, 64, 14)
             painter.drawText(place, Qt.AlignmentFlag.AlignRight, f"{value:.4g} {channel.unit}".strip())
 
-    def _paint_curve(self, painter: QPainter, area: QRect, shown: RowContext, channel: Channel, keyed: Keyed) -> None:
+    def _paint_field(
+        self, painter: QPainter, area: QRect, shown: RowContext, channels: list[tuple[Channel, Keyed]]
+    ) -> None:
+        """Draw the curves of all channels of one field, evaluated at once."""
+        field, keyed = channels[0][0].field, channels[0][1]
         xs = np.arange(area.left(), area.right() + SAMPLE, SAMPLE)
         stage = shown.axis.start + (xs - shown.axis.left) / shown.axis.scale
-        times = np.unique(np.concatenate([own_times(shown, channel.field, stage), keyed.times]))
-        values = values_at(channel, keyed, times)
-        span = self.range_of(shown, channel)
-        ys = area.bottom() - (values - span.low) / (span.high - span.low) * area.height()
-        counted = counted_in(shown.project, shown.subject.clip, channel.field)
+        times = np.unique(np.concatenate([own_times(shown, field, stage), keyed.times]))
+        components = components_at(keyed, times)
+        counted = counted_in(shown.project, shown.subject.clip, field)
         seen = times if counted is None else counted.stage_seconds(times, shown.project.frame_rate_of(counted))
         xs = shown.axis.left + (seen - shown.axis.start) * shown.axis.scale
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(hairline(colour_of(channel), 2.0 if channel == self.active else 1.4))
-        painter.drawPolyline(arrayToQPolygonF(xs, np.clip(ys, -1e5, 1e5)))
+        for channel, _ in channels:
+            span = self.range_of(shown, channel)
+            values = components[:, channel.component] * channel.factor
+            ys = area.bottom() - (values - span.low) / (span.high - span.low) * area.height()
+            painter.setPen(hairline(colour_of(channel), 2.0 if channel == self.active else 1.4))
+            painter.drawPolyline(arrayToQPolygonF(xs, np.clip(ys, -1e5, 1e5)))
 
     def _paint_handles(self, painter: QPainter, area: QRect, shown: RowContext) -> None:
         keyed = dict(self.channels(shown))

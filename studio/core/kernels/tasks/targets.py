@@ -11,22 +11,23 @@ for a search ends when its weighted errors are small.
 
 
 @kernel
-def set_goals(least, frame, activations, targets, problem):
-    """Set all goals at this frame, by activation between the unsolved pose and the targets; False if no task is active.
+def set_goals(least, frame, activations, constraints, problem):
+    """Set all goals and weights at this frame, the goals by activation between the unsolved pose and the targets; False
+    if no task is active.
 
     A task whose transitions are blended (``kernels.time.activation_blend``) has full activation, or none if its
     activation is below ``least``.
     """
-    tasks, acts = problem.tasks, False
+    tasks, weights, acts = problem.tasks, constraints.weights, False
     for c in range(tasks.shape[0]):
         row, activation = tasks[c], activations[c, frame]
         if activation < 1.0 and row.blends:
             activation = 1.0 if activation >= least else 0.0
-        row.activation = activation
+        row.activation, row.weight = activation, weights[c, frame if weights.shape[1] > 1 else 0]
         set_initial_status(row, activation)
         if activation > 0.0:
             acts = True
-            set_goal(c, frame, targets, problem)
+            set_goal(c, frame, constraints.targets, problem)
     return acts
 
 

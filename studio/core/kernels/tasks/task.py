@@ -25,7 +25,6 @@ TASK_REQUEST = [
     ("limb_weights", _REAL, (2, 2)),
     ("relative", _REAL, (3, 3)),
     ("blends", _FLAG),
-    ("weight", _REAL),
     ("end_fractions", _REAL, (2,)),
     ("axes", _FLAG),
     ("assisted", _FLAG),
@@ -33,11 +32,12 @@ TASK_REQUEST = [
 """For all frames: its kind (``kernels.tasks.goals``) and level; of each end the point of the body (-1 none), its
 segment, its limb (-1 none), the offset from the point, and the weights of limb and of hand or foot; ``relative``
 rotation in the axes that it follows; ``blends`` if its transitions blend solutions (``kernels.time.activation_blend``);
-its weight; ``end_fractions`` of the ends in a distance; 3 ``axes`` where a balance counts heights too, else 2;
+``end_fractions`` of the ends in a distance; 3 ``axes`` where a balance counts heights too, else 2;
 ``assisted`` if joints beside its limbs may move.
 """
 TASK_FRAME = [
     ("activation", _REAL),
+    ("weight", _REAL),
     ("relative_weight", _REAL),
     ("status", _FLAG),
     ("pinned", _FLAG),
@@ -48,10 +48,10 @@ TASK_FRAME = [
     ("goal_distance", _REAL),
     ("start_position", _REAL, (3,)),
 ]
-"""At one frame: its activation; its weight relative to the heaviest of its level; its status; pinned (then ``relative``
-is the offset in the axes that it follows); ``secondary`` if its limb has another position task before it; ``engaged``
-if its area is entered; the goal positions, rotation or distance; its first point, or the centre of mass, in the
-unsolved pose.
+"""At one frame: its activation; its weight, also relative to the heaviest of its level; its status; pinned (then
+``relative`` is the offset in the axes that it follows); ``secondary`` if its limb has another position task before it;
+``engaged`` if its area is entered; the goal positions, rotation or distance; its first point, or the centre of mass, in
+the unsolved pose.
 """
 TASK_REACH = [
     ("max_reach", _REAL, (2,)),

@@ -114,7 +114,7 @@ def smoothing_violation(frame, clip, problem, above):
     """
     tasks, activations, residuals = problem.tasks, clip.constraints.activations[-1], clip.easing.residuals
     clearance, level = clip.clearance, clip.easing.level[0]
-    set_goals(ANY_ACTIVATION, frame, activations, clip.constraints.targets, problem)
+    set_goals(ANY_ACTIVATION, frame, activations, clip.constraints, problem)
     edges = has_transition(frame, tasks, activations)
     for row in tasks:
         row.engaged = 0
@@ -142,7 +142,7 @@ def smoothing_violation(frame, clip, problem, above):
 def report_residuals(frame, clip, problem):
     """Report the residuals of all tasks; in transitions the blended ones, for all tasks above the level."""
     tasks, activations, residuals = problem.tasks, clip.constraints.activations[-1], clip.easing.residuals
-    restore_goals(frame, activations, clip.constraints.targets, problem)
+    restore_goals(frame, activations, clip.constraints, problem)
     edges = has_transition(frame, tasks, activations)
     for c in range(tasks.shape[0]):
         row = tasks[c]
@@ -194,10 +194,10 @@ def limit_smoothed_root(problem):
 
 
 @kernel
-def restore_goals(frame, activations, targets, problem):
+def restore_goals(frame, activations, constraints, problem):
     """Restore the goals that tasks had before smoothing, to report their residuals."""
     tasks = problem.tasks
-    set_goals(1.0, frame, activations, targets, problem)
+    set_goals(1.0, frame, activations, constraints, problem)
     for c in range(tasks.shape[0]):
         row = tasks[c]
         row.engaged = 0

@@ -50,8 +50,9 @@ def pack_tasks(
         positions=[NO_POSITION] * count,
         rotations=[NO_ROTATION] * count,
         distances=[NO_DISTANCE] * count,
+        weights=[constraint.weights_at(targets.times) for constraint in constraints],
     )
-    rows.tasks["level"], rows.tasks["weight"] = levels, [constraint.weight for constraint in constraints]
+    rows.tasks["level"] = levels
     for c, constraint in enumerate(constraints):
         kind = solver_kind_of(constraint)
         if kind is None:

@@ -33,7 +33,7 @@ class TaskRecords:
     """Records and targets of C constraints while they are written; see ``kernels.tasks.task``.
 
     ``levels`` (C,), 0 the highest; ``positions`` C of (F or 1, 3), ``rotations`` of (F or 1, 3, 3) and ``distances`` of
-    (F or 1,) are the targets.
+    (F or 1,) are the targets, ``weights`` C of (F or 1,) count among tasks of the same level.
     """
 
     layout: BodyLayout
@@ -44,6 +44,7 @@ class TaskRecords:
     positions: list[FloatArray]
     rotations: list[FloatArray]
     distances: list[FloatArray]
+    weights: list[FloatArray]
 
     def set_followed_point(self, c: int, target: object) -> bool:
         """Write the point of its own body that a constraint follows; False for other targets."""
@@ -61,6 +62,11 @@ class TaskRecords:
         return records.TargetArrays(
             _stacked(self.positions, 3), _stacked(self.rotations, 3, 3), _stacked(self.distances)
         )
+
+    @property
+    def stacked_weights(self) -> FloatArray:
+        """Weights (C, F or 1)."""
+        return _stacked(self.weights)
 
 
 def _stacked(targets: Sequence[FloatArray], *shape: int) -> FloatArray:

@@ -65,14 +65,10 @@ Paths = Mapping[tuple[str, FollowPerformer | FollowProp], Track]
 
 @dataclass(frozen=True)
 class MutualFollow:
-    """Two points that follow each other: their performers, constraint rows, and the first one's fraction of the
-    distance.
-    """
+    """Two points that follow each other: their performers, and constraint rows."""
 
     keys: tuple[str, str]
     rows: tuple[int, int]
-    share: float
-    """Fraction of the first one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,8 +148,7 @@ def mutual_follows(players: Mapping[str, CycleMember]) -> tuple[MutualFollow, ..
         for row, first in _following(players[one], other):
             for column, second in _following(players[other], one):
                 if _target(first).point == second.point and _target(second).point == first.point:
-                    fraction = first.weight / (first.weight + second.weight)
-                    found.append(MutualFollow((one, other), (row, column), fraction))
+                    found.append(MutualFollow((one, other), (row, column)))
     return tuple(found)
 
 
@@ -216,14 +211,15 @@ def _meet(
         assert isinstance(asked, PositionConstraint)
         follow = _target(asked)
         mine, other_place = _point(players[me], results[me], asked), tracks[me, follow].positions
+        times = players[me].times
+        theirs_times = times + _apart(players[me], players[other])
         if (me, follow) not in before:
-            fraction = meeting.share if first else 1.0 - meeting.share
-            place = mine + fraction * (other_place - mine)
+            own, their = asked.weights_at(times)[:, None], theirs.weights_at(theirs_times)[:, None]
+            place = mine + own / (own + their) * (other_place - mine)
         else:
             place = before[me, follow].positions
-            times = players[me].times
             held = asked.activation.at(times)[:, None] ** 3
-            held_there = theirs.activation.at(times + _apart(players[me], players[other]))[:, None] ** 3
+            held_there = theirs.activation.at(theirs_times)[:, None] ** 3
             residual, miss_there = held * (mine - place), held_there * (other_place - place)
             far, far_there = (np.linalg.norm(each, axis=1, keepdims=True) for each in (residual, miss_there))
             place = place + (far * residual + far_there * miss_there) / (far + far_there + EVEN_RESIDUALS)

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.kernels.tasks import goals
@@ -26,8 +27,13 @@ def write_task(rows: TaskRecords, c: int, constraint: OrientationConstraint) -> 
 
 def residual(constraint: OrientationConstraint, targets: Targets, adapted: AdaptedMotion) -> FloatArray:
     """Angle (F,) in radians to the target."""
+    return angle_to(_turns(constraint.target, targets, adapted), constraint, adapted)
+
+
+def angle_to(goal: FloatArray, constraint: Constraint, adapted: AdaptedMotion) -> FloatArray:
+    """Angle (F,) in radians from the constrained segment to ``goal`` (F or 1, 3, 3)."""
     segment = point_indices(constraint.point, adapted.morphology.layout)[1]
-    return _angle(adapted.rotations[:, segment], _turns(constraint.target, targets, adapted))
+    return _angle(adapted.rotations[:, segment], goal)
 
 
 def _turns(target: object, targets: Targets, adapted: AdaptedMotion) -> FloatArray:

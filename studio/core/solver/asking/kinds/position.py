@@ -44,8 +44,12 @@ def _is_pair(constraint: Constraint) -> bool:
 
 def residual(constraint: PositionConstraint, targets: Targets, adapted: AdaptedMotion) -> FloatArray:
     """Distance (F,) in metres from the point to its target."""
-    away = point_positions(constraint.point, adapted) - target_positions(constraint.target, targets, adapted)
-    return np.asarray(np.linalg.norm(away, axis=1))
+    return distance_to(target_positions(constraint.target, targets, adapted), constraint, adapted)
+
+
+def distance_to(goal: FloatArray, constraint: Constraint, adapted: AdaptedMotion) -> FloatArray:
+    """Distance (F,) in metres from the constrained point to ``goal`` (F or 1, 3)."""
+    return np.asarray(np.linalg.norm(point_positions(constraint.point, adapted) - goal, axis=1))
 
 
 POSITION_KIND = SolverKind(goals.POSITION_TASK, write_task, point_trajectory, residual)

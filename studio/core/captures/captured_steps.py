@@ -1,0 +1,112 @@
+"""Steps on which a capture was recorded, found from its feet: they stand at several heights, evenly apart."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.core.captures.contacts import STILL_SPEED, point_speeds
+from studio.core.grounds.slope import direction_vector
+from studio.core.grounds.steps import Steps
+from studio.core.runs import runs_of
+
+FloatArray = NDArray[np.float64]
+
+SHORTEST_STANCE = 0.1
+"""Seconds."""
+LOWEST_RISE = 0.08
+"""Metres; soles of one level differ by less than half of that."""
+TREAD_HEIGHT_ERROR = 0.03
+"""Metres by which a stance may be above or below the fitted tread."""
+ON_TREADS = 0.95
+"""Part of the stances that must be on the fitted treads."""
+SHORTEST_TREAD = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class CapturedStance:
+    """Frames ``first`` to ``past``, the last excluded, in which a foot (0 left, 1 right) carries the body."""
+
+    side: int
+    first: int
+    past: int
+    place: FloatArray
+    """(2,) metres: the middle of the sole."""
+    height: float
+    """Metres, of the lower one of heel and ball."""
+
+
+def find_stances(soles: FloatArray, upright: NDArray[np.bool_], frame_rate: float) -> list[CapturedStance]:
+    """Stances at any height, by time, of soles (F, 2, 3, 3), as in ``detect_contacts``, of legs that stand ``upright``
+    (F, 2). A foot that is held still in the air does not count: the other one stands lower all the while.
+    """
+    found = []
+    levels = np.full(upright.shape, np.inf)
+    for side in range(2):
+        ends = soles[:, side, :2]
+        speeds = [point_speeds(ends[:, end], upright[:, side], frame_rate) for end in range(2)]
+        for first, past in runs_of(upright[:, side] & (np.minimum(*speeds) < STILL_SPEED)):
+            if past - first >= SHORTEST_STANCE * frame_rate:
+                height = float(np.median(ends[first:past, :, 2].min(axis=1)))
+                place = np.median(soles[first:past, side, :, :2].mean(axis=1), axis=0)
+                levels[first:past, side] = height
+                found.append(CapturedStance(side, first, past, place, height))
+    carries = [
+        np.mean(levels[each.first : each.past, 1 - each.side] < each.height - LOWEST_RISE / 2) < 0.5 for each in found
+    ]
+    return sorted((each for each, does in zip(found, carries, strict=True) if does), key=lambda each: each.first)
+
+
+def find_steps(stances: list[CapturedStance]) -> Steps | None:
+    """Flight of equal steps, or a single one, on which the stances are; None if they are on one level, or on none of
+    these. Its ``height`` is that of the soles on its lowest level.
+    """
+    heights, places = np.array([each.height for each in stances]), np.array([each.place for each in stances])
+    ordered = np.sort(heights)
+    groups = np.split(ordered, np.flatnonzero(np.diff(ordered) > LOWEST_RISE / 2) + 1)
+    levels = np.array([np.median(group) for group in groups if len(group)])
+    if len(levels) < 2 or np.diff(levels).min() < LOWEST_RISE:
+        return None
+    on = np.rint((heights - levels[0]) / np.diff(levels).min()).astype(int)
+    count = on.max()
+    way = np.zeros(2)
+    for side in range(2):  # from each stance of a foot to its next: the feet are beside each other
+        own = np.array([each.side == side for each in stances])
+        way += np.sign(np.diff(on[own])) @ np.diff(places[own], axis=0)
+    if not way.any():
+        return None
+    direction = math.atan2(way[1], way[0])
+    along = places @ direction_vector(direction)
+    between = np.unique(on[(on > 0) & (on < count)])
+    middles = np.array([np.median(along[on == level]) for level in between])
+    if len(middles) > 1:
+        tread, begin = np.polyfit(between, middles, 1)
+    else:  # the stances nearest to the steps say where they end
+        tread = (along[on == count].min() - along[on == 0].max()) / count
+        begin = middles[0] - tread * between[0] if len(middles) else along[on == 0].max()
+    if tread < SHORTEST_TREAD:
+        return None
+    start = tuple((direction_vector(direction) * (begin + tread / 2)).tolist())
+    steps = Steps(float(levels[0]), float(np.ptp(levels) / count), float(tread), int(count), direction, start)
+    right = np.abs(steps.height_at(places) - heights) < TREAD_HEIGHT_ERROR
+    return steps if right.mean() >= ON_TREADS else None
+
+
+def foot_levels(stances: list[CapturedStance], steps: Steps, soles: FloatArray) -> FloatArray:
+    """(F, 2) metres above the lowest level of the tread under each foot: that on which it stands, and from one to the
+    next the higher of both that the sole, of ``soles`` (F, 2, 3, 3), is above.
+    """
+    levels = np.zeros(soles.shape[:2])
+    heights = soles[..., 2].min(axis=2) - steps.height + TREAD_HEIGHT_ERROR
+    for side in range(2):
+        own = [each for each in stances if each.side == side]
+        if not own:
+            continue
+        treads = steps.rise_at(np.array([each.place for each in own]))
+        firsts, pasts = [each.first for each in own], [each.past for each in own]
+        before = treads[np.maximum(np.searchsorted(firsts, np.arange(len(soles)), side="right") - 1, 0)]
+        after = treads[np.minimum(np.searchsorted(pasts, np.arange(len(soles)), side="right"), len(own) - 1)]
+        higher = np.maximum(before, after)
+        levels[:, side] = np.where(heights[:, side] > higher, higher, np.minimum(before, after))
+    return levels

@@ -1,0 +1,44 @@
+"""Guesses about the floor of a capture that need its normalised motion: its drift, and steps on it."""
+
+from dataclasses import replace
+
+from studio.core.captures.capture import Capture, Guess
+from studio.core.captures.confidence import Confidence
+from studio.core.normalized.normalize import captured_steps, sole_heights
+
+REPORTED_DRIFT = 0.01
+"""Least drift in metres that is reported."""
+DRIFT_REASON = "As far apart lie the footprints of one foot. It is taken off when the motion is set on the ground."
+STEPS_REASON = (
+    "Its feet stand at several heights. Use as ground (--on-steps): every body then stands on these steps; until then"
+    " only feet on the floor are contacts."
+)
+
+
+def floor_drift(capture: Capture) -> float:
+    """Metres between the lowest and the highest floor in the footprints of one foot; 0 if there are not two.
+
+    It is reported, because adaptation removes it (METHOD 5).
+    """
+    if capture.body_map is None:
+        return 0.0
+    return max((max(heights) - min(heights) for heights in sole_heights(capture) if heights), default=0.0)
+
+
+def steps_guess(capture: Capture) -> Guess | None:
+    """Offer of the steps on which a capture was recorded; None without any."""
+    steps = captured_steps(capture)
+    if steps is None:
+        return None
+    sizes = f"{steps.count} of {100.0 * steps.rise:.0f} cm, {100.0 * steps.tread:.0f} cm deep, not used"
+    return Guess("steps", sizes, STEPS_REASON, Confidence.LIKELY)
+
+
+def with_floor_reported(capture: Capture) -> Capture:
+    """Capture with the drift of its floor, if it is large enough to report, and steps on it among its guesses."""
+    guesses, drift, steps = [], floor_drift(capture), steps_guess(capture)
+    if drift >= REPORTED_DRIFT:
+        guesses.append(Guess("floor drift", f"{100.0 * drift:.1f} cm", DRIFT_REASON, Confidence.SURE))
+    if steps is not None:
+        guesses.append(steps)
+    return replace(capture, guesses=(*capture.guesses, *guesses)) if guesses else capture
