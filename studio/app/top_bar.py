@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QAction, QResizeEvent
+from PySide6.QtGui import QAction, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenuBar, QPushButton, QSizePolicy, QToolButton, QWidget
 
 from studio.app.action_set import ActionSet
@@ -81,6 +81,11 @@ class TopBar(QWidget):
         never menus.
         """
         super().resizeEvent(event)
+        self._fit()
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Fit again: texts have the sizes of the theme only from the moment they are shown."""
+        super().showEvent(event)
         self._fit()
 
     def _fit(self) -> None:

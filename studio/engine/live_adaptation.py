@@ -171,7 +171,7 @@ class LiveAdaptation(QObject):
         return self._results.get(performer_id)
 
     def solve_frame(self, seconds: float) -> None:
-        """As ``Live.bring``."""
+        """As ``Live.solve_frame``."""
         if not self._kernels.grounded:
             return
         project = self._document.project

@@ -3,7 +3,7 @@
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, NoReturn
 
 from studio.core.constraints.base import BodyPoint
 from studio.core.stage.project import Project
@@ -83,7 +83,7 @@ def receive_shots(stream: IO[bytes]) -> Shots:
     )
 
 
-def _none(_array: object) -> Any:
+def _none(_array: object) -> NoReturn:
     raise ValueError("A view has no arrays.")
 
 

@@ -418,3 +418,10 @@ def test_every_action_that_is_enabled_without_the_3d_view_runs(qtbot, window):
     window.bench.document.playhead.pause()
     assert window.isVisible()
     assert window.bench.document.history
+
+
+def test_a_new_window_shows_every_menu(window):
+    """Its bar was fitted to texts as wide as before they had the theme's font."""
+    window.resize(1400, 900)
+    window.show()
+    assert window.top_bar.menus.width() >= window.top_bar.menus.sizeHint().width()
