@@ -134,8 +134,8 @@ def residuals_on(
         pieces = [((0, 0), np.arange(count), np.arange(count))]
     else:
         timing, frames = composite.timing, np.arange(count)
-        played = {each.piece.origin: each for each in composite.played}
-        if not curves.keys() <= played.keys():
+        played = {each.piece.origin: each for each in composite.played if each.piece.origin[0] >= 0}
+        if not curves.keys() <= played.keys() or any(place >= len(performer.clips) for place, _ in played):
             return None  # the result is of a row of other clips
         pieces = [
             (origin, there, np.rint(each.motion_frames(there, timing)).astype(np.int64))

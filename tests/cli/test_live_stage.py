@@ -35,8 +35,7 @@ def test_a_stage_plays_for_so_many_seconds_and_tells_of_steps_states_and_takeove
 
 
 def test_what_is_asked_is_counted_where_it_is_asked_wholly_and_where_it_is_met():
-    near, far = (reaching("straight_punch", place) for place in ((0.4, -0.2, 1.1), (4.0, 0.0, 1.1)))
-    asked = {"near": near, "far": replace(far, priority=1)}
+    asked = {"near": reaching("straight_punch", (0.4, -0.2, 1.1)), "far": reaching("straight_punch", (4.0, 0.0, 1.1))}
     project = replace(fighting(), constraints=asked)
     near, far = played(project, 0.4)["performers"][0]["constraints"]
     assert near["steps_asked"] == far["steps_asked"]

@@ -64,12 +64,24 @@ def crossing(one: KeyedPlace, other: KeyedPlace) -> np.ndarray:
 def test_constant_keys_give_the_poses_of_the_number_to_the_bit() -> None:
     one, other = pair("tall_man")
     for weight in (0.3, 1.0, 7.0):
-        keyed = KeyedNumber((0.4, 1.1, 2.0), (weight,) * 3)
-        for second in (at(other, "b"), at(other, "b", LEFT_WRIST), at(other, "b", priority=1)):
-            plain, curve = (adapted("tall_man", at(one, weight=each), second) for each in (weight, keyed))
+        for second in (at(other, "b", LEFT_WRIST), at(other, "b", priority=1)):
+            plain, curve = (adapted("tall_man", at(one, weight=each), second) for each in (weight, constant(weight)))
             assert np.array_equal(plain.positions, curve.positions)
             assert np.array_equal(plain.rotations, curve.rotations)
             assert np.array_equal(plain.residuals, curve.residuals, equal_nan=True)
+
+
+def constant(weight: float) -> KeyedNumber:
+    """Keys of one value."""
+    return KeyedNumber((0.4, 1.1, 2.0), (weight,) * 3)
+
+
+def test_two_targets_of_constant_weights_contradict_each_other_and_the_miss_is_told() -> None:
+    """A hand between both would have been told as held."""
+    one, other = pair("tall_man")
+    motion = adapted("tall_man", at(one, "a"), at(other, "b", weight=3.0))
+    apart = np.linalg.norm(one.at(WALK.times) - other.at(WALK.times), axis=1)
+    assert (motion.residuals.sum(axis=0) > apart - 2e-3).all()
 
 
 @pytest.mark.parametrize("chain", CHAINS)
@@ -119,10 +131,10 @@ def test_the_scale_of_both_weights_changes_nothing(scale: float) -> None:
     assert motion.positions == pytest.approx(plain.positions, abs=1e-6)
 
 
-def test_a_constant_weight_is_the_part_of_the_way_beyond_ten_to_one_too() -> None:
+def test_a_weight_is_the_part_of_the_way_beyond_ten_to_one_too() -> None:
     one, other = pair("tall_man")
     for ratio in (1.0, 3.0, 30.0):
-        motion = adapted("tall_man", at(one, "a"), at(other, "b", weight=ratio))
+        motion = adapted("tall_man", at(one, "a"), at(other, "b", weight=constant(ratio)))
         wanted = (one.at(WALK.times) + ratio * other.at(WALK.times)) / (1.0 + ratio)
         assert missed(motion, wanted).max() < 2e-4
 
@@ -130,7 +142,7 @@ def test_a_constant_weight_is_the_part_of_the_way_beyond_ten_to_one_too() -> Non
 def test_three_targets_meet_at_their_mean_and_their_order_does_not_matter() -> None:
     one, other = pair("tall_man")
     third = beside("tall_man", (0.3, -0.2, 0.2))
-    three = at(one, "a", weight=1.0), at(other, "b", weight=2.0), at(third, "c", weight=0.5)
+    three = at(one, "a", weight=1.0), at(other, "b", weight=constant(2.0)), at(third, "c", weight=0.5)
     wanted = (one.at(WALK.times) + 2.0 * other.at(WALK.times) + 0.5 * third.at(WALK.times)) / 3.5
     assert missed(adapted("tall_man", *three), wanted).max() < 2e-4
     renamed = [replace(each, name=letter) for each, letter in zip(three, "cba", strict=True)]

@@ -93,6 +93,23 @@ def test_an_answer_to_a_row_of_other_clips_is_not_read_though_it_asks_as_much():
     assert worst_problem(after, lambda _: told) is None
 
 
+def test_a_result_of_a_row_with_more_clips_tells_nothing_of_the_row_now():
+    """A take that was recorded while a clip was added ended in an error of the viewport."""
+    project = project_of(make_constraint())
+    performer = project.performers["performer 0"]
+    [clip] = performer.clips
+    other = replace(clip, id="other", motion_id="elsewhere", start=clip.start + 1.0)
+    motions = {**project.motions, "elsewhere": project.motions[clip.motion_id]}
+    twice = replace(project, motions=motions, performers={"performer 0": replace(performer, clips=(clip, other))})
+    motion = normalized_with_actor(project.captures["capture"])[0]
+    composite = composite_of(twice, "performer 0", lambda _: motion)
+    rows = np.full((1, composite.motion.frame_count), 0.04)
+    nothing = np.zeros((rows.shape[1], 1, 3))
+    told = replace(answer(), positions=nothing, rotations=nothing, residuals=rows, composite=composite)
+    assert residuals_on(twice, "performer 0", told, "c") is not None
+    assert residuals_on(project, "performer 0", told, "c") is None
+
+
 def test_the_worst_frame_is_the_one_of_the_stage_in_the_repeat_in_which_it_is():
     """In the second repeat of a clip, the first one's frame was shown, where all is well."""
     project = project_of(make_constraint(name="Wrist"), frames=FRAMES)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QCursor
 from PySide6.QtTest import QTest
 
 from studio.core.stage.clip import Clip
@@ -111,6 +112,7 @@ def test_a_row_that_is_clicked_stays_under_the_mouse_though_others_come_and_go(d
     bar = library.view.verticalScrollBar()
     bar.setValue(bar.value() + library.row_rect(("performers", FIRST)).top())
     before = library.row_rect(("performers", SECOND))
+    QCursor.setPos(library.view.viewport().mapToGlobal(before.center()))
     click(library, ("performers", SECOND))
     assert document.active_performer_id == SECOND
     assert library.row_rect(("constraints", "wrist")).isEmpty()

@@ -160,8 +160,8 @@ class Constraint:
     weight: float | KeyedNumber = field(default=1.0, kw_only=True)
     """Weight among constraints of the same priority that cannot all be met; only ratios matter.
 
-    Targets of one point, or rotations of one segment, are blended by it. For two bodies that meet it is the fraction
-    of the distance that each moves.
+    Where one is keyed, targets of one point, or rotations of one segment, are blended by them. For two bodies that meet
+    it is the fraction of the distance that each moves.
     """
     scope: Scope = field(default=EVERYONE, kw_only=True)
     """Performers that it applies to: all of the motion, one performer, or one clip."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.objections import blended_thing
+from studio.core.curves.keyed import KeyedNumber
 from studio.core.rotations import from_matrix, slerp, to_matrix
 from studio.core.solver.asking.task_rows import TaskRecords
 
@@ -19,12 +20,19 @@ FloatArray = NDArray[np.float64]
 
 
 def groups_with_shared_goal(constraints: Sequence[Constraint]) -> list[list[int]]:
-    """Indices of constraints that share a goal while several of them are active, at least two a group."""
+    """Indices of constraints that share a goal while several of them are active, at least two a group.
+
+    One weight of a group is keyed: constraints with constant weights contradict each other, and are told as missed.
+    """
     groups: dict[Hashable, list[int]] = defaultdict(list)
     for c, constraint in enumerate(constraints):
         thing = blended_thing(constraint)
         groups[c if thing is None else (constraint.priority, thing)].append(c)
-    return [group for group in groups.values() if len(group) > 1]
+    return [
+        group
+        for group in groups.values()
+        if len(group) > 1 and any(isinstance(constraints[c].weight, KeyedNumber) for c in group)
+    ]
 
 
 def weighted_mean(targets: Sequence[FloatArray], weights: FloatArray) -> FloatArray:
