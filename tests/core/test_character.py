@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from studio.core.body import body_shape
 from studio.core.body.body_shape import body_by_shape, knees_bend_backwards, moving_body_by_shape
 from studio.core.body.canonical import BodyPart
 from studio.core.body.kinematics import joint_world, rest_poses
@@ -175,6 +176,14 @@ def test_limbs_that_end_before_their_hands_make_no_body():
     nobody = np.zeros(len(NAMES), dtype=np.int64)
     assert moving_body_by_shape(skeleton, points, points[None], nobody) is not None
     assert moving_body_by_shape(replace(skeleton, end_sites=ends), points, points[None], nobody) is None
+
+
+@pytest.mark.parametrize("joint", [1, 2, 3])
+def test_a_joint_that_lies_on_the_one_before_divides_no_bone(joint: int):
+    """A spoilt FBX file ended in a division by a length of zero."""
+    points = np.arange(4.0)[:, None] * [0.0, 0.0, 0.3]
+    points[joint] = points[joint - 1]
+    assert not body_shape._divides_the_last_bone(points[None], [0, 1], [0, 1, 2, 3])
 
 
 def test_sides_are_told_by_hips_where_the_feet_are_crossed():

@@ -13,6 +13,7 @@ import pytest
 
 from studio.core.constraints.scope import EVERYONE
 from studio.core.errors import StudioError
+from studio.core.grounds.ground import Ground
 from studio.core.stage.project import Project
 from studio.core.stage.prop import Prop
 from studio.io.project.archive import stamp
@@ -361,3 +362,10 @@ def test_constraints_that_contradict_each_other_are_opened_whole_and_remarked_on
     assert (opened.problems, opened.read_only) == ((), False)
     [remark] = opened.remarks
     assert remark.startswith("'Rival' contradicts 'Target 0'")
+
+
+def test_a_project_whose_ground_is_lost_stands_on_a_level_one():
+    """A damaged file ended in a KeyError once its performers were adapted."""
+    project = replace(make_project(), grounds={"elsewhere": Ground(0.5)})
+    assert project.ground == Ground()
+    assert project.grounds["elsewhere"] == Ground(0.5)

@@ -114,6 +114,8 @@ def _divides_the_last_bone(points: FloatArray, bent: list[int], chain: list[int]
         float(np.linalg.norm(points[:, end] - points[:, start], axis=1).mean())
         for start, end in ((upper, lower), (lower, chain[-2]), (lower, chain[-1]))
     )
+    if min(before, near, far) <= 0.0:  # joints in one place
+        return False
     return bool(abs(np.log(far / before)) < abs(np.log(near / before)))
 
 

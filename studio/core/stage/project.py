@@ -210,6 +210,8 @@ class Project:
     """JSON, by its place, that a newer version wrote and this one does not know; written back unchanged."""
 
     def __post_init__(self) -> None:
+        if GROUND_ID not in self.grounds:  # as in a damaged file
+            object.__setattr__(self, "grounds", {**self.grounds, GROUND_ID: Ground()})
         for name in (*COLLECTIONS, "carried"):
             object.__setattr__(self, name, _frozen(getattr(self, name)))
 
