@@ -22,6 +22,7 @@ TREAD_HEIGHT_ERROR = 0.03
 ON_TREADS = 0.95
 """Part of the stances that must be on the fitted treads."""
 SHORTEST_TREAD = 0.1
+"""Metres."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +32,7 @@ class CapturedStance:
     side: int
     first: int
     past: int
-    place: FloatArray
+    position: FloatArray
     """(2,) metres: the middle of the sole."""
     height: float
     """Metres, of the lower one of heel and ball."""
@@ -49,9 +50,9 @@ def find_stances(soles: FloatArray, upright: NDArray[np.bool_], frame_rate: floa
         for first, past in runs_of(upright[:, side] & (np.minimum(*speeds) < STILL_SPEED)):
             if past - first >= SHORTEST_STANCE * frame_rate:
                 height = float(np.median(ends[first:past, :, 2].min(axis=1)))
-                place = np.median(soles[first:past, side, :, :2].mean(axis=1), axis=0)
+                position = np.median(soles[first:past, side, :, :2].mean(axis=1), axis=0)
                 levels[first:past, side] = height
-                found.append(CapturedStance(side, first, past, place, height))
+                found.append(CapturedStance(side, first, past, position, height))
     carries = [
         np.mean(levels[each.first : each.past, 1 - each.side] < each.height - LOWEST_RISE / 2) < 0.5 for each in found
     ]
@@ -62,7 +63,7 @@ def find_steps(stances: list[CapturedStance]) -> Steps | None:
     """Flight of equal steps, or a single one, on which the stances are; None if they are on one level, or on none of
     these. Its ``height`` is that of the soles on its lowest level.
     """
-    heights, places = np.array([each.height for each in stances]), np.array([each.place for each in stances])
+    heights, places = np.array([each.height for each in stances]), np.array([each.position for each in stances])
     ordered = np.sort(heights)
     groups = np.split(ordered, np.flatnonzero(np.diff(ordered) > LOWEST_RISE / 2) + 1)
     levels = np.array([np.median(group) for group in groups if len(group)])
@@ -103,7 +104,7 @@ def foot_levels(stances: list[CapturedStance], steps: Steps, soles: FloatArray) 
         own = [each for each in stances if each.side == side]
         if not own:
             continue
-        treads = steps.rise_at(np.array([each.place for each in own]))
+        treads = steps.rise_at(np.array([each.position for each in own]))
         firsts, pasts = [each.first for each in own], [each.past for each in own]
         before = treads[np.maximum(np.searchsorted(firsts, np.arange(len(soles)), side="right") - 1, 0)]
         after = treads[np.minimum(np.searchsorted(pasts, np.arange(len(soles)), side="right"), len(own) - 1)]

@@ -10,7 +10,7 @@ from studio.core.body.canonical import BodyLayout
 from studio.core.body.kinematics import joint_world
 from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
-from studio.core.captures.captured_steps import find_stances, find_steps, foot_levels
+from studio.core.captures.captured_steps import CapturedStance, find_stances, find_steps, foot_levels
 from studio.core.captures.contacts import (
     BODY_POINTS,
     LOW_KNEE,
@@ -128,11 +128,7 @@ def sole_heights(capture: Capture) -> list[list[float]]:
 
 def captured_steps(capture: Capture) -> Steps | None:
     """Steps on which a capture was recorded, in the motion's space; None if it has no body map, or was on none."""
-    if capture.body_map is None:
-        return None
-    marks = find_landmarks(capture, capture.body_map)
-    _, soles, upright = _legs(marks, capture)
-    steps = find_steps(find_stances(soles - motion_origin(capture), upright, capture.frame_rate))
+    steps = None if capture.body_map is None else find_steps(_FOUND(capture).stances)
     return steps and replace(steps, height=round(steps.height / steps.rise) * steps.rise)
 
 
@@ -160,11 +156,14 @@ def detected_contacts(capture: Capture, motion_id: str, *, on_steps: bool = Fals
 
 @dataclass(frozen=True, eq=False)
 class _FoundContacts:
-    """Contacts of a capture, the slope of its floor, and the ankle height in metres in each contact of each heel."""
+    """Contacts of a capture, the slope of its floor, the ankle height in metres in each contact of each heel, and the
+    stances of its feet at any height, in the motion's space.
+    """
 
     contacts: Contacts
     slope: FloorSlope
     sole_heights: list[list[float]]
+    stances: list[CapturedStance]
 
 
 def _find(capture: Capture, marks: Landmarks | None = None) -> _FoundContacts:
@@ -177,7 +176,9 @@ def _find(capture: Capture, marks: Landmarks | None = None) -> _FoundContacts:
         [float(np.median(track[first : last + 1])) for first, last in contacts[heel]]
         for track, heel in zip(ankles, HEELS, strict=True)
     ]
-    return _FoundContacts(contacts, slope, heights)
+    _, soles, upright = _legs(marks, capture)
+    stances = find_stances(soles - motion_origin(capture), upright, capture.frame_rate)
+    return _FoundContacts(contacts, slope, heights, stances)
 
 
 def _terms(capture: Capture) -> object:
