@@ -281,13 +281,19 @@ def test_a_contact_in_which_no_heel_stands_is_left_as_it_is() -> None:
     assert np.array_equal(rotations, _level())
 
 
+def _roll(states: np.ndarray, hips: np.ndarray, reaches: np.ndarray, ankles: np.ndarray, rotations: np.ndarray) -> None:
+    pitches = np.empty((120, 3))
+    heel_roll.find_roll_pitches(SOLE_MEASURES, states, hips, reaches, ankles, rotations, pitches)
+    heel_roll.roll_feet(SOLE_MEASURES, states, pitches, 10.0, ankles, rotations)
+
+
 @pytest.mark.parametrize("miss", [0.0, 0.005, 0.02, 0.05])
 def test_a_foot_rolls_on_where_its_leg_is_too_short_and_its_ball_stays(miss: float) -> None:
     rotations, ankles = _level(), np.tile([0.0, 0.0, SOLE_MEASURES[0, 3]], (120, 1))
     hips = np.tile([0.4, 0.0, 0.8], (120, 1))
     reaches = np.full(120, np.linalg.norm(hips[0] - ankles[0]) - miss)
     balls = ankles + rotations @ SOLE_MEASURES[0, :3]
-    heel_roll.roll_feet(SOLE_MEASURES, STATES, hips, reaches, 10.0, ankles, rotations)
+    _roll(STATES, hips, reaches, ankles, rotations)
     assert np.allclose((ankles + rotations @ SOLE_MEASURES[0, :3])[STATES != 0], balls[STATES != 0], atol=1e-12)
     lacks = np.linalg.norm(hips - ankles, axis=1) - reaches
     assert np.allclose(lacks[:30], miss, atol=1e-12)
@@ -301,7 +307,7 @@ def test_a_foot_that_lands_rolls_back_over_its_heel_where_its_leg_is_too_short(m
     hips = np.tile([-0.4, 0.0, 0.8], (120, 1))
     reaches = np.full(120, np.linalg.norm(hips[0] - ankles[0]) - miss)
     edge = [-SOLE_MEASURES[0, 4], 0.0, -SOLE_MEASURES[0, 3]]
-    heel_roll.roll_feet(SOLE_MEASURES, states, hips, reaches, 10.0, ankles, rotations)
+    _roll(states, hips, reaches, ankles, rotations)
     assert np.allclose((ankles + rotations @ edge)[30:90], edge + np.array([0.0, 0.0, SOLE_MEASURES[0, 3]]), atol=1e-12)
     lacks = np.linalg.norm(hips - ankles, axis=1) - reaches
     assert np.allclose(lacks[60:90], miss, atol=1e-12)

@@ -24,8 +24,6 @@ KNOWN_FAULTS = {
     "sharply as the punch",
     "test_hips_go_up_and_down_as_much[walk]": "hips bob by 21 % more than the actor's, on the actor's own body",
     "test_hips_go_up_and_down_as_much[turn]": "hips bob by 15 % more than the actor's on the giant",
-    "test_nothing_jolts[walk]": "a foot that is kept out of the ground before it lands jolts 4.5 times the source, on "
-    "the actor's own body",
     "test_a_wrist_is_led_along_keys_without_a_jerk[kick-tall_man]": "one of 24 keys is missed by 0.35 mm",
     "test_a_wrist_is_led_along_keys_without_a_jerk[kick-giant]": "one of 24 keys is missed by 0.40 mm",
     "test_a_real_walk_holds_its_feet_on_any_ground[walk]": "upstairs 4.4 % of swinging feet are below the ground for 4",

@@ -144,11 +144,30 @@ def pitch_for_height(foot, sole, height):
 
 
 @allocating_kernel
-def roll_feet(soles, states, hips, reaches, reach, ankles, feet):
-    """Roll feet that stand on their balls or heels further, in place, where legs could not reach.
+def find_roll_pitches(soles, states, hips, reaches, ankles, feet, out_pitches):
+    """Write the pitches (F, 3) in radians about heel and ball by which a standing foot has to roll for its leg to reach.
 
-    ``hips`` (F, 3), ``reaches`` (F,) metres to which the leg extends freely; ``ankles`` (F, 3), ``feet`` (F, 3, 3).
-    People raise the heel before they bend the other knee, and land on it with raised toes.
+    ``hips`` (F, 3), ``reaches`` (F,) metres to which the leg extends freely; ``ankles`` (F, 3), ``feet`` (F, 3, 3). In
+    the air they are interpolated.
+    """
+    count = states.shape[0]
+    offsets = np.empty((2, 3))
+    out_pitches[:] = 0.0
+    for frame in range(count):
+        foot, sole = feet[frame], soles[frame if soles.shape[0] > 1 else 0]
+        if states[frame] != 0 and foot[2, 2] >= 0.0:
+            pivot = 0 if states[frame] == HEEL_STANDS else 1
+            pivot_offsets(foot, sole, offsets)
+            out_pitches[frame, pivot] = pitch_to_reach(foot, offsets, pivot, ankles[frame], hips[frame], reaches[frame])
+    interpolate_gaps(out_pitches, states != 0)
+
+
+@allocating_kernel
+def roll_feet(soles, states, pitches, reach, ankles, feet):
+    """Roll feet that stand on their balls or heels by ``pitches`` (F, 3), in place.
+
+    ``ankles`` (F, 3), ``feet`` (F, 3, 3); the others as in ``lift_heels``. People raise the heel before they bend the
+    other knee, and land on it with raised toes.
     """
     count = states.shape[0]
     rotations, moves, fractions = np.zeros((count, 3)), np.zeros((count, 3)), np.empty((2, count))
@@ -156,20 +175,14 @@ def roll_feet(soles, states, hips, reaches, reach, ankles, feet):
     release_weights((states & TOE_STANDS) != 0, ROLL_RELEASE * reach, fractions[0])
     rolling_weights(states, ROLL_RELEASE * reach, fractions[1])
     for frame in range(count):
-        foot, sole, pivot = (
-            feet[frame],
-            soles[frame if soles.shape[0] > 1 else 0],
-            0 if states[frame] == HEEL_STANDS else 1,
-        )
-        if states[frame] == 0 or fractions[pivot, frame] == 0.0 or foot[2, 2] < 0.0:
+        foot, sole = feet[frame], soles[frame if soles.shape[0] > 1 else 0]
+        pivot = 0 if states[frame] == HEEL_STANDS else 1
+        pitch = pitches[frame, pivot] * fractions[pivot, frame]
+        if states[frame] == 0 or pitch == 0.0 or foot[2, 2] < 0.0:
             continue
         pivot_offsets(foot, sole, offsets)
-        pitch = pitch_to_reach(foot, offsets, pivot, ankles[frame], hips[frame], reaches[frame])
-        if pitch == 0.0:
-            continue
         level = max(math.hypot(foot[0, 0], foot[1, 0]), 1e-9)
-        pitch *= fractions[pivot, frame] / level
-        rotations[frame, 0], rotations[frame, 1] = -pitch * foot[1, 0], pitch * foot[0, 0]
+        rotations[frame, 0], rotations[frame, 1] = -pitch * foot[1, 0] / level, pitch * foot[0, 0] / level
         write_rotation(rotation_from_vector(rotations[frame, 0], rotations[frame, 1], 0.0), rotation)
         for axis in range(3):
             along = rotation[axis, 0] * offsets[pivot, 0] + rotation[axis, 1] * offsets[pivot, 1]

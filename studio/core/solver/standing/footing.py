@@ -17,7 +17,7 @@ from studio.core.kernels.limits.root_reach_limit import HALF_FREE_REACH
 from studio.core.kernels.records import LegTargets
 from studio.core.kernels.support.foot_plan import FootPlan, plan_foot
 from studio.core.kernels.support.gap_interpolation import interpolate_gaps
-from studio.core.kernels.support.heel_roll import roll_feet
+from studio.core.kernels.support.heel_roll import find_roll_pitches, roll_feet
 from studio.core.kernels.support.leg_lengths import keep_leg_lengths
 from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STANDS
 from studio.core.kernels.support.swing_foot_clearance import raise_swing_foot
@@ -36,6 +36,8 @@ They decrease with the horizontal distance from the hip, to zero at a leg's leng
 """
 FOLLOW_SMOOTHING = AVERAGED / 5.0
 """Seconds, standard deviation, over which the root follow is smoothed."""
+ROLL_SMOOTHING = 0.02
+"""Seconds, standard deviation, over which the pitches of rolling feet are smoothed."""
 CLIMB_SMOOTHING = 0.09
 """Seconds, standard deviation, over which the root follows the heights of the footprints."""
 
@@ -263,7 +265,10 @@ class _Foot:
         # Contiguous, which a single frame is by itself: kernels are compiled for one layout.
         hips = np.ascontiguousarray(positions[:, self.body.layout.hip_point(self.side)])
         reaches = soft_thresholds * bones.sum(axis=1)
-        roll_feet(self.soles, self.states, hips, reaches, LET_GO * self.frame_rate, plan.ankles, plan.feet)
+        pitches = np.empty((len(hips), 3))
+        find_roll_pitches(self.soles, self.states, hips, reaches, plan.ankles, plan.feet, pitches)
+        pitches = bell_average(pitches, ROLL_SMOOTHING * self.frame_rate)
+        roll_feet(self.soles, self.states, pitches, LET_GO * self.frame_rate, plan.ankles, plan.feet)
         self._keep_above(plan)
 
     def _keep_above(self, plan: FootPlan) -> None:
