@@ -258,6 +258,15 @@ def test_a_clavicle_as_long_as_a_forearm_is_no_upper_arm():
     assert names[found[BodyPart.LEFT_HAND]] == "leftTip"
 
 
+def test_a_hand_that_holds_a_bat_is_no_forearm():
+    skeleton, points, names = grown(
+        ("leftBat", "leftHand", (0.28, 0.0, 0.0)), ("rightBat", "rightHand", (-0.28, 0.0, 0.0))
+    )
+    found = body_by_shape(skeleton, points)
+    assert found is not None
+    assert names[found[BodyPart.LEFT_HAND]] == "leftHand"
+
+
 def test_a_joint_of_the_heel_is_no_toe():
     heels = [(f"{side}Heel", f"{side}Foot", (0.0, -0.08, -0.06)) for side in ("left", "right")]
     skeleton, points, names = grown(*heels)

@@ -16,7 +16,7 @@ IntArray = NDArray[np.int64]
 _ALIKE = 0.2
 """Difference of two bones, in parts of the longer or of the mean bone of their limb, up to which they may be a pair."""
 _AS_LONG = 0.95
-"""Parts of the longest two bones of a limb from which the two after them are the upper and the lower one."""
+"""Parts of the longest two bones of an arm from which other two may be the upper and the lower one."""
 _SEEN_BEND = 0.1
 """Sum of the mean sines by which two knees bend, from which their direction is known."""
 _MOST_LEAVES = 120
@@ -49,8 +49,9 @@ def body_by_shape(skeleton: Skeleton, points: FloatArray, sides: IntArray | None
     forward = _forward(points, legs)
     sides = np.zeros(len(points), dtype=np.int64) if sides is None else sides
     legs, arms = (_sorted_by_side(points, pair, forward, sides) for pair in (legs, arms))
+    hip = _longest(points, legs[0])
+    shoulder = _shoulder(points, arms, float(np.linalg.norm(points[legs[0][hip]] - points[legs[1][hip]])))
     for side, leg, arm in zip(("LEFT", "RIGHT"), legs, arms, strict=True):
-        hip, shoulder = _longest(points, leg), _longest(points, arm)
         parts |= _limb(side, ("THIGH", "SHANK", "FOOT", "TOE"), leg[hip:])
         parts |= _limb(side, ("UPPER_ARM", "FOREARM", "HAND"), arm[shoulder:])
         if shoulder:
@@ -187,10 +188,22 @@ def _sorted_by_side(points: FloatArray, pair: _Pair, forward: FloatArray, sides:
 
 
 def _longest(points: FloatArray, chain: list[int]) -> int:
-    """Index in a chain at which its two longest consecutive bones begin; of equally long ones the last."""
-    bones = [float(np.linalg.norm(points[b] - points[a])) for a, b in pairwise(chain)]
-    both = np.array([a + b for a, b in pairwise(bones)])
-    return int(np.flatnonzero(both >= _AS_LONG * both.max())[-1])
+    """Index in a chain at which its two longest consecutive bones begin."""
+    return int(np.argmax(_two_bones(points, chain)))
+
+
+def _two_bones(points: FloatArray, chain: list[int]) -> FloatArray:
+    """(n - 2,) lengths of each two consecutive bones of a chain of n joints."""
+    bones = np.linalg.norm(np.diff(points[chain], axis=0), axis=1)
+    return np.asarray(bones[:-1] + bones[1:])
+
+
+def _shoulder(points: FloatArray, arms: _Pair, hips: float) -> int:
+    """Index in two arms at which the longest bones begin; of equally long ones the first as far apart as the hips."""
+    both = _two_bones(points, arms[0])
+    apart = np.linalg.norm(points[arms[0]] - points[arms[1]], axis=1)[: len(both)]
+    fitting = np.flatnonzero((both >= _AS_LONG * both.max()) & (apart >= hips))
+    return int(fitting[0]) if len(fitting) else int(np.argmax(both))
 
 
 def _with_longest_feet(points: FloatArray, legs: _Pair, pairs: list[_Pair]) -> _Pair:
