@@ -207,7 +207,7 @@ def _shoulder(points: FloatArray, arms: _Pair, hips: float) -> int:
 
 
 def _with_longest_feet(points: FloatArray, legs: _Pair, pairs: list[_Pair]) -> _Pair:
-    """Of the ``pairs`` with the bones of two ``legs`` the one whose feet are longest: toes, and not heels."""
+    """The pair with the bones of two ``legs`` and the longest feet, of ``pairs``: toes and not heels."""
     ankle = _longest(points, legs[0]) + 2
     same = [pair for pair in pairs if all(a[: ankle + 1] == b[: ankle + 1] for a, b in zip(pair, legs, strict=True))]
     return max(same, key=lambda pair: float(np.linalg.norm(points[pair[0][-1]] - points[pair[0][ankle]])))
