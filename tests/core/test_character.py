@@ -218,6 +218,80 @@ def test_knees_that_bend_backwards_tell_that_sides_are_exchanged():
     assert knees_bend_backwards(found.with_sides_exchanged(), sitting[None])
 
 
+def grown(*joints: tuple[str, str, tuple[float, float, float]]) -> tuple[Skeleton, np.ndarray, list[str]]:
+    """The stick figure with more ``joints`` (name, parent, offset with Y up, facing Z), and all their names."""
+    skeleton, points = figure()
+    names = [*NAMES]
+    for name, parent, (left, up, ahead) in joints:
+        above = names.index(parent)
+        names.append(name)
+        points = np.vstack([points, points[above] + [ahead, left, up]])
+        parents = np.append(skeleton.parents, above)
+        skeleton = Skeleton(
+            tuple(map(str, range(len(names)))),
+            parents,
+            points - points[np.maximum(parents, 0)],
+            np.zeros(len(names), bool),
+        )
+    return skeleton, points, names
+
+
+def test_fingers_that_differ_by_a_centimetre_leave_arms_a_pair():
+    ends = [(f"{side}Tip", f"{side}Hand", (out, 0.0, 0.0)) for side, out in (("left", 0.03), ("right", -0.04))]
+    skeleton, points, names = grown(*ends)
+    found = body_by_shape(skeleton, points)
+    assert found is not None
+    assert names[found[BodyPart.LEFT_HAND]] == "leftHand"
+
+
+def test_a_clavicle_as_long_as_a_forearm_is_no_upper_arm():
+    skeleton, points, names = grown(
+        ("leftTip", "leftHand", (0.1, 0.0, 0.0)), ("rightTip", "rightHand", (-0.1, 0.0, 0.0))
+    )
+    for side, out in (("left", 1.0), ("right", -1.0)):
+        for name, place in (("UpperArm", 0.02), ("LowerArm", 0.22), ("Hand", 0.52), ("Tip", 0.715)):
+            points[names.index(f"{side}{name}"), 1] = out * place
+    found = body_by_shape(skeleton, points)
+    assert found is not None
+    assert names[found[BodyPart.LEFT_CLAVICLE]] == "leftUpperArm"
+    assert names[found[BodyPart.LEFT_UPPER_ARM]] == "leftLowerArm"
+    assert names[found[BodyPart.LEFT_HAND]] == "leftTip"
+
+
+def test_a_hand_that_holds_a_bat_is_no_forearm():
+    skeleton, points, names = grown(
+        ("leftBat", "leftHand", (0.28, 0.0, 0.0)), ("rightBat", "rightHand", (-0.28, 0.0, 0.0))
+    )
+    found = body_by_shape(skeleton, points)
+    assert found is not None
+    assert names[found[BodyPart.LEFT_HAND]] == "leftHand"
+
+
+def test_a_joint_of_the_heel_is_no_toe():
+    heels = [(f"{side}Heel", f"{side}Foot", (0.0, -0.08, -0.06)) for side in ("left", "right")]
+    skeleton, points, names = grown(*heels)
+    found = body_by_shape(skeleton, points)
+    assert found is not None
+    assert [names[found[part]] for part in (BodyPart.LEFT_TOE, BodyPart.RIGHT_TOE)] == ["leftToes", "rightToes"]
+
+
+def test_the_head_over_a_neck_of_two_joints_is_the_one_that_turns():
+    """The joint at its tip turns with it; that of a stiff head is the one above the first of the neck."""
+    skeleton, points, names = grown(("skull", "head", (0.0, 0.06, 0.0)), ("crown", "skull", (0.0, 0.15, 0.0)))
+    tip = grown(
+        ("skull", "head", (0.0, 0.06, 0.0)), ("crown", "skull", (0.0, 0.15, 0.0)), ("tip", "crown", (0, 0.02, 0))
+    )
+    nodding = np.array([points, points])
+    nodding[1, names.index("crown")] += [0.1, 0.0, -0.03]
+    sides = np.zeros(len(names), dtype=np.int64)
+    found = moving_body_by_shape(skeleton, points, nodding, sides)
+    assert found is not None
+    assert names[found[BodyPart.HEAD]] == "skull"
+    still = moving_body_by_shape(tip[0], tip[1], tip[1][None], np.zeros(len(tip[2]), dtype=np.int64))
+    assert still is not None
+    assert names[still[BodyPart.HEAD]] == "head"
+
+
 def test_an_animal_on_four_legs_is_no_body():
     skeleton, points = figure()
     down = Rotation.from_euler("y", 80, degrees=True).as_matrix()

@@ -17,7 +17,7 @@ from studio.core.mannequin.physiques import BUNDLED
 from studio.core.normalized.alignment import align_soles, find_alignments
 from studio.core.normalized.landmarks import find_landmarks
 from studio.core.rigs.zero_pose import with_zero_pose
-from studio.core.rotations import angle_between, from_matrix, multiply
+from studio.core.rotations import angle_between, from_matrix, multiply, to_matrix
 from studio.core.stage.local_pose import LocalPose, local_pose, posed_rotations
 from tests.core.motions import HINGES, about, swaying
 
@@ -181,6 +181,19 @@ def test_what_a_take_keeps_twisted_is_not_neutral(joint: str, axis: tuple[float,
     odd = [with_zero_pose(each, axes) for each in (calm, take)]
     found = [find_reference_pose(each.skeleton, each.poses, each.body_map).rotations for each in odd if each.body_map]
     assert np.degrees(angle_between(*found)[place]) < 5.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("degrees", [20.0, -40.0])
+def test_soles_that_stand_are_level_however_the_joints_of_feet_are_rolled(seed: int, degrees: float) -> None:
+    calm = swaying(seed, frames=120, amplitude=0.15, hinged=True)
+    axes = np.swapaxes(_axes(seed, calm.skeleton.joint_count), 1, 2)
+    for side, sign in (("Left", 1.0), ("Right", -1.0)):
+        foot, toe = (calm.skeleton.index(f"{side}{name}") for name in ("Foot", "ToeBase"))
+        bone = calm.skeleton.offsets[toe] / np.linalg.norm(calm.skeleton.offsets[toe])
+        axes[foot] = axes[foot] @ to_matrix(about(tuple(bone), sign * np.radians(degrees))).T
+    errors = _errors(with_zero_pose(calm, axes), axes)
+    assert max(errors["LeftFoot"], errors["RightFoot"]) < WITHIN, errors
 
 
 def test_a_heel_that_is_raised_all_the_time_is_no_sole() -> None:

@@ -14,7 +14,9 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _ALIKE = 0.2
-"""Difference of two bones, as a share of the longer, up to which they may be a pair."""
+"""Difference of two bones, in parts of the longer or of the mean bone of their limb, up to which they may be a pair."""
+_AS_LONG = 0.95
+"""Parts of the longest two bones of an arm from which other two may be the upper and the lower one."""
 _SEEN_BEND = 0.1
 """Sum of the mean sines by which two knees bend, from which their direction is known."""
 _MOST_LEAVES = 120
@@ -35,7 +37,7 @@ def body_by_shape(skeleton: Skeleton, points: FloatArray, sides: IntArray | None
     pairs = _mirrored_chains(skeleton, points)
     if len(pairs) < 2:
         return None
-    legs = min(pairs, key=lambda pair: sum(points[chain[-1], 2] for chain in pair))
+    legs = _with_longest_feet(points, min(pairs, key=lambda pair: sum(points[chain[-1], 2] for chain in pair)), pairs)
     used = {*legs[0], *legs[1]}
     others = [pair for pair in pairs if not used & {*pair[0], *pair[1]} and _above(points, pair, legs)]
     if not others:
@@ -47,8 +49,9 @@ def body_by_shape(skeleton: Skeleton, points: FloatArray, sides: IntArray | None
     forward = _forward(points, legs)
     sides = np.zeros(len(points), dtype=np.int64) if sides is None else sides
     legs, arms = (_sorted_by_side(points, pair, forward, sides) for pair in (legs, arms))
+    hip = _longest(points, legs[0])
+    shoulder = _shoulder(points, arms, float(np.linalg.norm(points[legs[0][hip]] - points[legs[1][hip]])))
     for side, leg, arm in zip(("LEFT", "RIGHT"), legs, arms, strict=True):
-        hip, shoulder = _longest(points, leg), _longest(points, arm)
         parts |= _limb(side, ("THIGH", "SHANK", "FOOT", "TOE"), leg[hip:])
         parts |= _limb(side, ("UPPER_ARM", "FOREARM", "HAND"), arm[shoulder:])
         if shoulder:
@@ -76,9 +79,22 @@ def moving_body_by_shape(skeleton: Skeleton, rest: FloatArray, points: FloatArra
         found = found.with_sides_exchanged()
     parts = {part: int(kept[joint]) for part, joint in found.parts.items()}
     parts = {part: joint for part, joint in parts.items() if not skeleton.end_sites[joint]}
+    if BodyPart.HEAD in parts:
+        parts[BodyPart.HEAD] = _turning_end(skeleton, points, parts[BodyPart.HEAD])
     if any(part not in parts for limb in LIMB_PARTS.values() for part in limb):
         return None
     return BodyMap(parts, skeleton.path(parts[BodyPart.PELVIS], int(kept[found.spine[-1]])))
+
+
+def _turning_end(skeleton: Skeleton, points: FloatArray, joint: int) -> int:
+    """Last joint of the line from ``joint`` on that turns against the one before: the head of a neck of several."""
+    while len(skeleton.children[joint]) == 1 and len(skeleton.children[below := skeleton.children[joint][0]]) == 1:
+        end = skeleton.children[below][0]
+        near, far = normalized(points[:, below] - points[:, joint]), normalized(points[:, end] - points[:, below])
+        if np.ptp(np.arccos(np.clip(np.einsum("fi,fi->f", near, far), -1.0, 1.0))) < _STRAIGHT:
+            break
+        joint = below
+    return joint
 
 
 def _dividing(skeleton: Skeleton, points: FloatArray) -> NDArray[np.bool_]:
@@ -129,7 +145,8 @@ def _mirrored_chains(skeleton: Skeleton, points: FloatArray) -> list[_Pair]:
         if len(chains[0]) != len(chains[1]) or len(chains[0]) < 3:
             continue
         lengths = [[float(np.linalg.norm(points[b] - points[a])) for a, b in pairwise([root, *c])] for c in chains]
-        if all(abs(a - b) <= _ALIKE * max(a, b) + 1e-9 for a, b in zip(*lengths, strict=True)):
+        mean = float(np.mean(lengths))
+        if all(abs(a - b) <= _ALIKE * max(a, b, mean) for a, b in zip(*lengths, strict=True)):
             pairs.append(chains)
     return pairs
 
@@ -172,8 +189,28 @@ def _sorted_by_side(points: FloatArray, pair: _Pair, forward: FloatArray, sides:
 
 def _longest(points: FloatArray, chain: list[int]) -> int:
     """Index in a chain at which its two longest consecutive bones begin."""
-    bones = [float(np.linalg.norm(points[b] - points[a])) for a, b in pairwise(chain)]
-    return int(np.argmax([a + b for a, b in pairwise(bones)]))
+    return int(np.argmax(_two_bones(points, chain)))
+
+
+def _two_bones(points: FloatArray, chain: list[int]) -> FloatArray:
+    """(n - 2,) lengths of each two consecutive bones of a chain of n joints."""
+    bones = np.linalg.norm(np.diff(points[chain], axis=0), axis=1)
+    return np.asarray(bones[:-1] + bones[1:])
+
+
+def _shoulder(points: FloatArray, arms: _Pair, hips: float) -> int:
+    """Index in two arms at which the longest bones begin; of equally long ones the first as far apart as the hips."""
+    both = _two_bones(points, arms[0])
+    apart = np.linalg.norm(points[arms[0]] - points[arms[1]], axis=1)[: len(both)]
+    fitting = np.flatnonzero((both >= _AS_LONG * both.max()) & (apart >= hips))
+    return int(fitting[0]) if len(fitting) else int(np.argmax(both))
+
+
+def _with_longest_feet(points: FloatArray, legs: _Pair, pairs: list[_Pair]) -> _Pair:
+    """The pair with the bones of two ``legs`` and the longest feet, of ``pairs``: toes and not heels."""
+    ankle = _longest(points, legs[0]) + 2
+    same = [pair for pair in pairs if all(a[: ankle + 1] == b[: ankle + 1] for a, b in zip(pair, legs, strict=True))]
+    return max(same, key=lambda pair: float(np.linalg.norm(points[pair[0][-1]] - points[pair[0][ankle]])))
 
 
 def _limb(side: str, names: tuple[str, ...], chain: list[int]) -> dict[BodyPart, int]:

@@ -6,6 +6,7 @@ axes of its joint that are nearest to the mean, since programs whose zero pose i
 bones.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import permutations, product
 
@@ -36,8 +37,10 @@ _MOST_TILT = 40.0
 """Degrees from the mean beyond which no axis of the head's joint is its vertical."""
 _NECK_SHARE = 0.6
 """Part of a head's turn about the vertical that the joint of its neck carries."""
-_NEAR_AXIS = np.radians(40.0)
-"""Radians within which feet are brought to the axes of their joints."""
+_NEAR_AXIS, _MOST_EDGED = np.radians(12.0), np.radians(40.0)
+"""Radians within which the sole of one foot, and that of the other, are level with the axes of their joints."""
+_LOWEST = 15.0
+"""Percent of the frames in which a foot is lowest, and stands."""
 _ALONG_AXIS, _MOST_TWIST = np.radians(3.0), np.radians(60.0)
 """Radians within which a forearm lies along an axis of its joint; most by which a take keeps it twisted."""
 _ANKLE_OVER_BALL = 0.078
@@ -66,7 +69,7 @@ def find_neutral_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap
     pose.stand()
     pose.untwist_forearms()
     pose.straighten_wrists()
-    pose.level_feet()
+    pose.level_feet({side: _standing_up(turns, positions, body_map, side, shares) for side in ("LEFT", "RIGHT")})
     doubt = 0.0
     if BodyPart.HEAD in body_map.parts:
         doubt = pose.face_forward(_head_axes(turns, positions, body_map, shares))
@@ -121,25 +124,48 @@ class _Pose:
             for elbow, bone, twist in zip(elbows, bones, nearest, strict=True):
                 self._turn(elbow, _about(self._world()[1][elbow] @ bone, -float(twist)))
 
-    def level_feet(self) -> None:
-        """Roll each foot about its length until the lateral axis of its joint is level, then pitch it until its bone
-        has the slope of a flat human foot.
+    def level_feet(self, ups: Mapping[str, FloatArray]) -> None:
+        """Roll each foot about its length until its sole is level, then pitch it until its bone has the slope of a flat
+        human foot.
+
+        ``ups`` (3,) are normals of the soles of standing feet by side, in the axes of their joints. Soles are level
+        where the lateral axes of the joints are, if that is nearly true of one foot: the other one may be a fighter's
+        that never stands flat.
         """
-        for side in ("LEFT", "RIGHT"):
-            foot, toe = self.body_map[BodyPart[f"{side}_FOOT"]], self.body_map.get(BodyPart[f"{side}_TOE"])
-            points, turns = self._world()
-            front = np.zeros(3) if toe is None else (points[toe] - points[foot]) * [1.0, 1.0, 0.0]
-            if np.linalg.norm(front) < _SHORTEST_ACROSS:
-                continue
-            front = normalized(front)
-            left = np.cross(_UP, front)
-            axes = turns[foot] * np.sign(left @ turns[foot])
-            nearest = axes[:, int(np.argmax(left @ axes))]
-            roll = float(np.arctan2(nearest[2], left @ nearest))
-            if abs(roll) < _NEAR_AXIS:
-                self._turn(foot, _about(front, -roll))
-            slope = float(np.arcsin((points[foot] - points[toe])[2] / np.linalg.norm(points[toe] - points[foot])))
-            self._turn(foot, _about(left, self._flat_slope(side) - slope))
+        sides = [side for side in ups if self._front(side).any()]
+        for side in sides:
+            normal = self._world()[1][self._joint(side, "FOOT")] @ ups[side]
+            if normal[2] > np.cos(_MOST_EDGED):  # a body that lies or crawls stands on no sole
+                self._roll_foot(side, float(np.arctan2(normal @ np.cross(_UP, self._front(side)), normal[2])))
+        rolls = {side: self._axis_roll(side) for side in sides}
+        apart = [abs(roll) for roll in rolls.values()] or [0.0]
+        near = min(apart) < _NEAR_AXIS and max(apart) < _MOST_EDGED
+        for side in sides:
+            if near:
+                self._roll_foot(side, -rolls[side])
+            foot, toe = (self._world()[0][self._joint(side, part)] for part in ("FOOT", "TOE"))
+            slope = float(np.arcsin((foot - toe)[2] / np.linalg.norm(toe - foot)))
+            left = np.cross(_UP, self._front(side))
+            self._turn(self._joint(side, "FOOT"), _about(left, self._flat_slope(side) - slope))
+
+    def _front(self, side: str) -> FloatArray:
+        """Horizontal direction (3,) of a foot; zero if it has no toe or points down."""
+        if BodyPart[f"{side}_TOE"] not in self.body_map.parts:
+            return np.zeros(3)
+        points = self._world()[0]
+        along = (points[self._joint(side, "TOE")] - points[self._joint(side, "FOOT")]) * [1.0, 1.0, 0.0]
+        return normalized(along) if np.linalg.norm(along) >= _SHORTEST_ACROSS else np.zeros(3)
+
+    def _roll_foot(self, side: str, angle: float) -> None:
+        self._turn(self._joint(side, "FOOT"), _about(self._front(side), angle))
+
+    def _axis_roll(self, side: str) -> float:
+        """Radians by which the lateral axis of a foot's joint is rolled about the foot's length."""
+        left = np.cross(_UP, self._front(side))
+        turn = self._world()[1][self._joint(side, "FOOT")]
+        axes = turn * np.sign(left @ turn)
+        nearest = axes[:, int(np.argmax(left @ axes))]
+        return float(np.arctan2(nearest[2], left @ nearest))
 
     def _flat_slope(self, side: str) -> float:
         """Slope in radians of the bone from the ankle down to the toe joint of a flat foot."""
@@ -211,6 +237,16 @@ class _Pose:
 
     def _joint(self, side: str, part: str) -> int:
         return self.body_map[BodyPart[f"{side}_{part}"]]
+
+
+def _standing_up(
+    turns: FloatArray, positions: FloatArray, body_map: BodyMap, side: str, shares: FloatArray
+) -> FloatArray:
+    """(3,) mean vertical in the axes of a foot's joint over the frames in which foot and toe are lowest."""
+    foot = body_map[BodyPart[f"{side}_FOOT"]]
+    heights = positions[:, [foot, body_map.parts.get(BodyPart[f"{side}_TOE"], foot)], 2].sum(axis=1)
+    lowest = heights <= np.percentile(heights, _LOWEST)
+    return normalized((shares * lowest) @ turns[:, foot, 2])
 
 
 def _about(axis: FloatArray, angle: float) -> FloatArray:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.body.hand_end import SHORTEST_HAND
 from studio.core.markers.functional import cluster_axes
 from studio.core.markers.joint_centres import thorax_frame
 from studio.core.markers.measures import frame_of, has_pelvis, pelvis_frame
@@ -110,28 +111,31 @@ def arm_axes(
 ) -> tuple[FloatArray, FloatArray]:
     """Upper arm and forearm (F, 3, 3): y along the bone to the left, z up where the palm is down and the elbow bends
     forward. The arm begins at the body's ``shoulder`` (F, 3); the forearm begins at the end of an upper arm of that
-    ``length``.
+    ``length``. A forearm whose wrist has no two markers bends about the axis of its elbow and does not twist.
     """
     elbow, wrist = (joints[f"{side}_{joint}"] for joint in ("elbow", "wrist"))
     out = 1.0 if side == "left" else -1.0
     upper = out * (elbow - shoulder)
     lower = out * (wrist - shoulder) - length * normalized(upper)
     thumb, little = tracks.get(f"{side}_wrist"), tracks.get(f"{side}_outer_wrist")
-    across = thorax[..., 0] if thumb is None or little is None else thumb - little
+    across = None if thumb is None or little is None else thumb - little
     along, bend = normalized(upper), normalized(wrist - elbow)
     forward = bend - np.sum(bend * along, axis=-1, keepdims=True) * along
     bent = np.linalg.norm(forward, axis=-1, keepdims=True)
     steady = _STEADY * np.clip(1.0 - bent / _STEADY, 0.0, 1.0) ** 2
-    return frame_of(upper, forward + steady * normalized(across)), frame_of(lower, across)
+    arm = frame_of(upper, forward + steady * normalized(thorax[..., 0] if across is None else across))
+    return arm, frame_of(lower, np.cross(lower, arm[..., 2]) if across is None else across)
 
 
 def hand_axes(joints: Tracks, tracks: Tracks, side: str, forearm: FloatArray) -> FloatArray:
-    """Hand (F, 3, 3): y along it to the left, x to the thumb's side; the forearm's axes if it has no marker."""
-    end = tracks.get(f"{side}_hand")
-    if end is None:
+    """Hand (F, 3, 3): y along it to the left, x to the thumb's side; the forearm's axes if no marker is beyond its
+    wrist.
+    """
+    wrist = joints[f"{side}_wrist"]
+    reach = tracks.get(f"{side}_hand", wrist) - wrist
+    if np.median(np.linalg.norm(reach, axis=-1)) < SHORTEST_HAND:
         return forearm
-    out = 1.0 if side == "left" else -1.0
-    return frame_of(out * (end - joints[f"{side}_wrist"]), forearm[..., 0])
+    return frame_of((1.0 if side == "left" else -1.0) * reach, forearm[..., 0])
 
 
 def foot_axes(joints: Tracks, tracks: Tracks, side: str, shank: FloatArray, shown: NDArray[np.bool_]) -> FloatArray:

@@ -14,11 +14,11 @@ _SEGMENT_WORD = r".?4x4"
 PART_WORDS: tuple[tuple[str, str], ...] = (
     (
         "back_hip",
-        r"psi?s?|bwt|ips|eips|eps|(waist|hip).?back|back.?(waist|hip)|post(erior)?.?(sup(erior)?.?)?iliac.*",
+        r"psi?s?|bwt|ips|eips|eps|(waist|hip|pelvis).?back|back.?(waist|hip|pelvis)|post(erior)?.?(sup(erior)?.?)?iliac.*",
     ),
     (
         "front_hip",
-        r"asi?s?|fwt|ias|eias|eas|(waist|hip).?front|front.?(waist|hip)|ant(erior)?.?(sup(erior)?.?)?iliac.*",
+        r"asi?s?|fwt|ias|eias|eas|(waist|hip|pelvis).?front|front.?(waist|hip|pelvis)|ant(erior)?.?(sup(erior)?.?)?iliac.*",
     ),
     ("sacrum", r"v?\.?sacr?(um|al)?|s1"),
     ("pelvis", r"pv\d*|pelv(is)?\d*|waist\d*"),
@@ -49,24 +49,26 @@ PART_WORDS: tuple[tuple[str, str], ...] = (
     ("heel", r"hee?l?|hl|[pd]he|heel.?(back|foot|prox\w*|top|cent(er|re))|cal(c(aneus|aneum)?)?|fcc|ca|h|talon"),
     (
         "inner_toe",
-        r"f?mth?1|fm1|mh1|mtp1|[1i](st)?.?(met(atarsal)?|mt|mh|mtp)|1st|fmh|d1m|fm|(toe|forefoot|foot|ft).?(in|m|med)|first.?met.*|meta(tars\w*)?.?1",
+        rf"f?mth?1|fm1|mh1|mtp1|[1i](st)?.?(met(atarsal)?|mt|mh|mtp)|1st|fmh|d1m|fm|(toe|forefoot|foot|ft).?{_INNER}|"
+        r"first.?met.*|meta(tars\w*)?.?1",
     ),
     (
         "outer_toe",
-        r"f?mth?5|fm5|mh5|mtp5|5(th)?.?(meta?|metatarsal|mt|mh|mtp)|5th|vmh?|d5m|fl|(toe|forefoot|foot|ft).?(out|l|lat)|fifth.?met.*|meta(tars\w*)?.?5",
+        rf"f?mth?5|fm5|mh5|mtp5|5(th)?.?(meta?|metatarsal|mt|mh|mtp)|5th|vmh?|d5m|fl|(toe|forefoot|foot|ft).?{_OUTER}|"
+        r"fifth.?met.*|meta(tars\w*)?.?5",
     ),
     ("met", r"met\d*|mt"),
     ("big_toe", r"(big|great|1st|first).?toe\d?|(toe|foot).?(tip|end|nail)|hal(lux)?|hlx|dp1|gros.?orteil"),
     (
         "toe",
-        r"toe|toe.?base|metatarsal.?[23]|foot.?index|to|toes|f?mth?[23]|fm[23]|mh[23]|[23](nd|rd)?.?(met(atarsal)?|mt|mh|mtp)|2nd|smh?|"
+        rf"toe|toe.?base|tjc|toe.?{_CENTRE_WORD}|metatarsal.?[23]|foot.?index|to|toes|f?mth?[23]|fm[23]|mh[23]|[23](nd|rd)?.?(met(atarsal)?|mt|mh|mtp)|2nd|smh?|"
         r"foo\d*|fore.?foot|ball|second.?met.*|orteil",
     ),
     ("foot", r"ft\d*|foot\d*"),
     ("thigh", r"bar.?1|thi(gh)?\d*|th\d*|femur\d*|uleg\d*|tha[pd]|thia[pd]"),
     ("shank", r"bar.?2|sha(nk)?\d*|shi?n\d*|ti?b(ia)?\d*|ttc|fax|sk\d*|lleg\d*|tia[pd]|tiba[pd]"),
     ("hip", rf"hip|hip.?{_OUTER}|gt(ro?)?|ftc|troc(h(anter)?)?|greater.?troch.*|gr.?troch.*|tro|hanche"),
-    ("shoulder", r"sho(ulder)?|should|[cs]aj|sa[ae]|acr(omi\w*)?|ac|acrom|shoulder.?top|sho.?top|[eé]paule"),
+    ("shoulder", r"sho(ulder)?|sh(ou)?ldr|should|[cs]aj|sa[ae]|acr(omi\w*)?|ac|acrom|shoulder.?top|sho.?top|[eé]paule"),
     (
         "inner_elbow",
         rf"(elb(ow)?|coude).?{_INNER}|hme|mhe|mee|mel|elm|em|el.?m|melb(ow)?|{_INNER}.?(elb(ow)?|hum.*epi.*)",
@@ -77,13 +79,13 @@ PART_WORDS: tuple[tuple[str, str], ...] = (
     ),
     (
         "wrist",
-        r"wra|wts|wri(st?)?.?(a|thumb|rad(ius)?|m|in|inner|int|la?t|lateral)|rsp?|rhe|(fa.?)?rad(ius|ial)?(.?sty(loid)?)?|"
+        r"wra|wts|wri(st?)?.?(a|thumb|rad(ius|ial)?|m|in|inner|int|la?t|lateral)|rsp?|rhe|(fa.?)?rad(ius|ial)?(.?sty(loid)?)?|"
         r"sty(l(oid)?)?.?rad.*|"
         r"(l|la?t|lateral).?w(rist)?|wrr?|wm",
     ),
     (
         "outer_wrist",
-        r"wrb|wps|wri(st?)?.?(b|uln(a)?|l|out|outer|ext|me?d|medial)|usp?|uhe|(fa.?)?uln(ar?)?(.?sty(loid)?)?|"
+        r"wrb|wps|wri(st?)?.?(b|pinky|little|uln(ar?)?|l|out|outer|ext|me?d|medial)|usp?|uhe|(fa.?)?uln(ar?)?(.?sty(loid)?)?|"
         r"sty(l(oid)?)?.?uln.*|"
         r"(m|me?d|medial).?w(rist)?|wr?u|wl",
     ),
@@ -96,8 +98,8 @@ PART_WORDS: tuple[tuple[str, str], ...] = (
 )
 """Regular expressions by part of a side; the first that fits the rest of a label without its side is taken."""
 MIDDLE_WORDS: tuple[tuple[str, str], ...] = (
-    ("neck_back", r"cv?7|spine.?top|neck|back.?top"),
-    ("back", r"tv?h?(8|9|10|12)|spine.?(mid|thoracic\d*)"),
+    ("neck_back", r"c(v|ervical)?.?7|spine.?top|neck|back.?top"),
+    ("back", r"t(v?h?|horacic).?(8|9|10|12)|spine.?(mid|thoracic\d*)"),
     (
         "collar",
         r"clav(icle)?|ij|sjn|cl|(jug(ular)?|supra.?sternal)?.?notch|ssn|manub?(rium)?|jug(ular)?|collar|ster|incis.*",

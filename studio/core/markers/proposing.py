@@ -48,6 +48,7 @@ _Found = dict[tuple[str, str], list[_Marker]]
 def propose_map(trial: Trial, subject: str = "") -> MarkerMap:
     """Map by words in the labels, refined by geometry: pairs on both sides of a joint, clusters on pelvis, feet."""
     found = _by_words(trial, subject)
+    _name_single_feet(found)
     centres, found = _apart_from_centres(found)
     _sort_pelvis(found)
     leftward = _leftward(found)
@@ -238,6 +239,15 @@ def _sort_foot_clusters(found: _Found, forward: FloatArray) -> None:
         if len(low) > 1 and not {(side, part) for part in TOES} & found.keys():
             low.sort(key=lambda marker: float(np.mean(ahead[names[marker.label]])))
             found[side, "heel"], found[side, "toe"] = [low[0]], [low[-1]]
+
+
+def _name_single_feet(found: _Found) -> None:
+    """Name the single foot on either side of a set of joints: the ankle if none is named, else the toe."""
+    part = "toe" if ("left", "ankle") in found else "ankle"
+    single = all(len(found.get((side, "foot"), ())) == 1 and (side, part) not in found for side in SIDE_WORDS)
+    if single and ("left", "front_hip") not in found:
+        for side in SIDE_WORDS:
+            found[side, part] = found.pop((side, "foot"))
 
 
 def _labelled(found: _Found) -> tuple[dict[tuple[str, str], list[str]], dict[str, FloatArray]]:

@@ -19,17 +19,27 @@ Labels = Mapping[tuple[str, str], Sequence[str]]
 
 INNER_PELVIS_PART = 0.93
 """Parts of the pelvis' width within which two points of a joint are no markers on its outer sides."""
-INSIDE, PELVIS_OF_HIPS = 0.3, 1.4
-"""Parts of the leg between two hips within which they are joint centres (0.20 to 0.25; trochanters 0.35 to 0.45), and
-the pelvis' width in parts of that distance."""
+INSIDE = 0.3
+"""Parts of the leg between two hips within which they are joint centres (0.20 to 0.25; trochanters 0.35 to 0.45)."""
+KEYPOINTS = {
+    "hip": "hip",
+    "knee": "knee",
+    "ankle": "ankle",
+    "shoulder": "shoulder",
+    "elbow": "elbow",
+    "wrist": "wrists",
+}
+"""Parts of the labels of points that an image shows, by their joints."""
 DEEP = {"hip": 1.0, "knee": 0.4, "ankle": 0.27}
 """Parts of the pelvis' width from an outer marker to a joint's centre, at most; an inner marker lies farther away."""
 
 
 def measured_centre_labels(labels: Labels, tracks: Mapping[str, FloatArray]) -> dict[str, str]:
     """Label of each joint's centre (``left_knee``) as far as it can be measured; ``tracks`` (F, 3) by label, metres."""
-    keypoints = _are_keypoints(labels, tracks)
-    width = pelvis_width(labels, tracks) * (PELVIS_OF_HIPS if keypoints else 1.0)
+    if _are_keypoints(labels, tracks):
+        parts = [(joint, part) for joint, part in KEYPOINTS.items() if _is_alone(labels, part)]
+        return {f"{side}_{joint}": labels[side, part][0] for joint, part in parts for side in SIDE_WORDS}
+    width = pelvis_width(labels, tracks)
     centres: dict[str, str] = {}
     for joint in ("hip", "knee", "ankle"):
         pairs = _pairs(labels, joint)
@@ -39,11 +49,7 @@ def measured_centre_labels(labels: Labels, tracks: Mapping[str, FloatArray]) -> 
             beside = [_nearest(tracks[pair[0]], tracks[other[0]]) for other in wider]
             deep = not wider or min(beside) < DEEP[joint] * width
             narrow = apart[pair] < INNER_PELVIS_PART * width if joint != "ankle" or wider else "left_knee" in centres
-            if narrow and deep and (wider or joint != "hip" or ("left", "front_hip") in labels or keypoints):
-                centres |= {f"{side}_{joint}": label for side, label in zip(SIDE_WORDS, pair, strict=True)}
-    if keypoints and "left_knee" in centres and "left_ankle" in centres:
-        for joint, part in (("shoulder", "shoulder"), ("elbow", "elbow"), ("wrist", "wrists")):
-            for pair in _pairs(labels, part)[:1] if _is_alone(labels, part) else ():
+            if narrow and deep and (wider or joint != "hip" or ("left", "front_hip") in labels):
                 centres |= {f"{side}_{joint}": label for side, label in zip(SIDE_WORDS, pair, strict=True)}
     return centres
 

@@ -127,6 +127,8 @@ def test_points_that_an_image_shows_at_each_joint_are_centres_where_hips_are_too
 
     assert set(_told(points(0.09), {}).values()) == set(points(0.09))
     assert _told(points(0.17), {}) == {}
+    wide = points(0.09) | {f"{s} {name}": out for name in ("knee", "ankle") for s, out in (("L", 0.2), ("R", -0.2))}
+    assert set(_told(wide, {}).values()) == set(wide)  # a guard in which the knees never come near each other
 
 
 @pytest.mark.parametrize(
@@ -155,6 +157,13 @@ def test_points_that_an_image_shows_at_each_joint_are_centres_where_hips_are_too
         ("L.Wrist.Lat", ("left", "wrist")), ("r_mwrist", ("right", "outer_wrist")),
         ("RWristOut", ("right", "outer_wrist")),
         ("LRS", ("left", "wrist")), ("RUS", ("right", "outer_wrist")), ("left_foot_index", ("left", "toe")),
+        ("Toe_Inner_L", ("left", "inner_toe")), ("R_Toe_Outer", ("right", "outer_toe")),
+        ("Wrist_Pinky_L", ("left", "outer_wrist")), ("R_wrist_little", ("right", "outer_wrist")),
+        ("left_pelvis_front", ("left", "front_hip")), ("Pelvis_Back_R", ("right", "back_hip")),
+        ("right_calcaneus", ("right", "heel")), ("cervical_7", ("", "neck_back")), ("thoracic_8", ("", "back")),
+        ("left_wrist_radial", ("left", "wrist")), ("RWristUlnar", ("right", "outer_wrist")),
+        ("LShldr", ("left", "shoulder")),
+        ("L_TJC", ("left", "toe")), ("left toe joint centre", ("left", "toe")), ("LWristLat", ("left", "wrist")),
         ("GGENOU", ("left", "knee")), ("Cheville_D", ("right", "ankle")), ("Talon gauche", ("left", "heel")),
     ],
 )  # fmt: skip

@@ -8,7 +8,7 @@ from studio.core.markers.proposing import propose_map
 from studio.core.markers.subjects import shared_beginning, with_subjects
 from studio.core.markers.trial import Trial
 from studio.io.c3d.reader import read_c3d
-from tests.core.markers.made import made_trial
+from tests.core.markers.made import made_body, made_trial
 
 # Maps proposed for sets nobody knows: by words, then by where the markers are.
 
@@ -138,6 +138,23 @@ def test_initials_stand_for_the_first_place_that_no_other_label_names() -> None:
     for names in (latin, plain):
         proposed = propose_map(_renamed(names)).markers
         assert {role: own for role, (own, *_) in proposed.items()} == names
+
+
+@pytest.mark.parametrize(("ankle", "foot"), [("ankle", "toe"), ("", "ankle")])
+def test_the_only_point_of_a_foot_in_a_set_of_joints_is_its_ankle_or_else_its_toe(ankle: str, foot: str) -> None:
+    """Human3.6M has hip, knee and foot; SMPL has an ankle and a foot."""
+    _, joints = made_body()
+    tracks = {(side, part): joints[f"{side}_{part}"] for side in ("left", "right") for part in ("hip", "knee", "ankle")}
+    names = {"hip": "Hip", "knee": "Knee", "ankle": "Ankle" if ankle else "Foot"}
+    labelled = {f"{side[0].upper()}_{names[part]}": track for (side, part), track in tracks.items()}
+    if ankle:
+        labelled |= {
+            f"{side[0].upper()}_Foot": tracks[side, "ankle"] + [0.13, 0.0, -0.06] for side in ("left", "right")
+        }
+    points = 1000.0 * np.stack(list(labelled.values()), axis=1)
+    kinds, seen = ("marker",) * len(labelled), np.zeros(points.shape[:2])
+    proposed = propose_map(Trial("t", "t", tuple(labelled), kinds, points, seen, 100.0, 1, "mm"))
+    assert (proposed.markers if foot == "toe" else proposed.centres)[f"left_{foot}"] in ("L_Foot", ("L_Foot",))
 
 
 def test_a_sacrum_marker_is_both_backs_of_the_pelvis() -> None:

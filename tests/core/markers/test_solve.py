@@ -5,9 +5,10 @@ import pytest
 
 from studio.core.body.canonical import BodyPart
 from studio.core.body.kinematics import joint_world
+from studio.core.markers.body_axes import arm_axes
 from studio.core.markers.solve import SolvedBody, solve_body
 from studio.core.markers.take import MarkerTake, track_body
-from studio.core.rotations import angle_between, multiply
+from studio.core.rotations import angle_between, multiply, normalized
 from tests.core.markers.made import made_body, made_trial
 
 
@@ -107,3 +108,29 @@ def test_what_is_never_filled_moves_on_as_seen_from_the_pelvis() -> None:
     assert followed.first_frame == 10
     assert followed.unseen == 50
     assert all(np.isfinite(track).all() for track in followed.joints.values())
+
+
+@pytest.mark.parametrize("out", [1.0, -1.0])
+def test_a_forearm_with_one_point_at_its_wrist_bends_about_the_elbows_axis_wherever_it_points(out: float) -> None:
+    """In a guard the forearm points forward and up; its roll came from the chest's front and flipped there."""
+    bend = np.radians(np.linspace(20.0, 140.0, 50))
+    side = "left" if out > 0.0 else "right"
+    shoulder = np.tile([0.0, 0.2 * out, 1.4], (50, 1))
+    elbow = shoulder + np.array([0.2, 0.1 * out, -0.2])
+    along = normalized(elbow - shoulder)
+    hinge = normalized(np.cross(along, [0.2, -0.3 * out, 1.0]))
+    forearm = np.cos(bend)[:, None] * along + np.sin(bend)[:, None] * np.cross(hinge, along)
+    joints = {f"{side}_elbow": elbow, f"{side}_wrist": elbow + 0.26 * forearm}
+    thorax = np.tile(np.eye(3), (50, 1, 1))
+    upper, lower = arm_axes(joints, {}, side, thorax, shoulder, 0.3)
+    assert np.abs(np.einsum("fi,fi->f", upper[..., 2], lower[..., 2])).min() > 0.999
+    assert np.einsum("fi,fi->f", lower[..., 2], upper[..., 2]).min() > 0.0
+
+
+def test_a_point_of_a_hand_at_its_wrist_gives_the_hand_no_direction() -> None:
+    """Sets of joint centres call the wrist a hand; the hand then pointed along the noise between the two."""
+    markers, joints = made_body()
+    given = markers | {f"{side}_hand": joints[f"{side}_wrist"] + 1e-4 for side in ("left", "right")}
+    plain, solved = (solve_body(tracks, joints, 0.0) for tracks in (markers, given))
+    assert np.array_equal(plain.poses.local_rotations, solved.poses.local_rotations)
+    assert np.array_equal(plain.skeleton.offsets, solved.skeleton.offsets)
