@@ -79,6 +79,17 @@ def test_a_new_project_plays_forwards_at_real_time(changed):
     assert playhead.speed == 1.0
 
 
+def test_solo_shows_the_selected_bodies_alone_and_then_all_again(window):
+    document, key = window.bench.document, next(iter(window.bench.document.project.performers))
+    window.activateWindow()
+    document.selection.set(("performers", key))
+    QTest.keyClick(window, Qt.Key.Key_H, CONTROL)
+    assert [each.visible for each in document.project.performers.values()] == [True, False]
+    assert document.undo_stack.count() == 1
+    QTest.keyClick(window, Qt.Key.Key_H, CONTROL)
+    assert all(each.visible for each in document.project.performers.values())
+
+
 def test_no_long_name_or_sentence_makes_the_window_wider(window):
     document = window.bench.document
     name = "captured_on_stage_two_take_" * 8
