@@ -175,7 +175,7 @@ def test_a_kick_soon_after_its_stance_keeps_its_speed_though_the_contact_release
     curve = fitted_activation(SECONDS, values, now, now - since, 3.0, freedom=freedom)
     here = np.array([np.interp(now, SECONDS, column) for column in values.T])
     drawn = values + (freedom * curve.at(SECONDS))[:, None] * (here - values)
-    before = SECONDS <= now
+    before = now >= SECONDS
     assert peak(drawn[before]) < 1.1 * peak(values[before])
 
 
