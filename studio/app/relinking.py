@@ -9,6 +9,7 @@ from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.io.registry import Progress
 from studio.io.source_files import SourceFile, SourceMissing, digest_of, find_source
+from studio.panels.message_strip import Lifetime
 
 
 def source_finder(bench: Workbench, capture_id: str) -> Callable[[Progress], SourceFile]:
@@ -122,4 +123,4 @@ def _report(bench: Workbench, capture_id: str, source: SourceFile, is_other: boo
     warning = " Its content differs from that of the imported file." if is_other else ""
     sentence = f"The source file of {name} is {source.path}.{warning} Change an import setting to re-import it."
     other = ("Choose another…", lambda: ask_source(bench, capture_id))
-    bench.post_message(sentence, ("Close", bench.clear_message), other)
+    bench.post_message(sentence, ("Close", bench.clear_message), other, until=Lifetime.EDITED)
