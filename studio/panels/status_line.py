@@ -9,8 +9,8 @@ from studio.panels.fields import ElidedText, press_button
 
 STATUS_BAR_WIDTH = 120
 SECONDS_BEFORE_PERCENT = 10
-LONGEST_NAME = 240
-"""Pixels of the name of a motion, cut in its middle if it is longer."""
+MOTION_NAME_PX = 240
+"""Greatest width of the name of a motion, which is cut in its middle if it is longer."""
 
 
 class ProgressLine(QWidget):
@@ -129,7 +129,7 @@ class StatusLine(QStatusBar):
             return
         guesses = project.captures[motion.capture_id].guesses
         count = f"{len(guesses)} assumption{'' if len(guesses) == 1 else 's'}"
-        name = self._guesses.fontMetrics().elidedText(motion.name, Qt.TextElideMode.ElideMiddle, LONGEST_NAME)
+        name = self._guesses.fontMetrics().elidedText(motion.name, Qt.TextElideMode.ElideMiddle, MOTION_NAME_PX)
         self._guesses.setText(escaped_mnemonics(f"{name} · {count}" if guesses else name))
         self._guesses.setToolTip("\n".join((motion.name, *(guess.title for guess in guesses))))
 
