@@ -76,7 +76,9 @@ def press(standing: GroundedMotion, joint: BodyJoint, row: int) -> PositionConst
     stands = standing.limb_freedoms[limb] == 0.0 if limb >= 0 else np.zeros(len(path), dtype=bool)
     back, on = free_frames(stands, row)
     begin, end = max(row - back, 0) / rate, min(row + on, len(path) - 1) / rate
-    times = fitted_activation(seconds, path, float(seconds[row]), begin, end, _limb_path(before, joint.point, row))
+    freedom = standing.limb_freedoms[limb] if limb >= 0 else None
+    limb_path = _limb_path(before, joint.point, row)
+    times = fitted_activation(seconds, path, float(seconds[row]), begin, end, limb_path, freedom)
     return _position(joint, path[row], times)
 
 

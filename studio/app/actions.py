@@ -185,6 +185,8 @@ EDIT = (
 CHARACTER = (
     Action("hide", "Character", "Toggle visibility", editing.hide, ("H",), "Show or hide the selected characters",
            _with_bodies),
+    Action("solo", "Character", "Solo", editing.solo, ("Ctrl+H",),
+           "Show only the selected characters; again, show all", _with_bodies),
     Action("make_character", "Character", "Create character from actor", character_import.make_active_actor_character,
            tooltip="Create a character with the proportions of the captured actor", enabled=_performing),
     Action("line_up", "Character", "Arrange side by side", editing.line_up,

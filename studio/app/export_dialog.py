@@ -59,7 +59,7 @@ HINTS = {
     ".c3d": "Joint centres and virtual markers, for biomechanics software.",
     ".csv": "World position of every joint per frame, and the constraint errors.",
     ".npz": "The same as CSV, for NumPy.",
-    ".mp4": "The timeline range, as shown in the 3D view.",
+    ".mp4": "The play range, as shown in the 3D view.",
     "": "One PNG image per frame of the 3D view, in a new folder.",
 }
 

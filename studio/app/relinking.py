@@ -9,6 +9,7 @@ from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.io.registry import Progress
 from studio.io.source_files import SourceFile, SourceMissing, digest_of, find_source
+from studio.panels.message_strip import Lifetime
 
 
 def source_finder(bench: Workbench, capture_id: str) -> Callable[[Progress], SourceFile]:
@@ -51,8 +52,7 @@ def relink(bench: Workbench, capture_id: str) -> int:
 
     def found(source: SourceFile) -> None:
         if link_source(bench, capture_id, source):
-            other = ("Choose another…", lambda: ask_source(bench, capture_id))
-            bench.post_message(_words(bench, capture_id, source), ("Close", bench.clear_message), other)
+            _report(bench, capture_id, source)
 
     task: int = bench.runner.run(f"Looking for {capture.source}", source_finder(bench, capture_id), found, missed)
     return task
@@ -72,8 +72,9 @@ def ask_source(bench: Workbench, capture_id: str, then: Callable[[], object] = l
 
     def chosen(path: Path) -> None:
         def linked(source: SourceFile) -> None:
+            is_other = capture.digest not in ("", source.digest)
             if link_source(bench, capture_id, source):
-                bench.post_message(_words(bench, capture_id, source))
+                _report(bench, capture_id, source, is_other)
                 then()
 
         bench.runner.run(f"Relinking {capture.name}", lambda _: SourceFile(path, digest_of(path)), linked)
@@ -116,6 +117,10 @@ def ask_media(bench: Workbench, collection: str, source: str) -> None:
     ask_file(bench, f"File {Path(source).name}", MEDIA_FILTERS[collection], chosen)
 
 
-def _words(bench: Workbench, capture_id: str, source: SourceFile) -> str:
+def _report(bench: Workbench, capture_id: str, source: SourceFile, is_other: bool = False) -> None:
+    """Report the linked source of a capture, and if its content ``is_other`` than that of the imported file."""
     name = bench.document.project.captures[capture_id].name
-    return f"The source file of {name} is {source.path}. Change an import setting to re-import it."
+    warning = " Its content differs from that of the imported file." if is_other else ""
+    sentence = f"The source file of {name} is {source.path}.{warning} Change an import setting to re-import it."
+    other = ("Choose another…", lambda: ask_source(bench, capture_id))
+    bench.post_message(sentence, ("Close", bench.clear_message), other, until=Lifetime.EDITED)

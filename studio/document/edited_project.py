@@ -276,6 +276,7 @@ class EditedProject(QObject):
         self.undo_stack.clear()
         self.undo_stack.setClean()
         self.playhead.restore(INITIAL_PLAYHEAD)
+        self.playhead.speed = 1.0
         self._fit_playhead()
         self.project_opened.emit()
 

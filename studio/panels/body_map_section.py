@@ -184,6 +184,8 @@ class BodyMapSection(Section):
         dialog = QFileDialog(self, "Save body map", "", BODY_MAP_FILTER)
         dialog.setAcceptMode(QFileDialog.AcceptMode.AcceptSave)
         dialog.setDefaultSuffix("json")
+        if body := self._find():
+            dialog.selectFile(f"{body.name}.json")
         dialog.fileSelected.connect(lambda name: self.save_to(Path(name)))
         dialog.open()
 

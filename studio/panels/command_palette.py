@@ -51,15 +51,19 @@ def detail_text(action: QAction) -> str:
 
 
 def ranked_actions(actions: Iterable[QAction], words: str) -> list[QAction]:
-    """Actions that contain all letters of ``words`` in order, those with adjacent and early letters first."""
+    """Actions whose text contains ``words``, early ones first; then those whose tooltip does; then those whose text
+    contains all letters in order.
+    """
     wanted = words.casefold().strip()
     found = []
     for place, action in enumerate(actions):
         text = plain_text(action).casefold()
         if wanted in text:
             found.append((0, text.index(wanted), place, action))
-        elif _in_order(wanted.replace(" ", ""), text):
+        elif wanted in action.toolTip().casefold():
             found.append((1, 0, place, action))
+        elif _in_order(wanted.replace(" ", ""), text):
+            found.append((2, 0, place, action))
     return [action for *_, action in sorted(found, key=lambda each: each[:3])]
 
 

@@ -91,6 +91,8 @@ class Editor(QWidget, Generic[EditedT_co]):
         """Replace the entity by the result of ``make``; a refused edit is reported as a message."""
         others = [key for key in self.edited_ids if key != self.entity_id] if self.collection in EDITED_TOGETHER else []
         before = self.entity
+        if others:
+            text += f" and {len(others)} other{'' if len(others) == 1 else 's'}"
         with self._objections_told(), self.document.group(text, self._gesture):
             after = make()
             self.document.replace_shown(self.collection, self.entity_id, after, text)

@@ -1,5 +1,6 @@
 """Message line under the viewport, and the bar that asks a question. Never modal."""
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
@@ -36,6 +37,8 @@ class UserMessage:
     warns: bool = True
 
 
+LONG_WORD = re.compile(r"\S{60}(?=\S)")
+"""Part of a word, as of a path, after which a line may break: a word in one piece would make the window as wide."""
 PRESSING = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
@@ -56,13 +59,13 @@ class MessageStrip(QWidget):
         self._label.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
         self._row.addWidget(self._label, 1)
         self._answers: list[QPushButton] = []
-        self._lifetime = Lifetime.CLOSED
+        self._lifetime, self._sentence = Lifetime.CLOSED, ""
         self.hide()
 
     @property
     def text(self) -> str:
         """Shown sentence; empty while the strip is hidden."""
-        return "" if self.isHidden() else self._label.text()
+        return "" if self.isHidden() else self._sentence
 
     def show_sentence(self, sentence: str, *answers: Answer) -> None:
         """Show a sentence and buttons; any of them closes the strip."""
@@ -74,7 +77,8 @@ class MessageStrip(QWidget):
         self._answers = [
             self._make_button(*answer, main=place == 0 and bool(answers)) for place, answer in enumerate(chosen)
         ]
-        self._label.setText(sentence)
+        self._sentence = sentence
+        self._label.setText(LONG_WORD.sub("\\g<0>\u200b", sentence))
         self.setAccessibleName(sentence)
         self.show()
 

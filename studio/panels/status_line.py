@@ -9,6 +9,8 @@ from studio.panels.fields import ElidedText, press_button
 
 STATUS_BAR_WIDTH = 120
 SECONDS_BEFORE_PERCENT = 10
+MOTION_NAME_PX = 240
+"""Greatest width of the name of a motion, which is cut in its middle if it is longer."""
 
 
 class ProgressLine(QWidget):
@@ -23,7 +25,7 @@ class ProgressLine(QWidget):
         row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 12, 0)
         row.setSpacing(8)
-        self._words = QLabel()
+        self._words = ElidedText()
         self._words.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self._bar = QProgressBar()
         self._bar.setFixedWidth(STATUS_BAR_WIDTH)
@@ -127,8 +129,9 @@ class StatusLine(QStatusBar):
             return
         guesses = project.captures[motion.capture_id].guesses
         count = f"{len(guesses)} assumption{'' if len(guesses) == 1 else 's'}"
-        self._guesses.setText(escaped_mnemonics(f"{motion.name} · {count}" if guesses else motion.name))
-        self._guesses.setToolTip("\n".join(guess.title for guess in guesses))
+        name = self._guesses.fontMetrics().elidedText(motion.name, Qt.TextElideMode.ElideMiddle, MOTION_NAME_PX)
+        self._guesses.setText(escaped_mnemonics(f"{name} · {count}" if guesses else name))
+        self._guesses.setToolTip("\n".join((motion.name, *(guess.title for guess in guesses))))
 
     def _show_journal(self) -> None:
         self._journal.setText(journal_words(self.document))

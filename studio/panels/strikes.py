@@ -16,6 +16,8 @@ READY = "Hover to preview a strike. Drag it onto a character or a track, or inse
 TRYING = "Strikes are tried in this scene…"
 NO_MATCH_HINT = "No clip in the library matches that limb and type."
 OF_A_POSE = "Clips that contain the selected pose, best match first."
+INSERT_TIP = "Insert the strike at the playhead, blended in and constrained to the target"
+TARGET_NEEDED = "Choose a target first: a strike is inserted so that it meets it"
 UNSOLVED = "All strikes of the library. Ranking starts when this character and its target are solved."
 OWN_FACE = "All strikes of the library. A character cannot target its own face: choose another target."
 NO_TARGET = "All strikes of the library. Choose a target, a box or a face, to rank them."
@@ -69,7 +71,7 @@ class Strikes(QWidget):
         self.use = press_button(
             "Insert on selected character", lambda: self.strike_chosen.emit(self.results.currentRow())
         )
-        self.use.setToolTip("Insert the strike at the playhead, blended in and constrained to the target")
+        self.use.setToolTip(TARGET_NEEDED)
         self.use.setEnabled(False)
         self.correct = press_button("Label…", lambda: self.opened.emit(self.results.currentRow()))
         self.correct.setToolTip("Confirm or correct trim range, hit frame, limb and type")
@@ -89,6 +91,7 @@ class Strikes(QWidget):
         """List (name, reasons), the best first; without a target none is ``usable``."""
         self._look(-1)
         self._usable = usable
+        self.use.setToolTip(INSERT_TIP if usable else TARGET_NEEDED)
         self.results.clear()
         for name, reasons in results:
             item = QListWidgetItem(f"{name}\n{reasons}")

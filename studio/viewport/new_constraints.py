@@ -28,7 +28,9 @@ from studio.core.curves.retiming import speed_at
 from studio.core.names import free_name
 from studio.core.normalized.mirror import mirrored_contacts
 from studio.core.rotations import from_matrix
+from studio.core.solver.asking.points import limb_of
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.standing.body_support import limb_freedom
 from studio.core.stage.project import Project
 from studio.engine.moments import TargetContext
 from studio.engine.performance import PosedPerformer
@@ -136,6 +138,12 @@ class NewConstraintContext:
         motion, rows, _ = self.frames_around
         return motion.rotations[rows, motion.morphology.layout.segment_of_part(part)]
 
+    def freedom(self, part: BodyPart) -> FloatArray:
+        """(F,) part by which contacts have released the limb of a segment in the rows ``around``."""
+        motion, rows, _ = self.frames_around
+        frames = slice(rows.start + motion.first_frame, rows.stop + motion.first_frame)
+        return limb_freedom(motion.contacts, limb_of(part), frames.stop, motion.frame_rate)[frames]
+
     def limb(self, point: BodyPoint) -> LimbPath | None:
         """Path of a point of a forearm, hand, shank or foot, blended to its present position; None for other points."""
         side, bone = _side_and_bone(point.part)
@@ -159,9 +167,9 @@ class NewConstraintContext:
         activation = ActivationCurve(begin, begin, end, end)
         if moving is not None and self.fits_activation:
             between = self.between_stances(point.part, now)
-            activation = fitted_activation(
-                self.frames_around[2], moving, now, *between, self.limb(point) if limb else None
-            )
+            path = self.limb(point) if limb else None
+            freedom = self.freedom(point.part)
+            activation = fitted_activation(self.frames_around[2], moving, now, *between, path, freedom)
         return {
             "motion_id": motion_id,
             "name": free_name(name, {one.name for one in existing}),

@@ -166,6 +166,19 @@ def test_a_kick_that_is_held_anywhere_keeps_its_speed_within_a_tenth(late: float
     assert 0.9 < growth(curve, values, now) < 1.1
 
 
+@given(st.floats(0.15, 0.3), st.floats(0.3, 2.0))
+def test_a_kick_soon_after_its_stance_keeps_its_speed_though_the_contact_releases_it_slowly(
+    since: float, metres: float
+) -> None:
+    values, now = kick(metres=metres), 1.45
+    freedom = np.clip((SECONDS - (now - since)) / 0.15, 0.0, 1.0) ** 2
+    curve = fitted_activation(SECONDS, values, now, now - since, 3.0, freedom=freedom)
+    here = np.array([np.interp(now, SECONDS, column) for column in values.T])
+    drawn = values + (freedom * curve.at(SECONDS))[:, None] * (here - values)
+    before = now >= SECONDS
+    assert peak(drawn[before]) < 1.1 * peak(values[before])
+
+
 def test_the_usual_activation_would_change_it_by_more() -> None:
     usual = ActivationCurve(1.1, 1.4, 1.6, 1.9)
     assert growth(usual, kick(width=0.2), 1.5) > 1.4

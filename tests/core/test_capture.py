@@ -270,7 +270,9 @@ def test_a_missing_limb_is_named() -> None:
 
 def test_a_body_map_without_a_limb_is_refused_with_the_parts() -> None:
     skeleton = make_skeleton()
-    with pytest.raises(StudioError, match=r"No joint plays left foot\. Choose one in the inspector, under Body map\."):
+    with pytest.raises(
+        StudioError, match=r"No joint is mapped to left foot\. Choose one in the inspector, under Body map\."
+    ):
         BodyMap.from_json(skeleton, {part: joint for part, joint in BODY_MAP.items() if part != "left_foot"})
 
 

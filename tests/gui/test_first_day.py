@@ -28,6 +28,7 @@ from tests.gui.viewport_use import LEFT, NONE, joint_pixel
 from tests.gui.window_use import drop, wait_until_idle
 from tests.patience import PATIENCE, SECONDS
 
+LEAST_SCREEN = 1280, 720
 CONTROL = Qt.KeyboardModifier.ControlModifier
 
 
@@ -68,6 +69,42 @@ def test_a_new_project_forgets_the_range(changed):
     press(Qt.Key.Key_Tab)
     press(Qt.Key.Key_Return)
     assert (document.playhead.first, document.playhead.last) == (0, 300)
+
+
+def test_a_new_project_plays_forwards_at_real_time(changed):
+    playhead = changed.bench.document.playhead
+    playhead.speed = -2.0
+    press(Qt.Key.Key_Tab)
+    press(Qt.Key.Key_Return)
+    assert playhead.speed == 1.0
+
+
+def test_solo_shows_the_selected_bodies_alone_and_then_all_again(window):
+    document, key = window.bench.document, next(iter(window.bench.document.project.performers))
+    window.activateWindow()
+    document.selection.set(("performers", key))
+    QTest.keyClick(window, Qt.Key.Key_H, CONTROL)
+    assert [each.visible for each in document.project.performers.values()] == [True, False]
+    assert document.undo_stack.count() == 1
+    QTest.keyClick(window, Qt.Key.Key_H, CONTROL)
+    assert all(each.visible for each in document.project.performers.values())
+
+
+def test_no_long_name_or_sentence_makes_the_window_wider(window):
+    document = window.bench.document
+    name = "captured_on_stage_two_take_" * 8
+    document.replace("motions", "motion", replace(document.project.motions["motion"], name=name), "Rename")
+    for key, performer in document.project.performers.items():
+        document.replace("performers", key, replace(performer, name=name), "Rename")
+    window.status.progress.begin(1, f"Opening {name}.bvh")
+    window.status.progress.show_share(1, 0.5, f"Finding floor and reference pose of {name}.bvh")
+    sentence = f"The source file /{'/'.join([name] * 3)}.bvh cannot be found."
+    window.bench.post_message(sentence)
+    window.status.show_hint(name)
+    QApplication.processEvents()
+    window.layout().activate()
+    assert window.layout().minimumSize().width() < LEAST_SCREEN[0]
+    assert window.strip.text == sentence
 
 
 @pytest.mark.parametrize("key_map", sorted(key_maps()))

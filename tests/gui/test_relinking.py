@@ -71,6 +71,7 @@ def test_a_source_of_other_content_is_linked_as_one_step_that_can_be_undone(
     window.actions_by_id.by_id["relink"].trigger()
     qtbot.waitUntil(lambda: document.project.captures[imported].source == "other.bvh", timeout=PATIENCE)
     assert document.history[-1] == "Relink walk"
+    assert "Its content differs from that of the imported file." in window.strip.text
     assert document.project.captures[imported].frame_count == old.frame_count
     document.undo_stack.undo()
     assert document.project.captures[imported].source == old.source

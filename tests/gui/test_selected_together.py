@@ -111,6 +111,7 @@ def test_on_and_numbers_of_a_form_are_set_on_all_that_are_selected(document, tim
     states = {key: each.enabled for key, each in document.project.constraints.items()}
     assert states == {"kick": False, "punch": False, "other": True}
     assert document.undo_stack.count() == 1
+    assert document.undo_stack.undoText().endswith(" and 1 other")
     document.undo_stack.undo()
     assert all(each.enabled for each in document.project.constraints.values())
 

@@ -19,6 +19,11 @@ def test_letters_in_their_order_are_enough(qapp):
     assert found("sinc", "Save increment", "Save") == ["Save increment"]
 
 
+def test_words_of_a_tooltip_come_after_names_and_before_scattered_letters(qapp):
+    scattered, told, named = QAction("Save as"), QAction("Export", toolTip="Write a sea film"), QAction("Sea")
+    assert ranked_actions([scattered, told, named], "sea") == [named, told, scattered]
+
+
 def test_nothing_typed_finds_everything_in_the_order_of_the_table(qapp):
     assert found("", "B", "A") == ["B", "A"]
 

@@ -125,6 +125,18 @@ def hide(bench: Workbench) -> None:
             document.replace("performers", key, replace(performer, visible=visible), "Hide")
 
 
+def solo(bench: Workbench) -> None:
+    """Show only the selected bodies; show all if they are shown alone already."""
+    document = bench.document
+    performers = document.project.performers
+    kept = document.selection.of("performers") or (document.active_performer_id,)
+    alone = all(performer.visible == (key in kept) for key, performer in performers.items())
+    names = ", ".join(performer.name for key, performer in performers.items() if key in kept)
+    with document.group("Show all characters" if alone else f"Solo {names}"):
+        for key, performer in performers.items():
+            document.replace("performers", key, replace(performer, visible=alone or key in kept), "Solo")
+
+
 def show_all(bench: Workbench) -> None:
     """Show every body."""
     document = bench.document

@@ -36,7 +36,9 @@ class BodyMap:
         needed = [BodyPart.PELVIS, *(part for limb in LIMB_PARTS.values() for part in limb)]
         missing = [part.label.lower() for part in needed if part not in self.parts]
         if missing:
-            raise StudioError(f"No joint plays {', '.join(missing)}. Choose one in the inspector, under Body map.")
+            raise StudioError(
+                f"No joint is mapped to {', '.join(missing)}. Choose one in the inspector, under Body map."
+            )
         if len(self.spine) < 2 or self.spine[0] != self.parts[BodyPart.PELVIS]:
             raise StudioError("A body map needs a spine of two joints at least, from the pelvis upwards.")
 

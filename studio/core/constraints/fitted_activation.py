@@ -25,8 +25,8 @@ GROWTH, LOSS = 1.03, 1.1
 SLOW_LIMB = 0.1
 """Metres or radians a second: slower speeds count as this."""
 HOLDS = (HOLD, 0.05, 0.02, 0.0)
-RAMPS = (RAMP, 0.1, 0.15, 0.2, 0.4, 0.5, 0.7, 1.0)
-WEIGHTS = (1.0, 0.5, 0.25)
+RAMPS = (RAMP, 0.05, 0.07, 0.1, 0.15, 0.2, 0.4, 0.5, 0.7, 1.0)
+WEIGHTS = (1.0, 0.5, 0.25, 0.1)
 """Weights of the end of the hold: a limb that only passes is let go sooner, and need not catch up so fast."""
 LONGEST = max(HOLDS) + max(RAMPS)
 """Seconds on either side that matter."""
@@ -93,20 +93,30 @@ def _rotated(begin: FloatArray, end: FloatArray, part: FloatArray) -> FloatArray
 
 
 def fitted_activation(
-    seconds: FloatArray, values: FloatArray, now: float, begin: float, end: float, limb: LimbPath | None = None
+    seconds: FloatArray,
+    values: FloatArray,
+    now: float,
+    begin: float,
+    end: float,
+    limb: LimbPath | None = None,
+    freedom: FloatArray | None = None,
 ) -> ActivationCurve:
     """Activation around ``now``, from ``begin`` to ``end`` at most, that raises the peak speed by at most a tenth.
 
     ``values`` (F, D), metres or radians, are those of the limb at ``seconds`` (F,); the target is the value at ``now``,
-    to which they are blended linearly, or as the end of a ``limb`` is. Each side is fitted separately: the default hold
-    and ramp, else the nearest to them that suffice, else the gentlest.
+    to which they are blended linearly, or as the end of a ``limb`` is, by the part ``freedom`` (F,) to which contacts
+    have released it. Each side is fitted separately: the default hold and ramp, else the nearest to them that suffice,
+    else the gentlest.
     """
     here = np.array([np.interp(now, seconds, column) for column in values.T])
 
-    def straight(activation: FloatArray, rows: IntArray) -> FloatArray:
-        return np.asarray(values[rows] + activation[:, None] * (here - values[rows]))
+    def drawn(activation: FloatArray, rows: IntArray) -> FloatArray:
+        part = activation if freedom is None else activation * freedom[rows]
+        if limb is not None:
+            return limb.end_positions(part, rows)
+        return np.asarray(values[rows] + part[:, None] * (here - values[rows]))
 
-    drawn, rows = straight if limb is None else limb.end_positions, np.arange(len(seconds))
+    rows = np.arange(len(seconds))
     hold_in, ramp_in, weight_in = _fitted_side(now - seconds, rows[::-1], values, drawn, now - begin)
     hold_out, ramp_out, weight_out = _fitted_side(seconds - now, rows, values, drawn, end - now)
     times = now - hold_in - ramp_in, now - hold_in, now + hold_out, now + hold_out + ramp_out
@@ -165,9 +175,9 @@ def _within(room: float, hold: float, ramp: float, weight: float) -> tuple[float
 def _change(side: tuple[float, float, float]) -> float:
     """Difference from the default hold and ramp, in seconds of a longer ramp.
 
-    A shorter ramp counts twice, since a dragged target needs it; a weight below 1 counts because a limb stops more
-    sharply with it.
+    A shorter ramp counts twice, since a dragged target needs it; half the weight counts like a ramp that is longer by
+    half its length, because a limb stops more sharply with it.
     """
     hold, ramp, weight = side
     ramp_change = ramp - RAMP if ramp > RAMP else 2.0 * (RAMP - ramp)
-    return 3.0 * (HOLD - hold) + ramp_change + 0.3 * (1.0 - weight)
+    return 3.0 * (HOLD - hold) + ramp_change - 0.15 * math.log2(weight)

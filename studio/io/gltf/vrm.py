@@ -48,7 +48,7 @@ def humanoid_joints(skeleton: Skeleton, body: BodyMap) -> dict[str, int]:
         side = ("left", "right")[finger.side]
         named[f"{side}{finger.digit.capitalize()}{bones[finger.place]}"] = joint
     if missing := _missing(named):
-        raise StudioError(f"No joint plays {', '.join(missing)}. Choose one in the inspector, under Body map.")
+        raise StudioError(f"No joint is mapped to {', '.join(missing)}. Choose one in the inspector, under Body map.")
     return dict(sorted(named.items(), key=lambda item: item[1]))
 
 
