@@ -30,6 +30,7 @@ from pictured.shots import (
     sliders,
     tilted_area,
     timeline,
+    weights,
     window,
 )
 
@@ -46,6 +47,7 @@ STILLS = {
     "rotate": rotate,
     "skin_point": skin_point,
     "tilted_area": tilted_area,
+    "weights": weights,
     "poses": poses,
     "preferences": preferences,
     "problem_table": problem_table,
