@@ -85,10 +85,11 @@ def constraint_handles(
 def _shared_goals(moment: TargetContext, asked: Mapping[str, Constraint]) -> dict[str, tuple[tuple[float, ...], bool]]:
     """Present goals of active constraints whose weights blend them, and True for those with a weight above zero."""
     times, found = np.array([moment.pose.seconds]), {}
-    played = {key: moment.as_played(each) for key, each in asked.items() if each.enabled}
-    for group in groups_with_shared_goal(list(played.values())):
+    enabled = [key for key, each in asked.items() if each.enabled]
+    for group in groups_with_shared_goal([asked[key] for key in enabled]):
         pulls, targets = {}, []
-        for key, constraint in (list(played.items())[place] for place in group):
+        for key in (enabled[place] for place in group):
+            constraint = moment.as_played(asked[key])
             pull = constraint.weights_at(times) * _activation(moment.project, moment.performer_id, moment.pose, key)
             now = moment.with_targets_fixed(constraint)
             if now is not None and pull[0] > 0.0:
