@@ -21,6 +21,7 @@ from pictured.shots import (
     keys,
     light_theme,
     markers,
+    mirrored,
     onion_skins,
     poses,
     preferences,
@@ -30,13 +31,14 @@ from pictured.shots import (
     sliders,
     tilted_area,
     timeline,
+    tour,
     weights,
     window,
 )
 
 from studio.startup import first_run
 
-FILM_WIDTH = 800
+FILM_WIDTH = 720
 STILLS = {
     "window": window,
     "fight": fight,
@@ -48,6 +50,8 @@ STILLS = {
     "skin_point": skin_point,
     "tilted_area": tilted_area,
     "weights": weights,
+    "mirrored": mirrored,
+    "tour": tour,
     "poses": poses,
     "preferences": preferences,
     "problem_table": problem_table,

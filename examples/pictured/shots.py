@@ -163,6 +163,53 @@ def tilted_area() -> QImage:
     return image
 
 
+def tour() -> QImage:
+    """The third step of the tour, a joint being picked."""
+    session = Session("front_kick", (1000, 560))
+    document = session.document
+    for name in ("Library", "History", "Inspector", "Timeline"):
+        session.window.docks[name].hide()
+    session.window.actions_by_id.by_id["tour"].trigger()
+    document.playhead.play()
+    session.rest(0.3)
+    document.playhead.set_time(KICK_TIME)
+    document.playhead.pause()
+    session.settle()
+    session.look(35, 8, 1.35)
+    viewport = session.bench.viewport
+    pose = viewport.posed["tall_man"]
+    joint = next(one for one in body_joints(pose.motion.morphology.layout) if one.name == "right ankle")
+    QTest.mouseClick(viewport, LEFT, NO_KEY, viewport.widget_point(pose.points[joint.index]).toPoint())
+    session.rest(0.3)
+    return _taken(session, [viewport])
+
+
+def mirrored() -> QImage:
+    """A wave of the right hand, pasted with left for right."""
+    session = Session("reach_grasp", (760, 760))
+    document = session.document
+    for name in ("Library", "History", "Inspector"):
+        session.window.docks[name].hide()
+    times = tuple(1.5 + 0.35 * k for k in range(5))
+    places = tuple((0.2, -0.4 - 0.12 * (k % 2), 1.25 + 0.08 * (k % 2)) for k in range(5))
+    wave = PositionConstraint(
+        "reach_grasp", "Right wave", BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), Chain(trunk=0.3), 0,
+        ActivationCurve(1.2, 1.5, 2.9, 3.2), target=KeyedPlace(times, places),
+    )  # fmt: skip
+    key = document.add("constraints", wave, "Add 'Right wave'")
+    for other in document.project.performers:
+        if other != "tall_man":
+            document.replace("performers", other, replace(document.project.performers[other], visible=False), "Hide")
+    document.selection.set(("constraints", key))
+    for action in ("copy", "paste_mirrored"):
+        session.window.actions_by_id.by_id[action].trigger()
+    document.playhead.set_time(times[1])
+    session.bench.timeline.tracks.axis.show(0.8, 4.0)
+    session.settle()
+    session.look(14, 6, 0.8, (0.0, -0.25), among=("tall_man",))
+    return _taken(session, [session.bench.viewport, session.window.docks["Timeline"]])
+
+
 def weights() -> QImage:
     """A hand half way between two targets whose weights cross, over the curves of the weights."""
     session = Session("reach_grasp", (760, 800))
