@@ -84,7 +84,8 @@ def constraint_handles(
 
 def _shared_goals(moment: TargetContext, asked: Mapping[str, Constraint]) -> dict[str, tuple[tuple[float, ...], bool]]:
     """Present goals of active constraints whose weights blend them, and True for those with a weight above zero."""
-    times, found = np.array([moment.pose.seconds]), {}
+    times = np.array([moment.pose.seconds])
+    found: dict[str, tuple[tuple[float, ...], bool]] = {}
     enabled = [key for key, each in asked.items() if each.enabled]
     for group in groups_with_shared_goal([asked[key] for key in enabled]):
         pulls, targets = {}, []
