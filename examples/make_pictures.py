@@ -21,6 +21,7 @@ from pictured.shots import (
     keys,
     light_theme,
     markers,
+    mirrored,
     onion_skins,
     poses,
     preferences,
@@ -30,12 +31,14 @@ from pictured.shots import (
     sliders,
     tilted_area,
     timeline,
+    tour,
+    weights,
     window,
 )
 
 from studio.startup import first_run
 
-FILM_WIDTH = 800
+FILM_WIDTH = 720
 STILLS = {
     "window": window,
     "fight": fight,
@@ -46,6 +49,9 @@ STILLS = {
     "rotate": rotate,
     "skin_point": skin_point,
     "tilted_area": tilted_area,
+    "weights": weights,
+    "mirrored": mirrored,
+    "tour": tour,
     "poses": poses,
     "preferences": preferences,
     "problem_table": problem_table,

@@ -21,6 +21,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Proportions
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain
+from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.stage.prop import Prop
@@ -54,7 +55,7 @@ def window() -> QImage:
 def light_theme() -> QImage:
     """The window in the light theme."""
     colours.use_theme("light")
-    session = Session("front_kick", (1280, 800))
+    session = Session("front_kick", (1120, 740))
     _aim(session, "child")
     session.look(35, 8, 1.15)
     image = _taken(session)
@@ -162,9 +163,83 @@ def tilted_area() -> QImage:
     return image
 
 
+def tour() -> QImage:
+    """The third step of the tour, a joint being picked."""
+    session = Session("front_kick", (1000, 560))
+    document = session.document
+    for name in ("Library", "History", "Inspector", "Timeline"):
+        session.window.docks[name].hide()
+    session.window.actions_by_id.by_id["tour"].trigger()
+    document.playhead.play()
+    session.rest(0.3)
+    document.playhead.set_time(KICK_TIME)
+    document.playhead.pause()
+    session.settle()
+    session.look(35, 8, 1.35)
+    viewport = session.bench.viewport
+    pose = viewport.posed["tall_man"]
+    joint = next(one for one in body_joints(pose.motion.morphology.layout) if one.name == "right ankle")
+    QTest.mouseClick(viewport, LEFT, NO_KEY, viewport.widget_point(pose.points[joint.index]).toPoint())
+    session.rest(0.3)
+    return _taken(session, [viewport])
+
+
+def mirrored() -> QImage:
+    """A wave of the right hand, pasted with left for right."""
+    session = Session("reach_grasp", (760, 760))
+    document = session.document
+    for name in ("Library", "History", "Inspector"):
+        session.window.docks[name].hide()
+    times = tuple(1.5 + 0.35 * k for k in range(5))
+    places = tuple((0.2, -0.4 - 0.12 * (k % 2), 1.25 + 0.08 * (k % 2)) for k in range(5))
+    wave = PositionConstraint(
+        "reach_grasp", "Right wave", BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), Chain(trunk=0.3), 0,
+        ActivationCurve(1.2, 1.5, 2.9, 3.2), target=KeyedPlace(times, places),
+    )  # fmt: skip
+    key = document.add("constraints", wave, "Add 'Right wave'")
+    for other in document.project.performers:
+        if other != "tall_man":
+            document.replace("performers", other, replace(document.project.performers[other], visible=False), "Hide")
+    document.selection.set(("constraints", key))
+    for action in ("copy", "paste_mirrored"):
+        session.window.actions_by_id.by_id[action].trigger()
+    document.playhead.set_time(times[1])
+    session.bench.timeline.tracks.axis.show(0.8, 4.0)
+    session.settle()
+    session.look(14, 6, 0.8, (0.0, -0.25), among=("tall_man",))
+    return _taken(session, [session.bench.viewport, session.window.docks["Timeline"]])
+
+
+def weights() -> QImage:
+    """A hand half way between two targets whose weights cross, over the curves of the weights."""
+    session = Session("reach_grasp", (760, 800))
+    document = session.document
+    for name in ("Library", "History", "Inspector"):
+        session.window.docks[name].hide()
+    activation = ActivationCurve(1.2, 1.5, 3.2, 3.5)
+    chest = PositionConstraint(
+        "reach_grasp", "At the chest", BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), Chain(trunk=0.3), 0, activation,
+        target=(0.35, -0.1, 1.25), weight=KeyedNumber((1.9, 2.7), (1.0, 0.0)),
+    )  # fmt: skip
+    hip = replace(chest, name="At the hip", target=(0.15, -0.35, 0.85), weight=KeyedNumber((1.9, 2.7), (0.0, 1.0)))
+    keys = document.add_all("constraints", (chest, hip), "Add")
+    for other in document.project.performers:
+        if other != "tall_man":
+            document.replace("performers", other, replace(document.project.performers[other], visible=False), "Hide")
+    document.selection.set(("performers", "tall_man"), *(("constraints", key) for key in keys))
+    document.playhead.set_time(2.25)
+    timeline = session.bench.timeline
+    timeline.edit_curves(True)
+    timeline.tracks.axis.show(0.8, 4.0)
+    document.keys.set([KeyRef(KeyedField("constraints", keys[1], "weight"), 1)])
+    session.settle()
+    session.look(52, 8, 0.7, (0.0, -0.3), among=("tall_man",))
+    return _taken(session, [session.bench.viewport, session.window.docks["Timeline"]])
+
+
 def correction() -> QImage:
     """An elbow of a walk turned by a ring, its form, and its bar on the timeline."""
-    session = Session("walk_turn", (1280, 800))
+    session = Session("walk_turn", (1120, 740))
     session.document.playhead.set_time(0.8)
     session.settle()
     session.look(28, 6, 1.35, among=("adult_woman",))
@@ -324,7 +399,7 @@ def markers() -> QImage:
 
 def behaviour() -> QImage:
     """Two who spar, and the states of one of them."""
-    session = Session("front_kick", (1440, 940))
+    session = Session("front_kick", (1280, 840))
     session.document.new(next(scene for scene in SCENES if scene.title == "Sparring").make())
     session.window.show_dock("Behaviour")
     session.settle()

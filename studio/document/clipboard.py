@@ -77,8 +77,8 @@ def paste_json(document: EditedProject, text: str, mirrored: bool = False) -> No
     """Paste the text of ``selection_as_json`` as one step, and select the result.
 
     Keys are pasted into the same fields of the selected entities, from the playhead on. Constraints and contacts keep
-    their times if pasted on another motion or body, or mirrored; else they begin at the playhead. Raises StudioError if
-    the text contains nothing to paste, or it does not fit.
+    their times if pasted on another motion or body, or mirrored; else they begin at the playhead, or with the
+    motion if that begins later. Raises StudioError if the text contains nothing to paste, or it does not fit.
     """
     record = _record_of(text)
     if "keys" in record:
@@ -169,7 +169,7 @@ def _paste_entities(document: EditedProject, record: JsonObject, mirrored: bool)
         corrections = [each.moved(document.playhead.time - first) for each in corrections]
     if moves and (constraints or contacts):
         begins = [each.activation.start for each in constraints] + [each.first / rate for each in contacts]
-        here = float(clip.motion_seconds(document.playhead.time, rate))
+        here = max(float(clip.motion_seconds(document.playhead.time, rate)), 0.0)
         seconds = round((here - min(begins)) * rate) / rate
         constraints = [constraint_on_clip(each, _later(seconds)) for each in constraints]
         frames = round(seconds * rate)

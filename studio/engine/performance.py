@@ -44,8 +44,14 @@ def stage_time(clip: Clip, frame_rate: float, time: float) -> float:
 
 def row_at(motion: AdaptedMotion, timing: Timing | None, time: float) -> int:
     """Row of ``motion`` shown at stage ``time``: the nearest frame."""
-    frame = time * motion.frame_rate if timing is None else timing.frame_at(time)
-    return min(max(round(frame) - motion.first_frame, 0), motion.frame_count - 1)
+    return int(rows_at(motion, timing, [time])[0])
+
+
+def rows_at(motion: AdaptedMotion, timing: Timing | None, times: ArrayLike) -> NDArray[np.intp]:
+    """(N,) rows of ``motion`` shown at stage ``times`` (N,), as ``row_at``."""
+    frames = np.asarray(times) * motion.frame_rate if timing is None else timing.frames_at(times)
+    rows = np.rint(frames).astype(np.intp) - motion.first_frame
+    return np.clip(rows, 0, motion.frame_count - 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,7 +259,7 @@ def swept_points(project: Project, result_of: Results) -> dict[str, FloatArray]:
         motion = result_of(performer_id) if performer.clips else None
         if motion is not None:
             timing = timing_of(project, performer)
-            swept[performer_id] = motion.positions[[row_at(motion, timing, time) for time in times], :, :2]
+            swept[performer_id] = motion.positions[rows_at(motion, timing, times), :, :2]
     return swept
 
 

@@ -1,7 +1,10 @@
 """TimeAxis: the mapping between seconds on the stage and pixels, for everything drawn over time."""
 
+import numpy as np
+from numpy.typing import NDArray
 from PySide6.QtCore import QObject, Signal
 
+FloatArray = NDArray[np.float64]
 MAX_PIXELS_PER_FRAME = 80.0
 FAR_PIXELS = 1e6
 AXIS_MARGIN = 10
@@ -25,6 +28,10 @@ class TimeAxis(QObject):
         """Pixel of a time, at most ``FAR_PIXELS`` outside the view, because painting uses 32 bits."""
         x = self.left + (seconds - self.start) * self.scale
         return min(max(x, self.left - FAR_PIXELS), self.right + FAR_PIXELS)
+
+    def xs_of_times(self, seconds: FloatArray) -> FloatArray:
+        """(N,) pixels of times (N,), as ``x_of_time``."""
+        return np.clip(self.left + (seconds - self.start) * self.scale, self.left - FAR_PIXELS, self.right + FAR_PIXELS)
 
     def time_at(self, x: float) -> float:
         """Seconds at a pixel."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
+from PySide6.QtGui import QBrush, QColor, QPainter, QPen
 
 from studio.document import colours
 from studio.viewport.camera import FloatArray
@@ -10,7 +10,7 @@ from studio.viewport.gizmo import BALL_HANDLE, GIZMO_AXES, PLANES, Gizmo, GizmoF
 from studio.viewport.mouse_gestures import EditDrag, RotateDrag, ViewportGesture
 from studio.viewport.rotate_gizmo import SCREEN_PART, TRACKBALL, RotateGizmo
 from studio.viewport.scale_gizmo import ScaleGizmo
-from studio.viewport.strokes import STROKE_SHADOW, draw_disc, draw_line
+from studio.viewport.strokes import STROKE_SHADOW, draw_disc, draw_line, polygon
 
 AXIS_COLOURS = {"x": "#e8675f", "y": "#7cc47a", "z": "#5f9fe8"}
 HOVERED, MIDDLE = "#ffe08a", "#f4f7fb"
@@ -86,7 +86,7 @@ class GizmoPainter:
                 self._polyline(corners[np.arange(begin, end + 1) % len(front)], colour, width, strength)
 
     def _polyline(self, corners: FloatArray, colour: QColor, width: float, strength: float = 1.0) -> None:
-        line = QPolygonF([QPointF(*corner) for corner in corners])
+        line = polygon(corners)
         self._painter.setBrush(Qt.BrushStyle.NoBrush)
         for hue, extent in ((STROKE_SHADOW, width + 1.6), (colour, width)):
             faint = QColor(hue)
@@ -104,7 +104,7 @@ class GizmoPainter:
         fill.setAlphaF(0.28)
         self._painter.setPen(Qt.PenStyle.NoPen)
         self._painter.setBrush(fill)
-        self._painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
+        self._painter.drawPolygon(polygon(corners))
         draw_line(self._painter, corners[0], corners[1], colour.name(), 1.2)
         draw_line(self._painter, corners[0], corners[-1], HOVERED, 1.8)
         self._polyline(held.ring(drag.part) + shift, QColor(HOVERED), 1.8)
@@ -134,8 +134,8 @@ class GizmoPainter:
         draw_line(self._painter, begin + way * min(9.0, length), base, colour, 2.6)
         self._painter.setPen(QPen(STROKE_SHADOW, 1.0))
         self._painter.setBrush(QBrush(QColor(colour)))
-        corners = (tip, base + ARROW_WIDTH * across, base - ARROW_WIDTH * across)
-        self._painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
+        corners = np.array([tip, base + ARROW_WIDTH * across, base - ARROW_WIDTH * across])
+        self._painter.drawPolygon(polygon(corners))
 
     def _box(self, position: FloatArray, colour: QColor) -> None:
         self._painter.setPen(QPen(STROKE_SHADOW, 1.5))
@@ -147,7 +147,7 @@ class GizmoPainter:
         fill.setAlpha(190 if hot else 80)
         self._painter.setPen(QPen(QColor(HOVERED if hot else colour), 1.2))
         self._painter.setBrush(QBrush(fill))
-        self._painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
+        self._painter.drawPolygon(polygon(corners))
 
 
 def _back_to_front(gizmo: GizmoFrame) -> list[tuple[str, FloatArray]]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from studio.core.changed_records import with_fields
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Constraint
@@ -69,6 +70,19 @@ def figure_of(constraint: Constraint, pose: PosedPerformer, floor: float) -> Han
         return HandleShape(lines=constraint.sketch(_point(pose, constraint.point), _turn(pose, constraint.point)))
     figure: HandleShape = draw(constraint, pose, floor)
     return figure
+
+
+def figure_with_goal(
+    constraint: Constraint, goal: tuple[float, ...], has_weight: bool, pose: PosedPerformer, floor: float
+) -> HandleShape:
+    """Figure of a constraint that shares a ``goal`` with others: the residual to the goal, and while the constraint
+    has a weight a thin line from the goal to its own target, or the own axes of an orientation.
+    """
+    residual = figure_of(with_fields(constraint, target=goal), pose, floor)
+    if constraint.kind == "orientation":
+        return replace(figure_of(constraint, pose, floor), missed=residual.missed)
+    own = getattr(constraint, "target")  # noqa: B009 - positions and orientations alone share goals
+    return replace(residual, lines=(np.array([goal, own]),) if has_weight else ())
 
 
 def with_outline(figure: HandleShape, outline: FloatArray | None, floor: float) -> HandleShape:

@@ -6,13 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from studio.core.constraints.balance import Support
+from studio.core.constraints.base import LEAST_WEIGHT, Constraint
+from studio.core.rotations import from_matrix, to_matrix
+from studio.core.solver.asking.shared_goals import groups_with_shared_goal, weighted_mean
 from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.stage.held_grips import gripped_prop
 from studio.core.stage.project import Project
 from studio.engine.moments import TargetContext
 from studio.engine.performance import PosedPerformer
 from studio.viewport.camera import FloatArray
-from studio.viewport.handle_figures import HandleShape, figure_of, with_outline, with_path
+from studio.viewport.handle_figures import HandleShape, figure_of, figure_with_goal, with_outline, with_path
 from studio.viewport.handle_places import handle_position
 
 
@@ -50,6 +53,7 @@ def constraint_handles(
     for performer_id, pose in sorted(posed.items(), key=lambda item: item[0] == active):
         asked = project.constraints_for(performer_id, pose.clip) if pose.clip else {}
         moment, floor = TargetContext(project, posed, pose), floor_under(project, pose)
+        shared = _shared_goals(moment, asked)
         for constraint_id, constraint in asked.items():
             if only is not None and constraint_id not in only:
                 continue
@@ -58,7 +62,10 @@ def constraint_handles(
             if now is None:
                 continue
             place = handle_position(now, floor)
-            figure = figure_of(now, pose, floor)
+            if constraint_id in shared:
+                figure = figure_with_goal(now, *shared[constraint_id], pose, floor)
+            else:
+                figure = figure_of(now, pose, floor)
             if isinstance(getattr(constraint, "place", None), Support):
                 figure = with_outline(figure, moment.support_outline(), floor)
             if place is not None:
@@ -73,6 +80,29 @@ def constraint_handles(
                 )
             )  # fmt: skip
     return handles
+
+
+def _shared_goals(moment: TargetContext, asked: Mapping[str, Constraint]) -> dict[str, tuple[tuple[float, ...], bool]]:
+    """Present goals of active constraints whose weights blend them, and True for those with a weight above zero."""
+    times = np.array([moment.pose.seconds])
+    found: dict[str, tuple[tuple[float, ...], bool]] = {}
+    enabled = [key for key, each in asked.items() if each.enabled]
+    for group in groups_with_shared_goal([asked[key] for key in enabled]):
+        pulls, targets = {}, []
+        for key in (enabled[place] for place in group):
+            constraint = moment.as_played(asked[key])
+            pull = constraint.weights_at(times) * _activation(moment.project, moment.performer_id, moment.pose, key)
+            now = moment.with_targets_fixed(constraint)
+            if now is not None and pull[0] > 0.0:
+                pulls[key] = pull
+                targets.append(np.array(getattr(now, "target"))[None])  # noqa: B009 - both kinds have it
+        if len(pulls) < 2:
+            continue
+        turns = targets[0].shape[1] == 4
+        mean = weighted_mean([to_matrix(each) for each in targets] if turns else targets, np.array([*pulls.values()]))
+        goal = tuple((from_matrix(mean) if turns else mean)[0].tolist())
+        found |= {key: (goal, bool(pull[0] > LEAST_WEIGHT)) for key, pull in pulls.items()}
+    return found
 
 
 def _activation(project: Project, performer_id: str, pose: PosedPerformer, constraint_id: str) -> float:

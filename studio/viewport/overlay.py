@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QLineF, QPointF, QRectF, QSizeF, Qt
-from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
+from PySide6.QtGui import QColor, QPainter, QPen
 
 from studio.document import colours
 from studio.engine.performance import PosedPerformer
@@ -14,7 +14,7 @@ from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.handles import Handle
 from studio.viewport.optical_recording import MarkerFrame
 from studio.viewport.paths import TrailKeys
-from studio.viewport.strokes import STROKE_SHADOW, draw_disc, draw_line
+from studio.viewport.strokes import STROKE_SHADOW, draw_disc, draw_line, polygon
 
 GHOST = QColor(196, 204, 214, 215)
 MARKER_COLOUR, OTHER_MARKER_COLOUR = QColor("#f0f4f8"), QColor(142, 152, 164, 170)
@@ -26,7 +26,7 @@ NOTICE_ABOVE = 150.0
 
 NAME_ROOM = 21.0
 """Pixels that the place of a name lies below the chips, so that they do not cover it."""
-TRAIL_KEY_PX = 5.0
+TRAIL_KEY_CORNERS = 5.0 * np.array([(-1.0, 0.0), (0.0, -1.0), (1.0, 0.0), (0.0, 1.0)])
 """Pixels from the middle of a key on a trail to its corners."""
 GAZE = 0.6
 """Least strength of the line from eyes to what they look at, whoever's they are."""
@@ -77,17 +77,10 @@ class Overlay:
         """Paint diamonds on trails, like keys on the timeline."""
         for each in keys:
             pixels, depth = self._camera.project(each.points, self._size)
-            for (x, y), ahead in zip(pixels, depth, strict=True):
-                if ahead > 0:
-                    self._painter.setPen(QPen(STROKE_SHADOW, 1.5))
-                    self._painter.setBrush(QColor(each.colour))
-                    corners = (
-                        (x - TRAIL_KEY_PX, y),
-                        (x, y - TRAIL_KEY_PX),
-                        (x + TRAIL_KEY_PX, y),
-                        (x, y + TRAIL_KEY_PX),
-                    )
-                    self._painter.drawPolygon(QPolygonF([QPointF(*corner) for corner in corners]))
+            self._painter.setPen(QPen(STROKE_SHADOW, 1.5))
+            self._painter.setBrush(QColor(each.colour))
+            for place in pixels[depth > 0]:
+                self._painter.drawPolygon(polygon(place + TRAIL_KEY_CORNERS))
 
     def markers(self, recording: MarkerFrame, marked: Collection[str], named: bool) -> None:
         """Paint dots, visible through everything, fainter for markers outside the map; with names of highlighted ones,
@@ -207,7 +200,7 @@ class Overlay:
         pixels, depth = self._camera.project(points, self._size)
         if (depth <= 0).any():
             return
-        corners = QPolygonF([QPointF(*pixel) for pixel in pixels])
+        corners = polygon(pixels)
         self._painter.setBrush(Qt.BrushStyle.NoBrush)
         for hue, width, alpha in ((STROKE_SHADOW, 3.4, 0.6), (QColor(colour), 1.8, 1.0)):
             hue = QColor(hue)
@@ -223,7 +216,7 @@ class Overlay:
         fill.setAlphaF(strength)
         self._painter.setPen(Qt.PenStyle.NoPen)
         self._painter.setBrush(fill)
-        self._painter.drawPolygon(QPolygonF([QPointF(*pixel) for pixel in pixels]))
+        self._painter.drawPolygon(polygon(pixels))
 
     def _target(self, position: FloatArray, colour: QColor, selected: bool) -> None:
         draw_disc(self._painter, position, 6.0, colour)

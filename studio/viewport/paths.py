@@ -2,7 +2,6 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +12,7 @@ from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.project import Project
 from studio.document import colours
 from studio.document.keyed_fields import all_to_stage, fields_of
-from studio.engine.performance import FloatArray, PosedPerformer, row_at
+from studio.engine.performance import FloatArray, PosedPerformer, rows_at
 from studio.viewport.body_points import point_path
 
 TRAIL_SECONDS, TRAIL_RATE = 0.8, 120.0
@@ -79,12 +78,12 @@ def trail_keys(
     for pose in posed.values():
         motion = pose.over_time
         timing = timing_of(project, pose.performer) if pose.performer.clips else None
-        times = [all_to_stage(project, pose.clip, field, keyed.times).tolist() for field, keyed in fields.items()]
-        rows = [row_at(motion, timing, time) for time in chain.from_iterable(times)]
-        frames = np.unique(rows) + motion.first_frame
-        near = frames[np.abs(frames - pose.frame) <= round(TRAIL_SECONDS * motion.frame_rate)].astype(np.intp)
+        times = [all_to_stage(project, pose.clip, field, keyed.times) for field, keyed in fields.items()]
+        rows = np.unique(rows_at(motion, timing, np.concatenate([[], *times])))
+        here = pose.frame - motion.first_frame
+        near = rows[np.abs(rows - here) <= round(TRAIL_SECONDS * motion.frame_rate)]
         if len(near):
-            path = point_path(motion, point, near - motion.first_frame)
+            path = point_path(motion, point, slice(near[0], near[-1] + 1))[near - near[0]]
             colour = project.characters[pose.performer.character_id].colour
             found.append(TrailKeys(pose.placement.to_stage(path), colour))
     return found

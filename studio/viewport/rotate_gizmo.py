@@ -31,10 +31,18 @@ class RotateGizmo(GizmoFrame):
 
     def ring(self, part: str) -> FloatArray:
         """(RING_SIDES + 1, 2) pixels of a ring, closed; angles increase with a positive rotation about its axis."""
-        first, second, _ = self._basis(part)
-        radius = self.length * (SCREEN_RING if part == SCREEN_PART else ROTATE_RING)
-        points = np.outer(np.cos(_ROUND), first) + np.outer(np.sin(_ROUND), second)
-        return self.camera.project(self.origin + radius * points, self.size)[0]
+        return self._rings[part]
+
+    @cached_property
+    def _rings(self) -> dict[str, FloatArray]:
+        """All rings by part."""
+        rings = {}
+        for part in self.parts:
+            first, second, _ = self._basis(part)
+            radius = self.length * (SCREEN_RING if part == SCREEN_PART else ROTATE_RING)
+            points = np.outer(np.cos(_ROUND), first) + np.outer(np.sin(_ROUND), second)
+            rings[part] = self.camera.project(self.origin + radius * points, self.size)[0]
+        return rings
 
     @property
     def extent(self) -> tuple[FloatArray, FloatArray]:

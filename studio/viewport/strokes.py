@@ -1,11 +1,16 @@
 """Lines and discs over the picture, with a dark edge that is visible on any background."""
 
 from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QBrush, QColor, QPainter, QPen
+from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
 
 from studio.viewport.camera import FloatArray
 
 STROKE_SHADOW = QColor(12, 14, 17, 170)
+
+
+def polygon(corners: FloatArray) -> QPolygonF:
+    """Polygon over pixels ``corners`` (N, 2)."""
+    return QPolygonF([QPointF(x, y) for x, y in corners.tolist()])
 
 
 def draw_disc(painter: QPainter, position: FloatArray, radius: float, colour: QColor) -> None:

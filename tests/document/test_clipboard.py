@@ -109,6 +109,20 @@ def test_contacts_are_pasted_in_the_place_of_those_they_cover(document):
     }
 
 
+def test_what_is_pasted_before_its_clip_begins_at_the_begin_of_the_motion(document):
+    performer_id = document.active_performer_id
+    performer = document.project.performers[performer_id]
+    later = replace(performer, clips=(replace(performer.clips[0], start=1.0),))
+    document.replace("performers", performer_id, later, "Move clip")
+    document.selection.set(("constraints", "reach"), ("contacts", "heel"))
+    text, before = selection_as_json(document), set(document.project.constraints)
+    document.playhead.set_time(0.5)
+    paste_json(document, text)
+    [contact] = [each for key, each in document.project.contacts.items() if key != "heel"]
+    assert new_constraint(document, before).activation.start == 0.0
+    assert (contact.first, contact.last) == (3, 12)
+
+
 def test_a_paste_in_another_project_gives_the_same_constraint(document):
     text = selection_as_json(document)
     other = Document(make_project(characters=1, constraints=0, contacts=0, frames=40))

@@ -18,6 +18,7 @@ from studio.app.settings import Settings
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.own_place import OwnPlace
+from studio.core.curves.keyed import KeyedPlace
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
 from studio.document.recovery import Session
@@ -425,3 +426,11 @@ def test_a_new_window_shows_every_menu(window):
     window.resize(1400, 900)
     window.show()
     assert window.top_bar.menus.width() >= window.top_bar.menus.sizeHint().width()
+
+
+def test_a_key_is_set_before_the_3d_view_is_there(window):
+    document = window.bench.document
+    document.selection.set(("constraints", "constraint 0"))
+    assert not window.bench.has_viewport
+    window.actions_by_id.by_id["set_key"].trigger()
+    assert isinstance(document.project.constraints["constraint 0"].target, KeyedPlace)

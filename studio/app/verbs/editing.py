@@ -107,7 +107,8 @@ def set_key(bench: Workbench) -> None:
     corrections = [key for key in document.selection.of("corrections") if key in document.project.corrections]
     for key in corrections:
         set_correction_key(document, key, document.playhead.time)
-    if not corrections and not set_keys(document, bench.viewport.tool == "rotate"):
+    rotates = bench.has_viewport and bench.viewport.tool == "rotate"
+    if not corrections and not set_keys(document, rotates):
         raise StudioError(
             "Nothing here can be keyed. Select a constraint with a target, a correction, a prop or a character first."
         )

@@ -13,6 +13,7 @@ Axes of the segments (columns of their world rotation):
 
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cache
 
 from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE, SEGMENTS_BESIDE_SPINE
 
@@ -140,10 +141,7 @@ class BodyLayout:
 
     def proximal_points(self) -> tuple[int, ...]:
         """Index of each segment's proximal point, about which it rotates."""
-        spine = self.spine_count
-        arms = tuple(self.collar_point(side) + bone for side in (0, 1) for bone in range(4))
-        legs = tuple(self.hip_point(side) + bone for side in (0, 1) for bone in range(4))
-        return (*range(spine), self.neck_base, self.head_joint, *arms, *legs)
+        return _proximal_points(self)
 
     def distal_points(self) -> tuple[int, ...]:
         """Index of each segment's distal point."""
@@ -170,3 +168,10 @@ class BodyLayout:
             *(f"{side} {name}" for side in ("left", "right") for name in arm),
             *(f"{side} {name}" for side in ("left", "right") for name in leg),
         )
+
+
+@cache
+def _proximal_points(layout: BodyLayout) -> tuple[int, ...]:
+    arms = tuple(layout.collar_point(side) + bone for side in (0, 1) for bone in range(4))
+    legs = tuple(layout.hip_point(side) + bone for side in (0, 1) for bone in range(4))
+    return (*range(layout.spine_count), layout.neck_base, layout.head_joint, *arms, *legs)

@@ -109,7 +109,7 @@ class Morphology:
     def spine_length(self) -> float:
         return float(np.linalg.norm(self.spine, axis=1).sum())
 
-    @property
+    @cached_property
     def stature(self) -> float:
         """Standing height, sole to crown."""
         hips = self.leg_length + float(self.ankle_height.mean()) - float(self.hip_offset[:, 2].mean())

@@ -34,6 +34,8 @@ class OwnPlace:
 
     def of(self, performer_id: str) -> Self:
         """Position of one performer: with its own offset added, and without those of others."""
+        if not self.own:
+            return self
         own = dict(self.own).get(performer_id)
         return replace(self, offset=_sum(self.offset, own) if own else self.offset, own=())
 

@@ -46,17 +46,9 @@ class BodyResidual:
 
 def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyResidual]:
     """Residual of each visible performer to which the constraint applies."""
-    constraint, unsolved = project.constraints[constraint_id], unsolved_words(live)
+    constraint = project.constraints[constraint_id]
     return [
-        BodyResidual(
-            performer.name,
-            project.characters[performer.character_id].colour,
-            worst_residual(project, key, live.reported_motion(key), constraint_id),
-            unsolved
-            if constraint.enabled and residuals_on(project, key, live.reported_motion(key), constraint_id) is None
-            else "",
-            inactivity(project, key, live.reported_motion(key), constraint_id),
-        )
+        _residual_on(project, live, key, constraint_id)
         for key, performer in project.performers.items()
         if performer.visible
         and any(
@@ -64,6 +56,20 @@ def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyR
             for clip in performer.clips
         )
     ]
+
+
+def _residual_on(project: Project, live: Live, performer_id: str, constraint_id: str) -> BodyResidual:
+    performer, motion = project.performers[performer_id], live.reported_motion(performer_id)
+    name, colour = performer.name, project.characters[performer.character_id].colour
+    worst = worst_residual(project, performer_id, motion, constraint_id)
+    if worst is not None:
+        return BodyResidual(name, colour, worst)
+    is_unsolved = (
+        project.constraints[constraint_id].enabled
+        and residuals_on(project, performer_id, motion, constraint_id) is None
+    )
+    inactive = inactivity(project, performer_id, motion, constraint_id)
+    return BodyResidual(name, colour, None, unsolved_words(live) if is_unsolved else "", inactive)
 
 
 class ResidualTable(QWidget):

@@ -13,7 +13,16 @@ from PySide6.QtGui import QColor, QPainter
 
 from studio.document import colours
 from studio.document.channels import Channel, Side, channels_of, components_at, handle_of, key_values, values_at
-from studio.document.keyed_fields import Keyed, KeyedField, KeyRef, counted_in, keyed_value, selected_fields, to_stage
+from studio.document.keyed_fields import (
+    Keyed,
+    KeyedField,
+    KeyRef,
+    all_to_stage,
+    counted_in,
+    keyed_value,
+    selected_fields,
+    to_stage,
+)
 from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext, clipped_span
 from studio.timeline.tracks.brush import font, hairline, paint_dot, paint_key, translucent
 
@@ -135,8 +144,12 @@ class ValueCurves:
 
     def y_of(self, shown: RowContext, area: QRect, channel: Channel, value: float) -> float:
         """Pixel of a value."""
+        return float(self._ys_of(shown, area, channel, np.float64(value)))
+
+    def _ys_of(self, shown: RowContext, area: QRect, channel: Channel, values: FloatArray | np.float64) -> FloatArray:
+        """Pixels of values, of the same shape."""
         span = self.range_of(shown, channel)
-        return area.bottom() - (value - span.low) / (span.high - span.low) * area.height()
+        return np.asarray(area.bottom() - (values - span.low) / (span.high - span.low) * area.height())
 
     def value_of(self, shown: RowContext, area: QRect, channel: Channel, pixels: float) -> float:
         """Difference of values for a number of pixels upwards."""
@@ -163,7 +176,7 @@ class ValueCurves:
     def handles(self, shown: RowContext, area: QRect) -> Iterator[tuple[HandleRef, QPointF]]:
         """Handles of the selected keys."""
         selected = shown.document.keys.by_field()
-        for channel, keyed in self.channels(shown):
+        for channel, keyed in self.channels(shown) if selected else ():
             for place in selected.get(channel.field, ()):
                 for side in Side:
                     handle = HandleRef(channel, place, side)
@@ -174,8 +187,11 @@ class ValueCurves:
     def points(self, shown: RowContext, area: QRect) -> Iterator[tuple[HandleRef, QPointF]]:
         """Keys of all channels."""
         for channel, keyed in self.channels(shown):
-            for place in range(len(keyed.times)):
-                yield HandleRef(channel, place), self.point(shown, area, channel, keyed, place)
+            project, clip = shown.project, shown.subject.clip
+            xs = shown.axis.xs_of_times(all_to_stage(project, clip, channel.field, keyed.times))
+            ys = self._ys_of(shown, area, channel, key_values(channel, keyed))
+            for place, (x, y) in enumerate(zip(xs.tolist(), ys.tolist(), strict=True)):
+                yield HandleRef(channel, place), QPointF(x, y)
 
     def hit(self, shown: RowContext, area: QRect, position: QPointF) -> HandleRef | None:
         """Handle, or else key, under the mouse; of several the nearest, in the active channel first."""
@@ -203,8 +219,10 @@ class ValueCurves:
             )
         for _, group in groupby(channels, key=lambda each: each[0].field):
             self._paint_field(painter, area, shown, list(group))
-        self._paint_handles(painter, area, shown)
-        for handle, point in self.points(shown, area):
+        points = dict(self.points(shown, area))
+        for handle, end in self.handles(shown, area):
+            _paint_handle(painter, points[handle._replace(side=None)], end)
+        for handle, point in points.items():
             paint_key(painter, point, colour_of(handle.channel), handle.key in shown.document.keys)
         _paint_legend(painter, area, [channel for channel, _ in channels])
         painter.restore()
@@ -237,20 +255,17 @@ class ValueCurves:
         xs = shown.axis.left + (seen - shown.axis.start) * shown.axis.scale
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         for channel, _ in channels:
-            span = self.range_of(shown, channel)
-            values = components[:, channel.component] * channel.factor
-            ys = area.bottom() - (values - span.low) / (span.high - span.low) * area.height()
+            ys = self._ys_of(shown, area, channel, components[:, channel.component] * channel.factor)
             painter.setPen(hairline(colour_of(channel), 2.0 if channel == self.active else 1.4))
             painter.drawPolyline(arrayToQPolygonF(xs, np.clip(ys, -1e5, 1e5)))
 
-    def _paint_handles(self, painter: QPainter, area: QRect, shown: RowContext) -> None:
-        keyed = dict(self.channels(shown))
-        for handle, end in self.handles(shown, area):
-            begin = self.point(shown, area, handle.channel, keyed[handle.channel], handle.place)
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            painter.setPen(hairline(translucent(colours.SELECTED_HANDLE, 0.8), 1.0))
-            painter.drawLine(begin, end)
-            paint_dot(painter, end, 3.5, colours.SELECTED_HANDLE, colours.PANEL)
+
+def _paint_handle(painter: QPainter, key: QPointF, end: QPointF) -> None:
+    """Draw the handle of a tangent from its key."""
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setPen(hairline(translucent(colours.SELECTED_HANDLE, 0.8), 1.0))
+    painter.drawLine(key, end)
+    paint_dot(painter, end, 3.5, colours.SELECTED_HANDLE, colours.PANEL)
 
 
 def plot_area(row: QRect) -> QRect:

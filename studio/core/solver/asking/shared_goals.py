@@ -24,6 +24,8 @@ def groups_with_shared_goal(constraints: Sequence[Constraint]) -> list[list[int]
 
     One weight of a group is keyed: constraints with constant weights contradict each other, and are told as missed.
     """
+    if not any(isinstance(each.weight, KeyedNumber) for each in constraints):
+        return []
     groups: dict[Hashable, list[int]] = defaultdict(list)
     for c, constraint in enumerate(constraints):
         thing = blended_thing(constraint)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -136,8 +136,9 @@ class Targets:
 def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
     """The constraint at the first time of ``targets``, with keyed and followed values as plain numbers."""
     changes: dict[str, Any] = {}
-    for name in (field.name for field in fields(constraint)):
-        value = getattr(constraint, name)
+    for name, value in vars(constraint).items():
+        if not hasattr(value, "kind"):
+            continue
         if isinstance(value, KeyedTurn) or (isinstance(value, FOLLOWS) and constraint.kind == "orientation"):
             changes[name] = tuple(from_matrix(targets.rotations(value)[0]).tolist())
         elif isinstance(value, (KeyedPlace, KeyedOwnPlace, ProceduralPlace, OwnPlace, *FOLLOWS)):
