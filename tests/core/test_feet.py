@@ -13,7 +13,7 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.support import foot_rotation as kernel
 from studio.core.kernels.support import heel_roll
-from studio.core.kernels.support.foot_anchoring import anchor_ankles
+from studio.core.kernels.support.foot_anchoring import TIP_PIVOT, anchor_ankles
 from studio.core.kernels.support.gap_interpolation import fade_into_gaps, interpolate_gaps
 from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STANDS, ball_above_heel, toe_heading
 from studio.core.normalized.realize import realize_motion
@@ -128,17 +128,26 @@ def test_the_lowest_of_heel_and_ball_lies_on_the_ground(seed: int) -> None:
 
 @given(seeds)
 @settings(max_examples=20)
-def test_toes_that_roll_over_their_tip_keep_it_where_it_is(seed: int) -> None:
+def test_toes_that_roll_and_turn_have_a_still_point_between_ball_and_tip_at_last_the_tip(seed: int) -> None:
     steps = _Steps(seed)
     steps.states = np.repeat([twin.FLAT, twin.TOE, 0], 20)
-    steps.rotations[:] = np.eye(3)
+    steps.rotations[:] = Rotation.from_rotvec(
+        np.outer(0.1 * np.maximum(np.arange(60) - 20.0, 0.0), [0.0, 0.0, 1.0])
+    ).as_matrix()
     pitches = np.where(steps.states == twin.TOE, 0.9 * np.clip((np.arange(60) - 24) / 12, 0.0, 1.0), 0.0)
     toes = np.empty_like(steps.toes)
     kernel.level_toes(steps.rotations, steps.toes, steps.states, pitches, twin.REACH, twin.FADE, toes)
     balls = _planted(steps, steps.rotations, pitches) + steps.rotations @ SOLE.foot
     thick = SOLE.ankle_height + SOLE.foot[2]
     tips = balls + toes @ [TOE_LENGTH, 0.0, -thick]
-    assert np.allclose(tips[:40, :2], tips[0, :2], atol=1e-9)
+    assert np.allclose(balls[:25, :2], balls[0, :2], atol=1e-9)
+    of_balls, of_tips = np.diff(balls[:40, :2], axis=0), np.diff(tips[:40, :2], axis=0)
+    change = of_tips - of_balls
+    squares = (change**2).sum(axis=1)
+    along = np.clip(-(of_balls * change).sum(axis=1) / np.where(squares > 0.0, squares, 1.0), 0.0, 1.0)
+    assert np.allclose(of_balls + along[:, None] * change, 0.0, atol=1e-9)
+    on_tips = pitches[:40] > TIP_PIVOT
+    assert np.allclose(of_tips[on_tips[1:] & on_tips[:-1]], 0.0, atol=1e-9)
     assert np.allclose(tips[:40, 2], steps.ground[:40], atol=1e-9)
     assert balls[39, 2] - thick > steps.ground[39] + 0.5 * TOE_LENGTH
 
@@ -304,7 +313,7 @@ def test_a_ball_that_has_risen_stands_on_the_tip_of_its_toes() -> None:
     heel_roll.tiptoe_pitches(SOLE_MEASURES, STATES, RISE, 10.0, pitches)
     assert not pitches[STATES != TOE_STANDS].any()
     assert 0.3 < pitches[59] < heel_roll.STEEPEST_TOE
-    heel_roll.tiptoe_pitches(SOLE_MEASURES, STATES, 0.2 * RISE, 10.0, pitches)
+    heel_roll.tiptoe_pitches(SOLE_MEASURES, STATES, 0.1 * RISE, 10.0, pitches)
     assert not pitches.any()
 
 

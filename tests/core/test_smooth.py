@@ -58,7 +58,7 @@ WALK, CONTACTS = walk(90)
 BEFORE = tuple(adapt(AdaptRequest(WALK, body, CONTACTS)) for body in BODIES)
 ALONE = {
     "position": (250.0, 1400.0), "orientation": (30.0, 60.0), "look_at": (25.0, 50.0), "distance": (60.0, 1000.0),
-    "balance": (25.0, 50.0), "area": (600.0, 4500.0), "clear": (25.0, 50.0),
+    "balance": (25.0, 50.0), "area": (600.0, 6000.0), "clear": (25.0, 50.0),
 }  # fmt: skip
 """Radians a second squared: the median and the worst peak of any joint of trunk and arms, one wish of a kind alone."""
 TOGETHER = (1400.0, 22_000.0)

@@ -18,8 +18,6 @@ from studio.core.solver.standing.swing_foot_path import Sole, worn_height
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-ROLLING_TIP_PART = 0.1
-"""Parts of its ball's way that the tip of a standing toe goes at most where the foot rolls over it."""
 STEEP = 0.5
 """Cosine of the angle from level beyond which a foot stands on its toes alone, wherever its heel would be."""
 
@@ -93,12 +91,13 @@ def _along(ways: FloatArray, normals: FloatArray) -> FloatArray:
 
 
 def _stood_on(ball: FloatArray, tip: FloatArray, normals: FloatArray, stances: _Stances) -> FloatArray:
-    """(n, 3) displacement of toes in the planes of ``normals`` (n, 3): that of their balls, or of the tips over which
-    they roll.
+    """(n, 3) displacement of toes in the planes of ``normals`` (n, 3): that of the stillest point between ball and tip,
+    about which they turn or over which they roll.
     """
     of_ball, of_tip = (_along(np.diff(each, axis=0, prepend=each[:1]), normals) for each in (ball, tip))
-    rolls = np.linalg.norm(of_tip, axis=1) < ROLLING_TIP_PART * np.linalg.norm(of_ball, axis=1)
-    return np.cumsum(np.where(rolls[:, None], of_tip, of_ball), axis=0)
+    change = of_tip - of_ball
+    forward = -np.einsum("nk,nk->n", of_ball, change) / np.maximum(np.einsum("nk,nk->n", change, change), 1e-18)
+    return np.cumsum(of_ball + np.clip(forward, 0.0, 1.0)[:, None] * change, axis=0)
 
 
 def _standing_foot(

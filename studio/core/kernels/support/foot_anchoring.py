@@ -8,10 +8,13 @@ import math
 import numpy as np
 
 from studio.core.kernels.algebra.medians import geometric_median
+from studio.core.kernels.algebra.smooth_steps import smoothstep
 from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.support.gap_interpolation import fade_into_gaps
 from studio.core.kernels.support.sole import HEEL_STANDS, TOE_STANDS, sole_height, stance_offsets, tip_offset
 
+TIP_PIVOT = 0.3
+"""Downward pitch in radians of a toe from which it pivots on its tip alone; at less, partly on the ball."""
 SMALLEST_SIZE = 1.02
 """Size of a growing body, relative to its least in a contact, up to which positions count: those it always reaches."""
 
@@ -23,7 +26,8 @@ def anchor_ankles(ankles, feet, states, soles, ground, pitches, reach, fade, out
     ``ankles`` (F, 3) as retargeted, ``feet`` (F, 3, 3) corrected; ``ground`` (F,) height under the foot; ``pitches``
     (F,) of toes that stand on their tips. Each contact has one anchor: the median position of the heel's pad in its
     longest run (of the ball, if no heel stands). Every other pivot is where the foot is when the contact passes from
-    heel to ball or tip, or back, so that nothing jumps. A foot that grows is anchored where it is while it is small.
+    heel to ball, or back, so that nothing jumps; toes pass gradually from ball to tip as they pitch: a point between
+    stays. A foot that grows is anchored where it is while it is small.
     """
     count = states.shape[0]
     shift = np.zeros((count, 3))
@@ -72,9 +76,9 @@ def anchor_contact(span, ankles, feet, states, soles, ground, pitches, out_ankle
             reach[count, axis] = offsets[0 if heel else 1, axis] + ankles[frame, axis]
         count += 1
     anchor = geometric_median(reach[:count])
-    pivots = np.zeros((3, 2))
+    pivots, shares = np.zeros((3, 2)), np.zeros(3)
     for sweep_direction in range(2):
-        previous, pitched = HEEL_STANDS if heel else TOE_STANDS, False
+        previous, before = HEEL_STANDS if heel else TOE_STANDS, 0.0
         for axis in range(2):
             pivots[0 if heel else 1, axis] = anchor[axis]
         frame = first
@@ -82,16 +86,19 @@ def anchor_contact(span, ankles, feet, states, soles, ground, pitches, out_ankle
             sole = soles[frame if soles.shape[0] > 1 else 0]
             stance_offsets(feet[frame], sole, offsets)
             rise = tip_offset(feet[frame], sole, pitches[frame], offsets)
-            stands = 2 if pitched or pitches[frame] > 0.0 else 1
-            if states[frame] & HEEL_STANDS and previous & HEEL_STANDS:
-                stands = 0
+            tip = smoothstep(min(pitches[frame] / TIP_PIVOT, 1.0))
+            shares[0] = 1.0 if states[frame] & HEEL_STANDS and previous & HEEL_STANDS else 0.0
+            shares[2] = (1.0 - shares[0]) * 0.5 * (before + tip)
+            shares[1] = 1.0 - shares[0] - shares[2]
             for axis in range(2):
-                out_ankles[frame, axis] = pivots[stands, axis] - offsets[stands, axis]
-                for other in range(3):
-                    if other != stands:
-                        pivots[other, axis] = out_ankles[frame, axis] + offsets[other, axis]
+                out_ankles[frame, axis] = 0.0
+                for pivot in range(3):
+                    if shares[pivot] > 0.0:
+                        out_ankles[frame, axis] += shares[pivot] * (pivots[pivot, axis] - offsets[pivot, axis])
+                for pivot in range(3):
+                    pivots[pivot, axis] = out_ankles[frame, axis] + offsets[pivot, axis]
             out_ankles[frame, 2] = ground[frame] + rise + sole_height(feet[frame], offsets[1, 2], sole)
-            previous, pitched = states[frame], pitches[frame] > 0.0
+            previous, before = states[frame], tip
             frame += 1 if sweep_direction == 0 else -1
 
 

@@ -27,8 +27,12 @@ LEAST_ROLL_GAIN = 0.4
 """Least gain of leg length a radian, as a fraction of the distance from the ankle to the pivot."""
 STEEPEST_TOE = 1.0
 """Greatest downward pitch in radians of toes on their tips, approached softly."""
-TIPTOE_RISE = 0.2
-"""Rise of a ball, in toe lengths, at which a foot begins to roll over the tip."""
+TIPTOE_RISE = 0.1
+"""Rise of a ball, in toe lengths, at which a foot begins to roll over the tip: soles of standing feet seem to rise by
+as much in captures, because skin moves over bones.
+"""
+SOFT_TIPTOE_RISE = 0.2
+"""Further rise, in toe lengths, by which half of it is met, so that toes begin to pitch without a jolt."""
 LEAST_FOOT_EXTENT = 0.6
 """Least horizontal extent of a foot, as a fraction of the distance from ankle to toe joint."""
 
@@ -45,7 +49,7 @@ def tiptoe_pitches(soles, states, heights, reach, out_pitches):
         length = soles[frame if soles.shape[0] > 1 else 0, 5]
         if out_pitches[frame] != 0.0:
             over = max(heights[frame] / max(length, 1e-3) - TIPTOE_RISE, 0.0)
-            out_pitches[frame] *= STEEPEST_TOE * math.tanh(over * over / (over + TIPTOE_RISE) / STEEPEST_TOE)
+            out_pitches[frame] *= STEEPEST_TOE * math.tanh(over * over / (over + SOFT_TIPTOE_RISE) / STEEPEST_TOE)
 
 
 @allocating_kernel
