@@ -89,7 +89,7 @@ def body(**measures: Any) -> Callable[[], Morphology]:
 
 
 Refused = tuple[Callable[[], object], str]
-"""What is made, and what is said of it."""
+"""Attempt to make something, and the words in its refusal."""
 
 BODIES: dict[str, Refused] = {
     "channels of another spine": (lambda: replace(WALK, spine_places=np.linspace(0, 1, 5)), "not fit 5 spine segments"),
