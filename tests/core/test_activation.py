@@ -111,18 +111,6 @@ def test_every_ease_is_half_way_at_half_time_and_symmetric(shape: EaseShape) -> 
     assert np.allclose(ease(progress, shape) + ease(1.0 - progress, shape), 1.0)
 
 
-@pytest.mark.parametrize("wrong", [(1.0, 0.5, 2.0, 3.0), (0.0, 1.0, 0.5, 3.0), (0.0, 1.0, 2.0, 1.9)])
-def test_times_out_of_order_are_refused(wrong: tuple[float, float, float, float]) -> None:
-    with pytest.raises(ValueError, match=r"in order, start, full, full end, end: .* s are not"):
-        ActivationCurve(*wrong)
-
-
-@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf])
-def test_times_that_are_no_numbers_are_refused(wrong: float) -> None:
-    with pytest.raises(ValueError, match="four finite times"):
-        ActivationCurve(0.0, 1.0, 2.0, wrong)
-
-
 def test_an_unknown_shape_is_refused() -> None:
     with pytest.raises(ValueError, match="bouncy"):
         ActivationCurve(0.0, 1.0, 2.0, 3.0, "bouncy")  # type: ignore[arg-type]

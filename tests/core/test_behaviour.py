@@ -200,36 +200,6 @@ def test_what_has_to_be_measured_is_what_leads_away() -> None:
     assert FIGHTER.gaps_from("Strike") == ()
 
 
-@pytest.mark.parametrize(
-    ("wrong", "words"),
-    [
-        (lambda: replace(FIGHTER, states=()), "needs a state to begin in"),
-        (lambda: replace(FIGHTER, start="Nap"), "would begin in 'Nap', which is not one of its states"),
-        (lambda: replace(FIGHTER, states=(*FIGHTER.states, GUARD)), "two states are called 'Guard'"),
-        (
-            lambda: replace(FIGHTER, transitions=(Transition("Guard", "Nap", (NEAR,)),)),
-            "from 'Guard' to 'Nap' needs a state called 'Nap', and there is none",
-        ),
-        (lambda: replace(FIGHTER, cast=(Role("a"), Role("a", "b"))), "in one role only"),
-        (lambda: Role("a", "a"), "A character cannot be its own partner"),
-        (lambda: Transition("Guard", "Strike", ()), "needs a condition"),
-        (lambda: Transition("Guard", "Strike", (NEAR,), -1.0), "a blend takes 0 to 5 seconds, got -1.0"),
-        (lambda: State("  "), "needs a name"),
-        (lambda: State("Nap", place=(float("nan"), 0.0)), "two finite numbers"),
-        (lambda: DistanceCondition(distance=-0.1), "zero or more, got -0.1"),
-        (lambda: TimeCondition(float("inf")), "zero or more seconds"),
-        (lambda: EventCondition(" "), "An event needs a name"),
-        (lambda: KeyCondition(""), "A key is a letter"),
-        (lambda: KeepDistance(distance=0.0), "more than zero"),
-        (lambda: KeepDistance(room=-1.0), "zero or more, got -1.0"),
-        (lambda: LeanAway(metres=0.0), "more than zero metres"),
-    ],
-)
-def test_what_cannot_be_is_told_in_a_sentence(wrong: object, words: str) -> None:
-    with pytest.raises(ValueError, match=words.replace("(", r"\(")):
-        wrong()  # type: ignore[operator]
-
-
 def test_manners_are_constraints_after_the_partner() -> None:
     meet, lean, keep = Meet(), LeanAway(metres=0.3), KeepDistance()
     first, second = manner_constraints((meet, lean, keep), "motion", "other", "Guard")

@@ -13,18 +13,11 @@ from studio.core.body.finger_joints import Digit, FingerJoint, find_fingers
 from studio.core.body.humanoid import BodyMap, BodyPart
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
-from studio.core.curves.activation import ActivationCurve
-from studio.core.curves.keyed import KeyedPlace
 from studio.core.errors import StudioError
-from studio.core.grounds import HeightMap, SurfaceMesh
-from studio.core.grounds.ground import Ground
-from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.normalized.normalize import normalize_capture
-from studio.core.stage.clip import Clip
-from studio.core.stage.project import Performer
 from studio.core.windows import bell_average, highest, lowest
 from studio.io.importing import ImportOptions, load_capture
-from tests.builders import BODY_MAP, make_capture, make_morphology, make_skeleton
+from tests.builders import BODY_MAP, make_capture, make_skeleton
 from tests.io.bvh_text import bvh_text
 
 # A capture agrees with itself, and what the user overrules is no longer a guess.
@@ -69,35 +62,6 @@ def test_a_capture_that_contradicts_itself_is_refused(changes: dict[str, object]
 
 
 # Impossible physical numbers are refused wherever they come in.
-
-
-FAR = np.array([[0.0, 0.0, 0.0], [1e31, 0.0, 0.0], [0.0, 1.0, 0.0]])
-CORNERS = np.array([[0, 1, 2]])
-
-
-@pytest.mark.parametrize(
-    "make",
-    [
-        lambda: Ground(1e308),
-        lambda: HeightMap(heights=np.array([[0.0, 1e308], [0.0, 0.0]])),
-        lambda: SurfaceMesh(vertices=FAR, triangles=CORNERS),
-        lambda: TriangleMesh(FAR, CORNERS),
-        lambda: replace(make_morphology(), neck=37_000.0),
-        lambda: ActivationCurve(0.0, 1.0, 2.0, 1e300),
-        lambda: KeyedPlace((0.0, 1e12), ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))),
-        lambda: Clip("motion", 0, 10, start=-1e12),
-        lambda: Performer("Anna", "woman", position=(1e200, 0.0)),
-    ],
-)
-def test_a_length_and_a_time_that_cannot_be_true_are_refused(make) -> None:
-    with pytest.raises(ValueError, match="cannot be true: it is at most"):
-        make()
-
-
-@pytest.mark.parametrize("rate", [1e-300, 1e9])
-def test_a_frame_rate_that_no_camera_has_is_refused(rate: float) -> None:
-    with pytest.raises(StudioError, match=r"A frame rate of .* cannot be true"):
-        replace(make_capture(), frame_rate=rate)
 
 
 @pytest.mark.parametrize("unit", ["300", "1e3"])

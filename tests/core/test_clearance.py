@@ -234,9 +234,3 @@ def test_only_the_elbow_gives_way_where_the_wrist_may_not() -> None:
     after = solved(ClearConstraint("walk", "Clear", WRIST, Chain(limb=0.0), 0, ALWAYS))
     wrists = [STOCKY.morphology.layout.wrist_point(side) for side in range(2)]
     assert after.positions[:, wrists] == pytest.approx(before.positions[:, wrists], abs=1e-9)
-
-
-@pytest.mark.parametrize("margin", [-0.01, 0.6, np.nan])
-def test_a_margin_that_makes_no_sense_is_refused_by_name(margin: float) -> None:
-    with pytest.raises(ValueError, match="'Clear': a margin"):
-        clear(margin=margin)

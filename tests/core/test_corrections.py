@@ -168,22 +168,6 @@ def test_a_key_beyond_the_range_takes_the_range_along() -> None:
     assert range_around(1.0).times == pytest.approx((0.75, 0.95, 1.05, 1.25))
 
 
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        lambda: KeyedPoses((float("nan"),), (PoseOffsets(),)),
-        lambda: PoseOffsets(((BodyPart.HEAD, (0.0, float("inf"), 0.0)),)),
-        lambda: PoseOffsets((*ELBOW, *ELBOW)),
-        lambda: KeyedPoses((), ()),
-        lambda: KeyedPoses((1.0, 1.0), (PoseOffsets(), PoseOffsets())),
-        lambda: correction(weight=1.5),
-    ],
-)
-def test_impossible_corrections_are_refused(wrong: object) -> None:
-    with pytest.raises(ValueError, match=r".+"):
-        wrong()  # type: ignore[operator]
-
-
 def test_a_correction_above_is_reported_on_a_body_without_constraints() -> None:
     asked = request(correction(hips=(0.0, 0.0, 0.3), above=True))
     report = report_of(grounded_motion(asked), asked, adapt(asked))

@@ -336,21 +336,6 @@ def test_steps_without_rise_nudge_nobody() -> None:
     assert not Steps(0.0, 0.0).nudges(np.random.default_rng(0).uniform(-1, 1, (9, 3, 2))).any()
 
 
-@pytest.mark.parametrize(
-    "make",
-    [
-        lambda: Ground(math.nan), lambda: Slope(angle=1.3), lambda: Slope(foot=(math.inf, 0.0)),
-        lambda: Steps(tread=0.0), lambda: Steps(count=0), lambda: Steps(rise=math.nan),
-        lambda: Bumps(wavelength=0.0), lambda: Bumps(seed=-1), lambda: HeightMap(heights=np.zeros((1, 5))),
-        lambda: HeightMap(heights=np.full((3, 3), np.nan)), lambda: HeightMap(cell=0.0),
-        lambda: SurfaceMesh(0.0, [[0, 0, np.inf]], []), lambda: SurfaceMesh(0.0, [[0, 0, 0]], [[0, 0, 1]]),
-    ],
-)  # fmt: skip
-def test_what_is_no_ground_is_refused_in_a_sentence(make: object) -> None:
-    with pytest.raises(ValueError, match=r"[a-z]+ .*\.$"):
-        make()  # type: ignore[operator]
-
-
 def test_kinds_are_named_apart_and_differ_by_value() -> None:
     assert list(GROUND_KINDS) == ["flat", "slope", "steps", "bumps", "height_map", "mesh"]
     grounds = [*GROUNDS.values(), HeightMap(), SurfaceMesh()]

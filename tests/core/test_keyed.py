@@ -132,21 +132,6 @@ def test_a_key_is_put_replaced_and_taken_away() -> None:
         keyed.without_key(0)
 
 
-@pytest.mark.parametrize(
-    ("times", "values", "sentence"),
-    [
-        ((0.0, 1.0), ((0, 0, 0),), "as many"),
-        ((1.0, 0.5), ((0, 0, 0), (0, 0, 0)), "0.500 s comes after 1.000 s"),
-        ((0.0, np.nan), ((0, 0, 0), (0, 0, 0)), "finite"),
-        ((0.0,), ((0, np.nan, 0),), "3 finite numbers"),
-        ((0.0,), ((0, 0),), "3 finite numbers"),
-    ],
-)
-def test_keys_that_make_no_sense_are_refused(times: tuple, values: tuple, sentence: str) -> None:
-    with pytest.raises(ValueError, match=sentence):
-        KeyedPlace(times, values)
-
-
 def test_a_rotation_that_is_read_back_is_the_same_to_the_bit() -> None:
     random = np.random.default_rng(0)
     for numbers in random.normal(size=(5000, 4)):
@@ -377,24 +362,6 @@ def test_a_key_that_is_moved_onto_another_takes_its_place_and_others_are_passed_
     assert keyed.with_times({0: 2.0, 1: 3.0}) == KeyedNumber((2.0, 3.0), (10.0, 11.0))
 
 
-@pytest.mark.parametrize(
-    "make",
-    [
-        lambda: Tangents(Tangent(TangentMode.STEPPED)),
-        lambda: Tangent(TangentMode.FREE),
-        lambda: Tangent(TangentMode.FLAT, (1.0,)),
-        lambda: Tangent(weight=0.0),
-        lambda: Tangents(Tangent(TangentMode.FREE, (1.0,)), Tangent(TangentMode.FREE, (2.0,))),
-        lambda: KeyedNumber((0.0,), (0.0,), tangents=(free((1.0, 2.0)),)),
-        lambda: KeyedNumber((0.0, 1.0), (0.0, 1.0), tangents=(free((1.0,)),)),
-        lambda: ActivationCurve(0.0, 0.1, 0.2, 0.3, weights=(1.0, 1.0, 0.0, 1.0)),
-    ],
-)
-def test_tangents_that_make_no_sense_are_refused(make):
-    with pytest.raises(ValueError, match=r"tangent|weight|rate"):
-        make()
-
-
 def test_growth_with_tangents_stays_between_its_keys():
     keyed = KeyedProportions(
         (0.0, 1.0), (Proportions(), Proportions(stature=1.4)), tangents=(tangents_of(TangentMode.LINEAR),) * 2
@@ -489,11 +456,3 @@ def test_a_wrist_goes_along_on_every_body() -> None:
 @every_rule
 def test_a_prop_moves_by_it_in_the_time_of_the_stage(rule: ProceduralPlace) -> None:
     assert np.array_equal(stage_track(Prop("Ball", position=rule), TIMES).positions, rule.at(TIMES))
-
-
-@pytest.mark.parametrize(
-    "wrong", [{"seconds": 0.0}, {"radius": float("nan")}, {"centre": (0.0, 0.0, float("inf"))}], ids=str
-)
-def test_what_is_no_way_is_refused(wrong: dict) -> None:
-    with pytest.raises(ValueError, match=r"finite|more than 0"):
-        CirclePlace(**wrong)

@@ -187,9 +187,3 @@ def test_a_target_that_fades_in_beside_one_of_the_same_point_does_not_jump() -> 
         steps = np.linalg.norm(np.diff(body_point_positions(WRIST, motion), axis=0), axis=1)
         asked = np.linalg.norm(np.diff(crossing(one, other), axis=0), axis=1).max()
         assert steps[SLICE].max() < 1.5 * asked
-
-
-@pytest.mark.parametrize("weight", [-0.1, float("nan"), float("inf"), KeyedNumber((0.0, 1.0), (1.0, -1.0))])
-def test_a_weight_below_zero_is_refused(weight: float | KeyedNumber) -> None:
-    with pytest.raises(ValueError, match="weight"):
-        at(beside("tall_man", (0.3, 0.0, 0.0)), weight=weight)

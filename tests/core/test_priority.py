@@ -1,6 +1,5 @@
 """Priorities: strict between levels, by weight within one."""
 
-import re
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -537,25 +536,3 @@ def test_segments_with_the_weights_of_their_groups_are_as_none_to_the_bit(body: 
     asked = _reach(body, chain)
     same = replace(asked, chain=replace(chain, segments=tuple((part, chain.weight(part)) for part in SINGLE)))
     assert np.array_equal(_walking(body, same).rotations, _walking(body, asked).rotations)
-
-
-@pytest.mark.parametrize("weight", [-1.0, np.nan, np.inf])
-def test_a_weight_that_means_nothing_is_refused_under_the_name_of_its_constraint(weight: float) -> None:
-    with pytest.raises(ValueError, match="'Left forearm': a weight is a finite number of 0 or more"):
-        target("left_forearm", (0, 0, 0), weight=weight)
-
-
-@pytest.mark.parametrize(
-    ("segments", "sentence"),
-    [
-        ((("thorax", 1.5),), "A chain's weight lies between 0 and 1: thorax is 1.5."),
-        ((("thorax", float("nan")),), "thorax is nan"),
-        ((("left_foot", 0.5),), "The left foot has no weight of its own: use end_segment."),
-        ((("thorax", 0.5), ("thorax", 0.6)), "two weights"),
-    ],
-)
-def test_weights_of_segments_that_mean_nothing_are_refused(segments: Any, sentence: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(sentence)):
-        Chain(segments=segments)
-    with pytest.raises(ValueError, match="without any free part"):
-        Chain(0.0, 0.0, 0.0, 0.0, 0.0, (("thorax", 0.0),))

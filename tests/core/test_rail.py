@@ -152,14 +152,6 @@ def test_in_a_mirror_the_other_hand_slides_on_the_mirrored_rail() -> None:
     assert constraint_on_clip(held, carry).direction == pytest.approx((0.6, 0.8, 0.0))
 
 
-@pytest.mark.parametrize(
-    "wrong", [{"direction": (0.0, 0.0, 0.0)}, {"length": 0.0}, {"length": float("nan")}, {"centre": (0.0, np.inf, 0.0)}]
-)
-def test_a_rail_without_a_direction_or_a_length_is_refused(wrong: dict[str, object]) -> None:
-    with pytest.raises(ValueError, match=r"nowhere|length|finite"):
-        ask(RailConstraint, RIGHT, ALL, **wrong)
-
-
 class PluggedRail(RailConstraint):
     kind = "plugged_rail"
 

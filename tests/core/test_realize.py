@@ -189,11 +189,6 @@ def test_bones_that_share_their_limb_otherwise_lie_nearly_as_the_actors_however_
     assert np.allclose(*(way / np.linalg.norm(way, axis=1, keepdims=True) for way in ways), atol=1e-9)
 
 
-def test_channels_that_do_not_fit_their_spine_are_refused() -> None:
-    with pytest.raises(ValueError, match="do not fit 5 spine segments"):
-        replace(WALK, spine_places=np.linspace(0, 1, 5))
-
-
 def test_a_motion_cannot_be_changed_afterwards() -> None:
     with pytest.raises(ValueError, match="read-only"):
         WALK.channels[0, 0] = 1.0

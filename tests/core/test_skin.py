@@ -140,21 +140,6 @@ def test_a_forearm_turned_about_its_bone_keeps_its_girth(character: Character):
     assert volume(vertices, character.skin.triangles) == pytest.approx(before, rel=0.01)
 
 
-@pytest.mark.parametrize(
-    ("member", "damage"),
-    [
-        ("vertices", lambda array: array[:, :2]),
-        ("triangles", lambda array: array + 1_000_000),
-        ("normals", lambda array: array * np.nan),
-        ("segments", lambda array: array - 50),
-        ("weights", lambda array: array * 0.5),
-    ],
-)
-def test_a_damaged_member_is_refused_by_name(character: Character, member: str, damage):
-    with pytest.raises(ValueError, match=member):
-        replace(character.skin, **{member: damage(getattr(character.skin, member))})
-
-
 def test_a_skin_refuses_a_body_with_another_spine(character: Character):
     longer = replace(character.build, spine=np.vstack([character.build.spine, character.build.spine[:1]]))
     with pytest.raises(ValueError, match="spine"):

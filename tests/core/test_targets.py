@@ -445,22 +445,6 @@ def plain_centre(areas: np.ndarray) -> np.ndarray:
     return 2.0 / areas.shape[1] * areas @ np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
-@pytest.mark.parametrize(
-    ("kind", "more", "sentence"),
-    [
-        (PositionConstraint, {"target": FollowBody(LEFT)}, "a point cannot follow itself"),
-        (OrientationConstraint, {"target": FollowBody(LEFT)}, "a segment cannot follow itself"),
-        (DistanceConstraint, {"other": FollowBody(LEFT)}, "no distance from itself"),
-        (DistanceConstraint, {"distance": KeyedNumber((0.0, 1.0), (0.1, -0.1))}, "zero or more"),
-        (PositionConstraint, {"target": (0.0, np.nan, 0.0)}, "finite"),
-        (BalanceConstraint, {"place": (0.0, np.nan, 0.0)}, "finite"),
-    ],
-)
-def test_targets_that_make_no_sense_are_refused_by_name(kind: Any, more: dict[str, Any], sentence: str) -> None:
-    with pytest.raises(ValueError, match=rf"'{kind.__name__}'.*{sentence}"):
-        ask(kind, LEFT, **more)
-
-
 def test_what_is_awaited_is_where_it_is_once_it_is_asked_wholly_and_what_is_chased_where_it_is() -> None:
     ways = np.linspace(0.0, 1.0, 90)[:, None] * [1.0, 2.0, 0.5]
     track = Track(ways, np.tile(np.eye(3), (90, 1, 1)))

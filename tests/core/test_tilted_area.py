@@ -93,8 +93,3 @@ def test_the_mirror_image_of_a_tilted_area_is_its_reflection(tilt: object) -> No
         for point in np.random.default_rng(1).normal((0.3, 0.2, 0.9), 0.2, (20, 3)):
             there = nearest_allowed_position(mirrored, across * point)
             assert there == pytest.approx(across * nearest_allowed_position(box, point), abs=1e-9)
-
-
-def test_a_tilt_that_is_no_rotation_is_refused() -> None:
-    with pytest.raises(ValueError, match="rotation"):
-        area(tilt=(0.0, 0.0, 0.0, 0.0))

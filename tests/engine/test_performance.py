@@ -78,8 +78,3 @@ def test_hands_close_little_by_little_from_one_clip_to_the_next():
     steps = np.diff(grips)
     assert (steps >= 0.0).all()
     assert steps.max() < 0.5
-
-
-def test_a_grip_beyond_open_and_fists_is_refused():
-    with pytest.raises(ValueError, match="grip lies between -1"):
-        Clip("motion", 0, 5, grip=1.5)

@@ -1,6 +1,5 @@
 """Characters on disk come back as they were, and damage is told in a sentence."""
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -49,42 +48,6 @@ def test_the_same_mesh_gives_the_same_bytes(character: Character):
 
 def test_a_bundled_character_takes_less_than_300_kb(path: Path):
     assert path.stat().st_size + path.with_suffix(".npz").stat().st_size < 300_000
-
-
-@pytest.mark.parametrize(
-    ("member", "value", "words"),
-    [
-        ("format", "else", "not a character file"),
-        ("version", 99, "version 99"),
-        ("name", 5, "'name'"),
-        ("colour", "blue", "#RRGGBB"),
-        ("mesh", "../dancer.npz", "leads out of its folder"),
-        ("sha256", "0", "not the mesh"),
-        ("build", {}, "needs spine"),
-        ("proportions", {"wings": 2.0}, "measures are damaged"),
-        ("proportions", {"head": -1.0}, "between 0.2 and 5"),
-        ("proportions", [], "measures are damaged"),
-    ],
-)
-def test_a_wrong_member_is_named(path: Path, member: str, value: object, words: str):
-    record = json.loads(path.read_text())
-    record[member] = value
-    path.write_text(json.dumps(record))
-    with pytest.raises(StudioError, match=words):
-        read_character(path)
-
-
-@pytest.mark.parametrize("text", ["", "{", "[1]", "\x00\x01", "{}"])
-def test_what_is_not_a_character_file_is_refused_by_name(path: Path, text: str):
-    path.write_text(text)
-    with pytest.raises(StudioError, match=r"dancer\.json"):
-        read_character(path)
-
-
-def test_a_missing_mesh_is_named(path: Path):
-    path.with_suffix(".npz").unlink()
-    with pytest.raises(StudioError, match=r"dancer\.npz"):
-        read_character(path)
 
 
 @pytest.mark.parametrize("keep", [0, 10, 5_000])

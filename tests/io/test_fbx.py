@@ -96,28 +96,6 @@ def test_what_the_user_knows_better_than_the_file_holds(tmp_path: Path) -> None:
     assert (capture.unit, capture.frame_rate) == ("inch", 25.0)
 
 
-REFUSED = {
-    "a text": (b"; FBX 7.4.0 project file\nDear diary", "it has no skeleton|could not be read as FBX"),
-    "cut off in the joints": (fbx_text().encode()[:1500], "could not be read as FBX|it has no skeleton"),
-    "binary cut off": (b"Kaydara FBX Binary  \0\x1a\0\xe8\x1c\0\0" + b"\xff" * 40, "could not be read as FBX"),
-    "no joints": (fbx_text().replace('"LimbNode"', '"Camera"').encode(), "it has no skeleton"),
-    "a take of three hundred years": (
-        fbx_text().replace('"LocalStop", "KTime", "Time", "",', '"LocalStop", "KTime", "Time", "",4444444').encode(),
-        "it says that it has [0-9]+ frames",
-    ),
-}
-
-
-@pytest.mark.parametrize("case", REFUSED)
-def test_what_it_cannot_read_is_refused_with_what_to_do_instead(tmp_path: Path, case: str) -> None:
-    content, words = REFUSED[case]
-    (tmp_path / "take.fbx").write_bytes(content)
-    with pytest.raises(StudioError, match=words) as error:
-        load_capture(tmp_path / "take.fbx")
-    assert "take.fbx" in str(error.value)
-    assert "BVH or GLB" in str(error.value)
-
-
 def instead_of_the_reader(monkeypatch: pytest.MonkeyPatch, statement: str) -> None:
     popen = subprocess.Popen
     monkeypatch.setattr(subprocess, "Popen", lambda command, **more: popen([command[0], "-c", statement], **more))

@@ -293,10 +293,7 @@ def beyond_time(root):
 BAD = {
     "no animation": (lambda root: root.update(animations=[]), "holds no animation"),
     "no channel": (lambda root: root["animations"][0].update(channels=[]), "holds no animation"),
-    "a sampler that is not there": (
-        lambda root: root["animations"][0]["channels"][0].update(sampler=999),
-        "walk.gltf",
-    ),
+    "a sampler that is not there": (lambda root: root["animations"][0]["channels"][0].update(sampler=999), "walk.gltf"),
     "an unknown interpolation": (
         lambda root: root["animations"][0]["samplers"][0].update(interpolation="MAGIC"),
         "LINEAR, STEP or CUBICSPLINE",

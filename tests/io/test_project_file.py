@@ -130,22 +130,6 @@ def test_a_damaged_project_json_opens_the_version_before(saved: Path) -> None:
     assert state(opened.project) == state(make_project())
 
 
-@pytest.mark.parametrize(
-    ("content", "words"),
-    [
-        (b"", "is empty"),
-        (b"HIERARCHY\nROOT Hips\n" * 50, "not a ZIP archive"),
-        (b"PK\x03\x04", "not a ZIP archive"),
-        (bytes(range(256)) * 20, "not a ZIP archive"),
-    ],
-)
-def test_what_is_no_project_is_refused_in_a_sentence(tmp_path: Path, content: bytes, words: str) -> None:
-    path = tmp_path / "other.studio"
-    path.write_bytes(content)
-    with pytest.raises(StudioError, match=words):
-        read_project(path)
-
-
 def repacked(path: Path, change: object, compression: int = zipfile.ZIP_STORED) -> None:
     """Another program's doing: ``change`` of project.json, packed anew without manifest and seal."""
     with zipfile.ZipFile(path) as archive:

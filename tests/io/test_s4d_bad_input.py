@@ -14,6 +14,7 @@ from studio.io.importing import load_capture
 from studio.io.s4d.reader import read_s4d
 from studio.io.s4d.writer import S4d, write_s4d
 from tests.builders import make_capture
+from tests.io.refused import refused
 
 RECORD, CHANNELS = "s4d.json", "channels.npy"
 
@@ -196,12 +197,9 @@ CASES = {
 @pytest.mark.parametrize("case", CASES)
 def test_it_is_refused_in_a_sentence(members, tmp_path, case):
     make, sentence = CASES[case]
-    path = tmp_path / "take.s4d"
-    path.write_bytes(make(members))
-    with pytest.raises(StudioError, match=sentence) as refusal:
-        load_capture(path)
-    assert str(refusal.value).startswith("take.s4d")
-    assert str(refusal.value).endswith(".")
+    told = refused(load_capture, tmp_path / "take.s4d", make(members), sentence)
+    assert told.startswith("take.s4d")
+    assert told.endswith(".")
 
 
 def test_the_right_file_is_read(members, tmp_path):

@@ -7,12 +7,11 @@ import pytest
 
 from studio.core.body.kinematics import joint_positions
 from studio.core.captures.virtual_markers import virtual_trial
-from studio.core.errors import StudioError
 from studio.core.markers.trial import Trial
 from studio.io.c3d.writer import write_c3d
 from studio.io.importing import load_capture
 from studio.io.trc.reader import read_trc
-from tests.io.trc_text import KEYS, trc_text
+from tests.io.trc_text import trc_text
 from tests.io.trials import make_trial
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "captures"
@@ -102,28 +101,6 @@ def test_names_that_stand_twice_are_numbered_and_told(tmp_path: Path) -> None:
     found, repairs = read_with_repairs(tmp_path, trc_text(make_trial(LABELS)).replace("RKNE", "LKNE"))
     assert found.labels == ("LASI", "RASI", "LKNE", "LKNE_2")
     assert "LKNE_2" in repairs
-
-
-REFUSED = {
-    "header alone": ("PathFileType\t4\n", "line 2: the file ends within its header"),
-    "no names": (f"PathFileType\t4\n{KEYS}\n1\t1\nFrame#\tTime\n1\t0\n", "line 4: no marker has a name"),
-    "no row": (f"PathFileType\t4\n{KEYS}\n100\t100\nFrame#\tTime\tA\t\t\n", "there is no row with a frame"),
-    "a word": (
-        f"PathFileType\t4\n{KEYS}\n100\t100\nFrame#\tTime\tA\t\t\n\tX1\tY1\tZ1\n1\t0.0\t1\t2\tthree\n",
-        "line 6: 'three' is not a number",
-    ),
-    "too many": (
-        f"PathFileType\t4\n{KEYS}\n100\t100\nFrame#\tTime\tA\t\t\n1\t0.0\t1\t2\t3\t4\n2\t0.01\t1\t2\t3\t4\n",
-        "line 5: 6 numbers stand here where 1 markers need 5",
-    ),
-}
-
-
-@pytest.mark.parametrize("case", REFUSED)
-def test_a_file_that_cannot_be_read_is_refused_with_its_line(tmp_path: Path, case: str) -> None:
-    text, sentence = REFUSED[case]
-    with pytest.raises(StudioError, match=sentence):
-        read(tmp_path, text)
 
 
 def test_a_body_is_found_where_the_c3d_of_the_same_take_has_it(tmp_path: Path) -> None:
