@@ -145,7 +145,7 @@ def pitch_for_height(foot, sole, height):
 
 @allocating_kernel
 def find_roll_pitches(soles, states, hips, reaches, ankles, feet, out_pitches):
-    """Write the pitches (F, 3) in radians about heel and ball by which a standing foot has to roll for its leg to reach.
+    """Write the pitches (F, 3) in radians about heel and ball by which a foot rolls until its leg reaches it.
 
     ``hips`` (F, 3), ``reaches`` (F,) metres to which the leg extends freely; ``ankles`` (F, 3), ``feet`` (F, 3, 3). In
     the air they are interpolated.
