@@ -30,7 +30,6 @@ from studio.core.normalized.mirror import mirrored_contacts
 from studio.core.rotations import from_matrix
 from studio.core.solver.asking.points import limb_of
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.body_support import limb_freedom
 from studio.core.stage.project import Project
 from studio.engine.moments import TargetContext
 from studio.engine.performance import PosedPerformer
@@ -140,6 +139,8 @@ class NewConstraintContext:
 
     def freedom(self, part: BodyPart) -> FloatArray:
         """(F,) part by which contacts have released the limb of a segment in the rows ``around``."""
+        from studio.core.solver.standing.body_support import limb_freedom  # not before it is needed: it loads SciPy
+
         motion, rows, _ = self.frames_around
         frames = slice(rows.start + motion.first_frame, rows.stop + motion.first_frame)
         return limb_freedom(motion.contacts, limb_of(part), frames.stop, motion.frame_rate)[frames]

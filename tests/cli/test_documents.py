@@ -11,11 +11,14 @@ import pytest
 
 from studio.cli.arguments import ADD_ARGUMENTS
 from studio.cli.main import VERBS, main
+from studio.document.clipboard import paste_json
+from studio.document.document import Document
 from studio.io.markers.maps import read_map
 from studio.io.registry import known_formats
 from studio.jobs.bundled_scenes import BUNDLED_SCENES
 from studio.resources_folder import bundled_strikes_folder
 from tests.architecture.sources import ROOT
+from tests.builders import make_project
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 HEADLESS = (ROOT / "docs" / "headless.md").read_text(encoding="utf-8")
@@ -73,7 +76,7 @@ def test_files_that_headless_says_are_written_are_written(scratch, capsys):
     assert written == {str(file.relative_to(scratch)) for file in (scratch / "adapted").iterdir()}
 
 
-def test_every_record_of_a_page_is_one_that_the_studio_reads(tmp_path):
+def test_every_record_of_a_page_is_one_that_the_studio_reads(tmp_path, qapp):
     for page in PAGES:
         for number, text in enumerate(blocks(page, "json")):
             record = json.loads(text)
@@ -81,6 +84,12 @@ def test_every_record_of_a_page_is_one_that_the_studio_reads(tmp_path):
                 file = tmp_path / f"{page.stem}_{number}.json"
                 file.write_text(text, encoding="utf-8")
                 assert read_map(file).name == record["name"]
+            elif "format" in record:
+                document = Document(make_project(frames=400, contacts=0))
+                paste_json(document, text)
+                [pasted] = document.project.contacts.values()
+                assert pasted.point == record["contacts"][0]["point"]
+                document.close()
             else:
                 assert page.name == "headless.md"  # typed with --constraints above
 
