@@ -36,7 +36,7 @@ They decrease with the horizontal distance from the hip, to zero at a leg's leng
 """
 FOLLOW_SMOOTHING = AVERAGED / 5.0
 """Seconds, standard deviation, over which the root follow is smoothed."""
-ROLL_SMOOTHING = 0.02
+ROLL_SMOOTHING = 0.012
 """Seconds, standard deviation, over which the pitches of rolling feet are smoothed."""
 CLIMB_SMOOTHING = 0.09
 """Seconds, standard deviation, over which the root follows the heights of the footprints."""
