@@ -282,7 +282,7 @@ def test_a_contact_in_which_no_heel_stands_is_left_as_it_is() -> None:
 
 
 def _roll(states: np.ndarray, hips: np.ndarray, reaches: np.ndarray, ankles: np.ndarray, rotations: np.ndarray) -> None:
-    pitches = np.empty((120, 3))
+    pitches = np.empty((120, 2))
     heel_roll.find_roll_pitches(SOLE_MEASURES, states, hips, reaches, ankles, rotations, pitches)
     heel_roll.roll_feet(SOLE_MEASURES, states, pitches, 10.0, ankles, rotations)
 

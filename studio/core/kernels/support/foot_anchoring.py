@@ -13,6 +13,8 @@ from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.support.gap_interpolation import fade_into_gaps
 from studio.core.kernels.support.sole import HEEL_STANDS, TOE_STANDS, sole_height, stance_offsets, tip_offset
 
+HEEL, BALL, TIP = range(3)
+"""Points on which a foot turns, in the order of ``tip_offset``."""
 TIP_PIVOT = 0.3
 """Downward pitch in radians of a toe from which it pivots on its tip alone; at less, partly on the ball."""
 SMALLEST_SIZE = 1.02
@@ -73,23 +75,23 @@ def anchor_contact(span, ankles, feet, states, soles, ground, pitches, out_ankle
             continue
         stance_offsets(feet[frame], sole, offsets)
         for axis in range(2):
-            reach[count, axis] = offsets[0 if heel else 1, axis] + ankles[frame, axis]
+            reach[count, axis] = offsets[HEEL if heel else BALL, axis] + ankles[frame, axis]
         count += 1
     anchor = geometric_median(reach[:count])
     pivots, shares = np.zeros((3, 2)), np.zeros(3)
     for sweep_direction in range(2):
         previous, before = HEEL_STANDS if heel else TOE_STANDS, 0.0
         for axis in range(2):
-            pivots[0 if heel else 1, axis] = anchor[axis]
+            pivots[HEEL if heel else BALL, axis] = anchor[axis]
         frame = first
         while begin <= frame < end:
             sole = soles[frame if soles.shape[0] > 1 else 0]
             stance_offsets(feet[frame], sole, offsets)
             rise = tip_offset(feet[frame], sole, pitches[frame], offsets)
             tip = smoothstep(min(pitches[frame] / TIP_PIVOT, 1.0))
-            shares[0] = 1.0 if states[frame] & HEEL_STANDS and previous & HEEL_STANDS else 0.0
-            shares[2] = (1.0 - shares[0]) * 0.5 * (before + tip)
-            shares[1] = 1.0 - shares[0] - shares[2]
+            shares[HEEL] = 1.0 if states[frame] & HEEL_STANDS and previous & HEEL_STANDS else 0.0
+            shares[TIP] = (1.0 - shares[HEEL]) * 0.5 * (before + tip)
+            shares[BALL] = 1.0 - shares[HEEL] - shares[TIP]
             for axis in range(2):
                 out_ankles[frame, axis] = 0.0
                 for pivot in range(3):
@@ -97,7 +99,7 @@ def anchor_contact(span, ankles, feet, states, soles, ground, pitches, out_ankle
                         out_ankles[frame, axis] += shares[pivot] * (pivots[pivot, axis] - offsets[pivot, axis])
                 for pivot in range(3):
                     pivots[pivot, axis] = out_ankles[frame, axis] + offsets[pivot, axis]
-            out_ankles[frame, 2] = ground[frame] + rise + sole_height(feet[frame], offsets[1, 2], sole)
+            out_ankles[frame, 2] = ground[frame] + rise + sole_height(feet[frame], offsets[BALL, 2], sole)
             previous, before = states[frame], tip
             frame += 1 if sweep_direction == 0 else -1
 

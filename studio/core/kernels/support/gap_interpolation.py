@@ -29,7 +29,7 @@ def release_weights(planted, reach, out_free):
 
 @kernel
 def interpolate_gaps(values, known):
-    """Interpolate values (F, 3) where not ``known`` (F,), with constant values at both ends, in place.
+    """Interpolate values (F, N) where not ``known`` (F,), with constant values at both ends, in place.
 
     METHOD (6).
     """
@@ -40,12 +40,12 @@ def interpolate_gaps(values, known):
             continue
         for gap in range(last + 1, frame):
             fraction = 1.0 if last < 0 else smoothstep((gap - last) / (frame - last))
-            for axis in range(3):
+            for axis in range(values.shape[1]):
                 begin = values[last, axis] if last >= 0 else values[frame, axis]
                 values[gap, axis] = begin + fraction * (values[frame, axis] - begin)
         last = frame
     for gap in range(last + 1, count):
-        for axis in range(3):
+        for axis in range(values.shape[1]):
             values[gap, axis] = values[last, axis] if last >= 0 else 0.0
 
 

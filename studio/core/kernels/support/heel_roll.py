@@ -9,7 +9,16 @@ from studio.core.kernels.algebra.smooth_steps import penetration_correction, smo
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.support.foot_rotation import correct_rotation
 from studio.core.kernels.support.gap_interpolation import fade_into_gaps, interpolate_gaps, release_weights
-from studio.core.kernels.support.sole import ANKLE_HEIGHT, HEEL_STANDS, TOE_STANDS, TOE_X, TOE_Y, TOE_Z, pivot_offsets
+from studio.core.kernels.support.sole import (
+    ANKLE_HEIGHT,
+    HEEL_STANDS,
+    TOE_LENGTH,
+    TOE_STANDS,
+    TOE_X,
+    TOE_Y,
+    TOE_Z,
+    pivot_offsets,
+)
 
 HEEL_RELEASE = 0.6
 """Fraction of the release time after which a heel has its captured height."""
@@ -46,7 +55,7 @@ def tiptoe_pitches(soles, states, heights, reach, out_pitches):
     """
     rolling_weights(states, HEEL_RELEASE * reach, out_pitches)
     for frame in range(states.shape[0]):
-        length = soles[frame if soles.shape[0] > 1 else 0, 5]
+        length = soles[frame if soles.shape[0] > 1 else 0, TOE_LENGTH]
         if out_pitches[frame] != 0.0:
             over = max(heights[frame] / max(length, 1e-3) - TIPTOE_RISE, 0.0)
             out_pitches[frame] *= STEEPEST_TOE * math.tanh(over * over / (over + SOFT_TIPTOE_RISE) / STEEPEST_TOE)
@@ -145,7 +154,7 @@ def pitch_for_height(foot, sole, height):
 
 @allocating_kernel
 def find_roll_pitches(soles, states, hips, reaches, ankles, feet, out_pitches):
-    """Write the pitches (F, 3) in radians about heel and ball by which a foot rolls until its leg reaches it.
+    """Write the pitches (F, 2) in radians about heel and ball by which a foot rolls until its leg reaches it.
 
     ``hips`` (F, 3), ``reaches`` (F,) metres to which the leg extends freely; ``ankles`` (F, 3), ``feet`` (F, 3, 3). In
     the air they are interpolated.
@@ -164,7 +173,7 @@ def find_roll_pitches(soles, states, hips, reaches, ankles, feet, out_pitches):
 
 @allocating_kernel
 def roll_feet(soles, states, pitches, reach, ankles, feet):
-    """Roll feet that stand on their balls or heels by ``pitches`` (F, 3), in place.
+    """Roll feet that stand on their balls or heels by ``pitches`` (F, 2) about heel and ball, in place.
 
     ``ankles`` (F, 3), ``feet`` (F, 3, 3); the others as in ``lift_heels``. People raise the heel before they bend the
     other knee, and land on it with raised toes.

@@ -137,7 +137,7 @@ def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
     """The constraint at the first time of ``targets``, with keyed and followed values as plain numbers."""
     changes: dict[str, Any] = {}
     for name, value in vars(constraint).items():
-        if not hasattr(value, "kind"):
+        if not hasattr(value, "kind"):  # a plain number, name or record; keyed and followed values have kinds
             continue
         if isinstance(value, KeyedTurn) or (isinstance(value, FOLLOWS) and constraint.kind == "orientation"):
             changes[name] = tuple(from_matrix(targets.rotations(value)[0]).tolist())

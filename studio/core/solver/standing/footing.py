@@ -265,7 +265,7 @@ class _Foot:
         # Contiguous, which a single frame is by itself: kernels are compiled for one layout.
         hips = np.ascontiguousarray(positions[:, self.body.layout.hip_point(self.side)])
         reaches = soft_thresholds * bones.sum(axis=1)
-        pitches = np.empty((len(hips), 3))
+        pitches = np.empty((len(hips), 2))
         find_roll_pitches(self.soles, self.states, hips, reaches, plan.ankles, plan.feet, pitches)
         pitches = bell_average(pitches, ROLL_SMOOTHING * self.frame_rate)
         roll_feet(self.soles, self.states, pitches, LET_GO * self.frame_rate, plan.ankles, plan.feet)
