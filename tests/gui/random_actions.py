@@ -41,7 +41,7 @@ def open_window(folder: Path) -> Any:
 
 
 def process_events() -> None:
-    """Process what is pending as an event loop does: ``processEvents`` alone never deletes what ``deleteLater`` names."""
+    """Process what is pending as an event loop does; ``processEvents`` alone never deletes what is deleted later."""
     from PySide6.QtCore import QCoreApplication, QEvent
 
     QCoreApplication.processEvents()
