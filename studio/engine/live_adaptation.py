@@ -32,7 +32,7 @@ from studio.startup.kernel_warm_up import WarmUp
 WINDOW_SECONDS = 0.75
 WINDOW_MILLISECONDS, IDLE_MILLISECONDS = 120, 150
 """Interval between solved windows during a drag, and idle time before whole motions are solved."""
-REPORT_MILLISECONDS, REPORT_MILLISECONDS_OF_DRAG = 100, 250
+SOLVE_REPORT_MILLISECONDS, DRAG_REPORT_MILLISECONDS = 100, 250
 """Time from a new result until forms, strips and plots show it: all that come meanwhile are shown together."""
 _SOURCE, _EXPECTED, _FRAMES, _TOGETHER = "source ", "expected ", "frames", "\n"
 
@@ -143,7 +143,7 @@ class LiveAdaptation(QObject):
             self._hand.set_listening(value)
             if not value and not self.play.running:
                 if self._telling.isActive():
-                    self._telling.start(REPORT_MILLISECONDS)  # reported once: with all that is asked now
+                    self._telling.start(SOLVE_REPORT_MILLISECONDS)  # reported once: with all that is asked now
                 self._rest.stop()
                 self._turn.start(0)
             self.interactive_changed.emit(value)
@@ -240,7 +240,7 @@ class LiveAdaptation(QObject):
 
     def _report_soon(self) -> None:
         if not self._telling.isActive():
-            self._telling.start(REPORT_MILLISECONDS_OF_DRAG if self._interactive else REPORT_MILLISECONDS)
+            self._telling.start(DRAG_REPORT_MILLISECONDS if self._interactive else SOLVE_REPORT_MILLISECONDS)
 
     def _tell_results(self) -> None:
         self._told = dict(self._results)

@@ -25,7 +25,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.project import GROUND_ID
 from studio.document.document import Document
-from studio.engine.live_adaptation import REPORT_MILLISECONDS_OF_DRAG, LiveAdaptation
+from studio.engine.live_adaptation import DRAG_REPORT_MILLISECONDS, LiveAdaptation
 from studio.engine.residuals import unsolved_words
 from studio.startup.kernel_warm_up import WarmUp
 from tests.builders import make_capture, make_constraint, make_morphology, make_project
@@ -302,7 +302,7 @@ def test_a_drag_is_reported_four_times_a_second_and_its_end_at_once(make_scene: 
         document.replace("constraints", key, replace(constraint, target=(time.monotonic() - begun, 0.0, 1.0)), "Move")
         QTest.qWait(10)
     assert len(scene.solver.windows) > 4  # the worker answers more often
-    assert 2 <= len(told) <= 1000 / REPORT_MILLISECONDS_OF_DRAG
+    assert 2 <= len(told) <= 1000 / DRAG_REPORT_MILLISECONDS
     live.interactive = False
     live.wait_until_solved()
     assert live.reported_motion("performer 0") is live.result("performer 0")
