@@ -23,6 +23,7 @@ from studio.core.stage.mirrored_props import constraint_as_played
 from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape, quarter_turns
 from studio.document.document import Document
+from studio.document.grips import remove_grips
 from studio.document.length_units import length_text, shown_unit
 from studio.engine.grasps import Grasp, captured_grasp, chest_heading, grasp_at, grasp_near
 from studio.engine.performance import PosedPerformer, motion_time, posed_performers
@@ -40,8 +41,6 @@ NEW_PROP_DISTANCE = 0.6
 """Metres from a body's root to a new prop."""
 PROP_GAP = 0.1
 """Metres between a new prop and the one beside it."""
-SAME_SECOND = 1e-6
-"""Seconds that are no difference between two moments."""
 PROP_REACH = 0.75
 """Leg lengths over the ground from a body's root to a prop that it still reaches."""
 HAND_THICKNESS = 0.02
@@ -224,15 +223,6 @@ def _leave(document: Document, prop_id: str, performer_id: str, now: float, text
                 document.replace("constraints", key, replace(each, activation=left), text)
 
 
-def _let_go(document: Document, prop_id: str, performer_id: str, begin: float, text: str) -> None:
-    """Remove the hand constraints of a performer that no longer takes a prop at second ``begin`` of the stage."""
-    for clip in document.project.performers[performer_id].clips:
-        time = motion_time(clip, document.project.frame_rate_of(clip), begin)
-        for key, each in document.project.constraints_of(clip.motion_id).items():
-            if _grips(each, prop_id, performer_id) and each.activation.full >= time - SAME_SECOND:
-                document.remove("constraints", key, text)
-
-
 def _grips(constraint: Constraint, prop_id: str, performer_id: str) -> bool:
     """True if a constraint keeps a hand of the performer on a prop."""
     follows = any(isinstance(each, FollowProp) and each.prop_id == prop_id for each in follows_of(constraint))
@@ -271,8 +261,9 @@ def _hold(bench: Workbench, begin: float | None) -> None:
             if giver is not None and giver.performer_id != performer_id:
                 _leave(document, prop_id, giver.performer_id, begin, text)
             for later in prop.holds:
-                if later.begin is not None and later.begin >= begin and later.performer_id != performer_id:
-                    _let_go(document, prop_id, later.performer_id, later.begin, text)
+                is_lost = later.begin is not None and later.begin >= begin and later.performer_id != performer_id
+                if is_lost and isinstance(later, Carried):
+                    remove_grips(document, prop_id, later, text)
         elif not isinstance(prop.held, Carried) or prop.holders != {performer_id}:
             document.replace("props", prop_id, prop.with_holds([hold]), text)
         for motion_id, seconds in _stretches(document.project, performer, begin).items():
