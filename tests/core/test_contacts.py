@@ -92,7 +92,7 @@ def test_a_foot_that_skids_stands_where_it_was_and_where_it_comes_to(far: float,
 
 
 def test_a_foot_that_slides_slowly_stands_before_and_after_not_between() -> None:
-    way = np.interp(np.arange(120.0), [0, 50, 70, 119], [0.0, 0.0, 0.15, 0.15])
+    way = np.interp(np.arange(120.0), [0, 50, 70, 119], [0.0, 0.0, 0.18, 0.18])
     sliding = np.stack([way, np.zeros(120), np.full(120, 0.08)], axis=1)
     found = _detect(sliding, _track([(0, 119)]))
     for kind in ("heel", "toe"):

@@ -342,8 +342,8 @@ def _part_glued(
 def _fill(name: str, values: FloatArray, lines: NDArray[np.int64], hierarchy: Hierarchy, repairs: list[str]) -> None:
     """Interpolate missing values in time, angles along the shorter arc; report the number of rows and the first line.
 
-    Rows of zeros are missing too. ``values`` (F, C) with NaN for a missing value, ``lines`` (F,) of the file. Raises StudioError if a channel has no
-    number at all.
+    Rows of zeros are missing too. ``values`` (F, C) with NaN for a missing value, ``lines`` (F,) of the file. Raises
+    StudioError if a channel has no number at all.
     """
     channels = [(joint, each) for joint, all_ in enumerate(hierarchy.channels) for each in all_]
     zeros = _rows_of_zeros(values, [column for column, (_, each) in enumerate(channels) if each.endswith("position")])
