@@ -115,7 +115,7 @@ class SearchTable:
 
     @cached_property
     def searched(self) -> at.FrameTable:
-        """Record of the frames for the kernels."""
+        """Frames of all clips as the record that the kernels of ``pose_search`` take."""
         blocks = self.blocks
         return at.FrameTable(
             self.rows, self.paths, self.clips, blocks.spans, blocks.middles, blocks.radii, blocks.rings

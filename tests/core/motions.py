@@ -72,7 +72,7 @@ def swaying(
 def times(factor: float, body: Morphology) -> np.ndarray:
     """The packed measures of a body ``factor`` times as large: directions stay as they are."""
     packed = factor * body.packed
-    packed[at.M_NECK_REST : at.M_SPINE] = body.packed[at.M_NECK_REST : at.M_SPINE]
+    packed[at.MEASURE_NECK_REST : at.MEASURE_SPINE] = body.packed[at.MEASURE_NECK_REST : at.MEASURE_SPINE]
     return packed
 
 

@@ -92,14 +92,16 @@ def test_packed_measures_stand_where_the_kernels_look_for_them() -> None:
         plain, **{field.name: random.uniform(0.1, 1, np.shape(getattr(plain, field.name))) for field in fields(plain)}
     )
     for name, first in (
-        ("neck", at.M_NECK), ("head", at.M_HEAD), ("collar_base", at.M_COLLAR_BASE), ("clavicle", at.M_CLAVICLE),
-        ("arm", at.M_ARM), ("hand", at.M_HAND), ("hip_offset", at.M_HIP_OFFSET), ("leg", at.M_LEG),
-        ("foot", at.M_FOOT), ("toe", at.M_TOE), ("ankle_height", at.M_ANKLE_HEIGHT),
-        ("toe_height", at.M_TOE_HEIGHT), ("heel_length", at.M_HEEL_LENGTH), ("spine", at.M_SPINE),
+        ("neck", at.MEASURE_NECK), ("head", at.MEASURE_HEAD), ("collar_base", at.MEASURE_COLLAR_BASE),
+        ("clavicle", at.MEASURE_CLAVICLE),
+        ("arm", at.MEASURE_ARM), ("hand", at.MEASURE_HAND), ("hip_offset", at.MEASURE_HIP_OFFSET),
+        ("leg", at.MEASURE_LEG),
+        ("foot", at.MEASURE_FOOT), ("toe", at.MEASURE_TOE), ("ankle_height", at.MEASURE_ANKLE_HEIGHT),
+        ("toe_height", at.MEASURE_TOE_HEIGHT), ("heel_length", at.MEASURE_HEEL_LENGTH), ("spine", at.MEASURE_SPINE),
     ):  # fmt: skip
         measure = np.ravel(getattr(body, name))
         assert np.array_equal(body.packed[first : first + len(measure)], measure)
-    assert len(body.packed) == at.M_SPINE + 3 * len(body.spine)
+    assert len(body.packed) == at.MEASURE_SPINE + 3 * len(body.spine)
 
 
 def test_stature_is_sole_to_crown() -> None:

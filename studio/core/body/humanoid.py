@@ -78,7 +78,7 @@ class BodyMap:
 
     @classmethod
     def from_json(cls, skeleton: Skeleton, names: Mapping[str, str]) -> "BodyMap":
-        """Inverse of ``to_json``; raises StudioError for unknown parts or joints."""
+        """Body map from joint ``names`` by part; raises StudioError for unknown parts or joints."""
         parts = {part_named(key): skeleton.index(name) for key, name in names.items() if not is_spine(key)}
         spine = sorted((int(key[6:]), skeleton.index(name)) for key, name in names.items() if is_spine(key))
         pelvis = (parts[BodyPart.PELVIS],) if BodyPart.PELVIS in parts else ()

@@ -137,7 +137,7 @@ class Morphology:
 
     @classmethod
     def from_json(cls, record: dict[str, Any]) -> Self:
-        """Inverse of ``to_json``. Raises ValueError naming a missing or wrong field."""
+        """Morphology in a JSON ``record``. Raises ValueError naming a missing or wrong field."""
         missing = [name for name in ("spine", *_SHAPES) if name not in record]
         if missing:
             raise ValueError(f"A morphology needs {', '.join(missing)}.")
@@ -166,11 +166,16 @@ class AnimatedMorphology:
 
     def __post_init__(self) -> None:
         rows = np.array(self.rows, dtype=np.float64)
-        if rows.ndim != 2 or not len(rows) or rows.shape[1] < at.M_SPINE + 6 or rows.shape[1] % 3:
+        if rows.ndim != 2 or not len(rows) or rows.shape[1] < at.MEASURE_SPINE + 6 or rows.shape[1] % 3:
             raise ValueError(f"rows: expected a row of measures a frame, got {rows.shape}.")
         if not np.isfinite(rows).all():
             raise ValueError("rows: holds a number that is not finite.")
-        lengths = (at.M_NECK, at.M_HEAD, *range(at.M_CLAVICLE, at.M_HAND), *range(at.M_LEG, at.M_FOOT))
+        lengths = (
+            at.MEASURE_NECK,
+            at.MEASURE_HEAD,
+            *range(at.MEASURE_CLAVICLE, at.MEASURE_HAND),
+            *range(at.MEASURE_LEG, at.MEASURE_FOOT),
+        )
         if (rows[:, lengths] <= 0.0).any():
             frame = int(np.argmax((rows[:, lengths] <= 0.0).any(axis=1)))
             raise ValueError(f"rows: a bone needs a length above zero, in frame {frame} one has none.")
@@ -188,7 +193,7 @@ class AnimatedMorphology:
 
     @cached_property
     def layout(self) -> BodyLayout:
-        return BodyLayout((self.rows.shape[1] - at.M_SPINE) // 3)
+        return BodyLayout((self.rows.shape[1] - at.MEASURE_SPINE) // 3)
 
     @cached_property
     def first_frame_body(self) -> Morphology:
@@ -206,12 +211,12 @@ class AnimatedMorphology:
     @property
     def spine(self) -> FloatArray:
         """(K, 3) spine of the first frame; its proportions distribute the motion's rotations over the vertebrae."""
-        return self.rows[0, at.M_SPINE :].reshape(-1, 3)
+        return self.rows[0, at.MEASURE_SPINE :].reshape(-1, 3)
 
     @property
     def leg_length(self) -> float:
         """Mean of both legs over all frames, hip to ankle."""
-        return float(self.rows[:, at.M_LEG : at.M_FOOT].sum(axis=1).mean() / 2)
+        return float(self.rows[:, at.MEASURE_LEG : at.MEASURE_FOOT].sum(axis=1).mean() / 2)
 
 
 AnyMorphology = Morphology | AnimatedMorphology
@@ -222,20 +227,20 @@ def sole_rows(body: AnyMorphology, side: int) -> FloatArray:
     """(F or 1, 6) metres of one foot: ankle to toe joint in foot axes (3), height of the ankle over the sole, distance
     of the heel behind the ankle, length of the toe along the ground.
     """
-    rows, foot, toe = body.rows, at.M_FOOT + 3 * side, at.M_TOE + 3 * side
-    heights = rows[:, [at.M_ANKLE_HEIGHT + side, at.M_HEEL_LENGTH + side]]
+    rows, foot, toe = body.rows, at.MEASURE_FOOT + 3 * side, at.MEASURE_TOE + 3 * side
+    heights = rows[:, [at.MEASURE_ANKLE_HEIGHT + side, at.MEASURE_HEEL_LENGTH + side]]
     toes = np.hypot(rows[:, toe], rows[:, toe + 1])
     return np.ascontiguousarray(np.column_stack([rows[:, foot : foot + 3], heights, toes]))
 
 
 def arm_rows(body: AnyMorphology, side: int) -> FloatArray:
     """(F or 1, 2) metres of an upper arm and a forearm."""
-    return body.rows[:, at.M_ARM + 2 * side : at.M_ARM + 2 * side + 2]
+    return body.rows[:, at.MEASURE_ARM + 2 * side : at.MEASURE_ARM + 2 * side + 2]
 
 
 def leg_rows(body: AnyMorphology, side: int) -> FloatArray:
     """(F or 1, 2) metres of a thigh and a shank."""
-    return body.rows[:, at.M_LEG + 2 * side : at.M_LEG + 2 * side + 2]
+    return body.rows[:, at.MEASURE_LEG + 2 * side : at.MEASURE_LEG + 2 * side + 2]
 
 
 def at_frames(rows: FloatArray, frames: Any) -> FloatArray:

@@ -175,7 +175,7 @@ ROLLING_SECONDS = 0.06
 """Seconds by which a contact may begin earlier or end later at ``HEEL_SPEEDS`` or ``TOE_SPEEDS``."""
 SHORTEST_CONTACT = 0.05
 """Seconds: shorter contacts are dropped, shorter gaps closed."""
-UNMOVED = 0.015
+UNMOVED_METRES = 0.015
 """Metres that a foot goes at most from where a gap in the contact of its toes begins, if they stand through it."""
 SMOOTHING = 0.012
 """Seconds, standard deviation of the smoothing before speed is taken."""
@@ -327,7 +327,7 @@ def joined_over_still_gaps(spans: list[Span], middle: FloatArray) -> list[Span]:
     """
     standing = contact_mask(spans, len(middle))
     for (_, before), (after, _) in pairwise(spans):
-        if np.linalg.norm(middle[before : after + 1] - middle[before], axis=1).max() < UNMOVED:
+        if np.linalg.norm(middle[before : after + 1] - middle[before], axis=1).max() < UNMOVED_METRES:
             standing[before:after] = True
     return spans_of(standing)
 

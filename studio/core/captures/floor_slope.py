@@ -13,7 +13,7 @@ FloatArray = NDArray[np.float64]
 
 STEEPEST_FLOOR = 0.07
 """Rise over run, 4 degrees: steeper ground is stairs or a ramp, and no level floor that is badly calibrated."""
-USUAL_SLOPE = 0.02
+SLOPE_DEVIATION = 0.02
 """Standard deviation of the rise over run of captured floors."""
 UNEVEN_SOLES = 0.015
 """Metres, standard deviation of the heights at which a sole comes to stand."""
@@ -71,7 +71,7 @@ def _gradient(places: FloatArray, weights: FloatArray, kinds: FloatArray) -> Flo
     one 1 in a row. Outliers far off the floor, as of a heel that never came down, weigh little.
     """
     columns = np.concatenate([places[:, :2] - places[:, :2].mean(axis=0), kinds], axis=1)
-    doubt = np.diag([*2 * [(UNEVEN_SOLES / USUAL_SLOPE) ** 2], *kinds.shape[1] * [1e-9]])
+    doubt = np.diag([*2 * [(UNEVEN_SOLES / SLOPE_DEVIATION) ** 2], *kinds.shape[1] * [1e-9]])
     trusted = weights
     for _ in range(FITS):
         weighed = columns.T * trusted

@@ -19,7 +19,7 @@ POSE_JOINTS, Y, Z, SQUARE, POSE_CENTRE, POSE_WIDTH = 20, 20, 40, 60, 61, 64
 """Number of joints of a pose, and the first columns of the parts of its row."""
 FLOAT32_ERROR = 4e-6
 """Error of D² in float32, metres squared, and of the numbers of the rotation."""
-FLOAT32_HIT_ERROR = 0.05
+MAX_FLOAT32_HIT_ERROR = 0.05
 """Greatest error of a hit, metres, by such a rotation for the rotation to be used."""
 COST_COLUMN, POSTURE_COLUMN, REACH_COLUMN, ROTATION_COLUMN = 0, 1, 2, 3
 """Columns of the results: total cost, both distances (m), and the rotation of the frame onto the query (rad)."""
@@ -183,7 +183,7 @@ def search_block(block, table, query, found):
             continue
         # By the turn in float32 most frames are seen to miss; it is off by no more than ROUNDING over its length.
         off = ring[RING_FARTHEST] * FLOAT32_ERROR / max(planar, 1e-12)
-        if off < FLOAT32_HIT_ERROR:
+        if off < MAX_FLOAT32_HIT_ERROR:
             reach, _ = hit_distance(rows[frame], (a / planar, b / planar), target, table.paths, path, count)
             if near + query.reach_weight * (reach - off) >= costs[last, COST_COLUMN]:
                 continue

@@ -86,8 +86,9 @@ def solve_body(
 ) -> SolvedBody:
     """Body that follows ``joints`` (F, 3) and markers by role; world axes, metres, no gaps.
 
-    ``stature`` sizes the parts that are not shown; without it legs or arms do. Lengths are measured in the frames (F,)
-    in which their positions are ``seen``, if that is given. Needs both legs or both arms.
+    ``stature`` (m) sizes the parts without markers; without it legs or arms do. ``radius`` (m) is that of the markers.
+    Lengths are measured in the frames (F,) in which their positions are ``seen``, if that is given. Needs both legs
+    or both arms.
     """
     stature = stature or _stature(joints)
     trunk = find_trunk(tracks, joints, stature, radius)

@@ -10,8 +10,8 @@ REPORTED_DRIFT = 0.01
 """Least drift in metres that is reported."""
 DRIFT_REASON = "As far apart lie the footprints of one foot. It is taken off when the motion is set on the ground."
 STEPS_REASON = (
-    "Its feet stand at several heights. Use as ground (--on-steps): every body then stands on these steps; until then"
-    " only feet on the floor are contacts."
+    "Its feet stand at several heights. Use steps as ground (--on-steps): every body then stands on these steps;"
+    " until then only feet on the floor are contacts."
 )
 
 

@@ -51,16 +51,16 @@ def clavicle_proportions(body: AnyMorphology) -> FloatArray:
     their rotations.
     """
     rows = body.rows
-    lengths = rows[:, at.M_CLAVICLE : at.M_CLAVICLE + 2]
-    bases, rests = (np.abs(rows[:, [m + 1, m + 4]]) for m in (at.M_COLLAR_BASE, at.M_CLAVICLE_REST))
+    lengths = rows[:, at.MEASURE_CLAVICLE : at.MEASURE_CLAVICLE + 2]
+    bases, rests = (np.abs(rows[:, [m + 1, m + 4]]) for m in (at.MEASURE_COLLAR_BASE, at.MEASURE_CLAVICLE_REST))
     return np.asarray(lengths.sum(axis=1) / np.maximum((bases + lengths * rests).sum(axis=1), 1e-9))
 
 
 def hip_breadths(body: AnyMorphology) -> FloatArray:
     """(F or 1,) distance between the hip joints, in leg lengths."""
     rows = body.rows
-    apart = np.abs(rows[:, at.M_HIP_OFFSET + 1] - rows[:, at.M_HIP_OFFSET + 4])
-    return np.asarray(np.maximum(apart, 1e-9) / (rows[:, at.M_LEG : at.M_FOOT].sum(axis=1) / 2.0))
+    apart = np.abs(rows[:, at.MEASURE_HIP_OFFSET + 1] - rows[:, at.MEASURE_HIP_OFFSET + 4])
+    return np.asarray(np.maximum(apart, 1e-9) / (rows[:, at.MEASURE_LEG : at.MEASURE_FOOT].sum(axis=1) / 2.0))
 
 
 def _drift(hips: FloatArray, morphology: AnyMorphology) -> FloatArray:
@@ -68,7 +68,7 @@ def _drift(hips: FloatArray, morphology: AnyMorphology) -> FloatArray:
 
     A growing body moves by L dx and not d(L x), or its position would depend on its distance from the origin.
     """
-    legs = morphology.rows[:, at.M_LEG : at.M_FOOT].sum(axis=1) / 2
+    legs = morphology.rows[:, at.MEASURE_LEG : at.MEASURE_FOOT].sum(axis=1) / 2
     steps = (hips[1:] + hips[:-1]) / 2 * np.diff(legs)[:, None]
     return np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
 

@@ -21,7 +21,7 @@ STRIKE_DISTANCE, APPROACH_DISTANCE, DISTANCE_TOLERANCE = 1.42, 1.65, 0.12
 """Leg lengths: distance kept by two fighters, distance below which one strikes, and tolerance of the kept distance."""
 ATTACK = "attack"
 """Name of the event that a strike sends to the partner."""
-TO_HEAD = DistanceMeasure(FollowPartner(FIST_POINT), HEAD_POINT, flat=False)
+PARTNER_FIST_TO_HEAD = DistanceMeasure(FollowPartner(FIST_POINT), HEAD_POINT, flat=False)
 ANSWER_SECONDS, RETURN_SECONDS = 0.15, 0.3
 """Seconds of the blends into an answer and back to guard; the second is also the least time of leaning away."""
 LEAN_DISTANCE, LEAN_HYSTERESIS = 0.35, 0.15
@@ -61,8 +61,8 @@ def with_parry(behaviour: Behaviour, clip: Clip, when: ActivationCurve = WHOLE_C
 def with_lean_away(behaviour: Behaviour) -> Behaviour:
     """Behaviour with a state that leans away from the partner's near fist while it plays the start state's clip."""
     state = State("Lean away", _start(behaviour).clip, manners=(LeanAway(metres=LEAN_DISTANCE),))
-    near = DistanceCondition(TO_HEAD, LEAN_DISTANCE)
-    far = DistanceCondition(TO_HEAD, LEAN_DISTANCE + LEAN_HYSTERESIS, closer=False)
+    near = DistanceCondition(PARTNER_FIST_TO_HEAD, LEAN_DISTANCE)
+    far = DistanceCondition(PARTNER_FIST_TO_HEAD, LEAN_DISTANCE + LEAN_HYSTERESIS, closer=False)
     return _answering(behaviour, state, (near,), (TimeCondition(RETURN_SECONDS), far), (0.0, 1.0))
 
 

@@ -31,7 +31,7 @@ from studio.core.kernels.compiling import allocating_kernel, kernel, small_kerne
 from studio.core.kernels.limbs.limb import match_bone_lines, place_limb, soft_flexion
 from studio.core.kernels.records import Array, LimbShape, Pose
 
-CLAVICLE_NARROWING = 0.003
+CLAVICLE_REACH_SOFTNESS = 0.003
 """Fraction of a clavicle by which it may move further inwards than the actor's before half of the excess is
 held back.
 """
@@ -93,10 +93,10 @@ def spine_sampling(positions, measures):
     Pelvis maps to pelvis and thorax to thorax; segments between are sampled by their position along the trunk, so that
     arms hang in the same way on any number of vertebrae. ``positions`` (K_motion,) run from 0 to 1.
     """
-    count, last = (measures.shape[0] - at.M_SPINE) // 3, positions.shape[0] - 1
+    count, last = (measures.shape[0] - at.MEASURE_SPINE) // 3, positions.shape[0] - 1
     own, index, share = np.zeros(count), np.zeros(count, np.int64), np.zeros(count)
     for k in range(1, count):
-        m = at.M_SPINE + 3 * (k - 1)
+        m = at.MEASURE_SPINE + 3 * (k - 1)
         own[k] = own[k - 1] + math.sqrt(measures[m] ** 2 + measures[m + 1] ** 2 + measures[m + 2] ** 2)
     for k in range(count):
         position = own[k] / own[count - 1]
@@ -129,11 +129,11 @@ def realize_trunk(channels, measures, girdle, spine_from, spine_share, pose):
     """
     upright = pelvis_rotation(channels)
     pelvis = upright if girdle.hips == 1.0 else level_hips(upright, girdle.hips, girdle.line)
-    leg, m = mean_leg_length(measures), at.M_HIP_OFFSET
+    leg, m = mean_leg_length(measures), at.MEASURE_HIP_OFFSET
     middle = (
         channels[at.HIPS] * leg,
         channels[at.HIPS + 1] * leg,
-        channels[at.HIPS + 2] * leg + 0.5 * (measures[at.M_ANKLE_HEIGHT] + measures[at.M_ANKLE_HEIGHT + 1]),
+        channels[at.HIPS + 2] * leg + 0.5 * (measures[at.MEASURE_ANKLE_HEIGHT] + measures[at.MEASURE_ANKLE_HEIGHT + 1]),
     )
     root = write_transformed_point(
         middle,
@@ -148,7 +148,7 @@ def realize_trunk(channels, measures, girdle, spine_from, spine_share, pose):
         if k > 0:
             rotation = compose(upright, spine_rotation(channels, spine_from[k], spine_share[k]))
         write_rotation(rotation, pose.rotations[k])
-        m = at.M_SPINE + 3 * k
+        m = at.MEASURE_SPINE + 3 * k
         position = write_transformed_point(
             position, rotation, measures[m], measures[m + 1], measures[m + 2], pose.positions[k + 1]
         )
@@ -178,7 +178,12 @@ def level_hips(pelvis, share, line):
 @small_kernel
 def mean_leg_length(measures):
     """Mean length of both legs from hip to ankle, metres."""
-    return 0.5 * (measures[at.M_LEG] + measures[at.M_LEG + 1] + measures[at.M_LEG + 2] + measures[at.M_LEG + 3])
+    return 0.5 * (
+        measures[at.MEASURE_LEG]
+        + measures[at.MEASURE_LEG + 1]
+        + measures[at.MEASURE_LEG + 2]
+        + measures[at.MEASURE_LEG + 3]
+    )
 
 
 @small_kernel
@@ -222,17 +227,17 @@ def realize_head(channels, measures, play, neck_base, thorax, pose):
     The neck is rotated from its own rest direction: rest directions differ between skeletons, and the motion carries
     rotations only. Clavicles likewise.
     """
-    neck, m = (measures.shape[0] - at.M_SPINE) // 3, at.M_NECK_REST
+    neck, m = (measures.shape[0] - at.MEASURE_SPINE) // 3, at.MEASURE_NECK_REST
     parent = compose(thorax, rotation_from_quaternion(channels, at.NECK))
     rotation = compose(parent, rotation_with_z_axis(measures[m], measures[m + 1], measures[m + 2]))
     write_rotation(rotation, pose.rotations[neck])
-    length = measures[at.M_NECK]
+    length = measures[at.MEASURE_NECK]
     stray, c = play * length, at.HEAD_SHIFT
     x, y, z = stray * channels[c], stray * channels[c + 1], stray * channels[c + 2]
     joint = write_transformed_point(neck_base, rotation, x, y, length + z, pose.positions[neck + 1])
     rotation = compose(parent, rotation_from_quaternion(channels, at.HEAD))
     write_rotation(rotation, pose.rotations[neck + 1])
-    write_transformed_point(joint, rotation, 0.0, 0.0, measures[at.M_HEAD], pose.positions[neck + 2])
+    write_transformed_point(joint, rotation, 0.0, 0.0, measures[at.MEASURE_HEAD], pose.positions[neck + 2])
 
 
 @small_kernel
@@ -254,7 +259,7 @@ def clavicle_rotation(channels, measures, girdle, side):
     clavicle that rises at rest than from one that falls, and shoulders that meet tear the skin.
     """
     length = girdle.length
-    m, column, out = at.M_CLAVICLE_REST + 3 * side, at.CLAVICLE + 4 * side, 1.0 - 2.0 * side
+    m, column, out = at.MEASURE_CLAVICLE_REST + 3 * side, at.CLAVICLE + 4 * side, 1.0 - 2.0 * side
     own = rotation_from_quaternion(channels, column)
     rotation = own if length == 1.0 else scaled_rotation(channels, column, length)
     rotation = compose(rotation, rotation_with_z_axis(measures[m], measures[m + 1], measures[m + 2]))
@@ -264,7 +269,7 @@ def clavicle_rotation(channels, measures, girdle, side):
     beyond = out * measures[m + 1] - length * max(lost, 0.0) - reach
     if beyond <= 0.0:
         return rotation
-    held = reach + beyond * beyond / (beyond + CLAVICLE_NARROWING)
+    held = reach + beyond * beyond / (beyond + CLAVICLE_REACH_SOFTNESS)
     drawn = math.sqrt((1.0 - held * held) / (1.0 - reach * reach))
     return compose(
         shortest_rotation(rotation[2], rotation[5], rotation[8], drawn * rotation[2], out * held, drawn * rotation[8]),
@@ -279,25 +284,25 @@ def realize_arm(channels, measures, girdle, side, neck_base, thorax, pose):
 
     ``girdle`` is the actor's.
     """
-    spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    spine_count = (measures.shape[0] - at.MEASURE_SPINE) // 3
     point, segment = (
         spine_count + COLLAR_POINT + POINTS_PER_LIMB * side,
         spine_count + CLAVICLE_SEGMENT + SEGMENTS_PER_LIMB * side,
     )
     parent = compose(thorax, rotation_from_quaternion(channels, at.CLAVICLE + 4 * side))
-    m = at.M_COLLAR_BASE + 3 * side
+    m = at.MEASURE_COLLAR_BASE + 3 * side
     collar = write_transformed_point(
         neck_base, thorax, measures[m], measures[m + 1], measures[m + 2], pose.positions[point]
     )
     rotation = compose(thorax, clavicle_rotation(channels, measures, girdle, side))
     write_rotation(rotation, pose.rotations[segment])
-    write_transformed_point(collar, rotation, 0.0, 0.0, measures[at.M_CLAVICLE + side], pose.positions[point + 1])
-    m = at.M_ARM + 2 * side
+    write_transformed_point(collar, rotation, 0.0, 0.0, measures[at.MEASURE_CLAVICLE + side], pose.positions[point + 1])
+    m = at.MEASURE_ARM + 2 * side
     bones, fraction = (measures[m], measures[m + 1]), girdle.limbs[side]
     wrist, forearm = realize_limb(side, channels, bones, fraction, parent, point + 1, segment + 1, pose)
     hand = compose(forearm, rotation_from_quaternion(channels, at.HAND + 4 * side))
     write_rotation(hand, pose.rotations[segment + 3])
-    m = at.M_HAND + 3 * side
+    m = at.MEASURE_HAND + 3 * side
     write_transformed_point(wrist, hand, measures[m], measures[m + 1], measures[m + 2], pose.positions[point + 4])
 
 
@@ -307,13 +312,13 @@ def realize_leg(channels, measures, limbs, side, play, root, pelvis, pose):
 
     ``limbs`` (4,) are the actor's upper bones as fractions of the limbs.
     """
-    spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    spine_count = (measures.shape[0] - at.MEASURE_SPINE) // 3
     point, segment = (
         spine_count + HIP_POINT + POINTS_PER_LIMB * side,
         spine_count + THIGH_SEGMENT + SEGMENTS_PER_LIMB * side,
     )
     write_hip(channels, measures, side, play, root, rotation_from_matrix(pose.rotations[0]), pose.positions[point])
-    bones = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
+    bones = measures[at.MEASURE_LEG + 2 * side], measures[at.MEASURE_LEG + 2 * side + 1]
     ankle, _ = realize_limb(2 + side, channels, bones, limbs[2 + side], pelvis, point, segment, pose)
     foot = compose(pelvis, rotation_from_quaternion(channels, at.FOOT + 4 * side))
     toe = compose(foot, rotation_from_quaternion(channels, at.TOE + 4 * side))
@@ -347,7 +352,7 @@ def write_hip(channels, measures, side, play, root, pelvis, out_hip):
     """Write the world position of a hip joint into ``out_hip`` (3,) and return it; with ``play`` 1 it includes the
     actor's recorded offset.
     """
-    m, c, stray = at.M_HIP_OFFSET + 3 * side, at.HIP_SHIFT + 3 * side, play * mean_leg_length(measures)
+    m, c, stray = at.MEASURE_HIP_OFFSET + 3 * side, at.HIP_SHIFT + 3 * side, play * mean_leg_length(measures)
     return write_transformed_point(
         root,
         pelvis,
@@ -361,14 +366,14 @@ def write_hip(channels, measures, side, play, root, pelvis, out_hip):
 @small_kernel
 def write_foot(side, measures, ankle, foot, toe, pose):
     """Pose foot and toe by their rotations, beginning at the ankle."""
-    spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    spine_count = (measures.shape[0] - at.MEASURE_SPINE) // 3
     point, segment = (
         spine_count + TOE_POINT + POINTS_PER_LIMB * side,
         spine_count + FOOT_SEGMENT + SEGMENTS_PER_LIMB * side,
     )
     write_rotation(foot, pose.rotations[segment])
     write_rotation(toe, pose.rotations[segment + 1])
-    m = at.M_FOOT + 3 * side
+    m = at.MEASURE_FOOT + 3 * side
     joint = write_transformed_point(ankle, foot, measures[m], measures[m + 1], measures[m + 2], pose.positions[point])
-    m = at.M_TOE + 3 * side
+    m = at.MEASURE_TOE + 3 * side
     write_transformed_point(joint, toe, measures[m], measures[m + 1], measures[m + 2], pose.positions[point + 1])

@@ -20,5 +20,5 @@ def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 
 @njit
 def pack(values: Any) -> Any:
-    """The tuple itself, passed the way numba passes it."""
+    """``values`` unchanged: the counterpart of ``packed.pack`` for numba versions whose tuples cannot be packed."""
     return values

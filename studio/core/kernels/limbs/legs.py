@@ -52,7 +52,7 @@ def required_root_lowering(channels, measures, rotations, ankles, soft_threshold
             if states[side, frame] == 0:
                 continue
             write_hip(channels[frame], row, side, 0.0, root, rotation_from_matrix(rotations[frame, 0]), hip)
-            length = row[at.M_LEG + 2 * side] + row[at.M_LEG + 2 * side + 1]
+            length = row[at.MEASURE_LEG + 2 * side] + row[at.MEASURE_LEG + 2 * side + 1]
             reach = length * soft_thresholds[side, frame]
             x, y = ankles[side, frame, 0] - hip[0], ankles[side, frame, 1] - hip[1]
             below = math.sqrt(max(0.0, reach * reach - x * x - y * y))
@@ -86,7 +86,7 @@ def place_leg(side, measures, legs, pose):
     soft-IK threshold is approached by ``soft_extension``; the root has been lowered for standing feet. ``legs`` and
     ``pose`` of one frame as in ``kernels.records``. An ankle may have 7 numbers (``KNEE_TARGET``).
     """
-    spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    spine_count = (measures.shape[0] - at.MEASURE_SPINE) // 3
     _, frame, limb = aim_leg(side, measures, legs, pose)
     end, _ = place_limb(
         spine_count + HIP_POINT + POINTS_PER_LIMB * side,
@@ -102,11 +102,11 @@ def place_leg(side, measures, legs, pose):
 def aim_leg(side, measures, legs, pose):
     """Place the hip on the pelvis; returns its position, the leg's frame, and the leg's ``LimbShape`` in that frame."""
     channels, ankle = legs.channels, legs.ankles[side]
-    point = (measures.shape[0] - at.M_SPINE) // 3 + 13 + 5 * side
+    point = (measures.shape[0] - at.MEASURE_SPINE) // 3 + 13 + 5 * side
     pelvis = rotation_from_matrix(pose.rotations[0])
     hip = write_hip(channels, measures, side, 0.0, pose.positions[0], pelvis, pose.positions[point])
     frame, reach, off_plane = leg_frame(channels, measures, side, legs.soft_thresholds[side], ankle, hip, pelvis)
-    upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
+    upper, lower = measures[at.MEASURE_LEG + 2 * side], measures[at.MEASURE_LEG + 2 * side + 1]
     if ankle.shape[0] > 3 and ankle[KNEE_TARGET_ACTIVE] > 0.0:
         frame = twist_about_z(frame, knee_swivel(hip, ankle, upper, lower, reach, off_plane, frame))
     t = at.LIMB_TWIST + 2 * (2 + side)
@@ -116,7 +116,7 @@ def aim_leg(side, measures, legs, pose):
 @kernel
 def place_leg_points(side, measures, legs, before, pose):
     """Place the points of a leg as ``place_leg`` does; ``before`` (P, 3) has the offsets of the foot from its ankle."""
-    positions, point = pose.positions, (measures.shape[0] - at.M_SPINE) // 3 + 13 + 5 * side
+    positions, point = pose.positions, (measures.shape[0] - at.MEASURE_SPINE) // 3 + 13 + 5 * side
     hip, frame, limb = aim_leg(side, measures, legs, pose)
     x, y, z, distance = middle_joint(limb)
     write_transformed_point(hip, frame, x, y, z, positions[point + 1])
@@ -133,7 +133,7 @@ def leg_frame(channels, measures, side, soft_threshold, ankle, hip, pelvis):
     """(frame, distance from hip to ankle, offset of the knee from the leg's plane) of a leg aimed from its ``hip`` (3,)
     at its ankle, in metres (METHOD (4), (11)).
     """
-    upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
+    upper, lower = measures[at.MEASURE_LEG + 2 * side], measures[at.MEASURE_LEG + 2 * side + 1]
     length = upper + lower
     x, y, z = ankle[0] - hip[0], ankle[1] - hip[1], ankle[2] - hip[2]
     distance = math.sqrt(x * x + y * y + z * z)
@@ -177,7 +177,7 @@ def knee_swivels(channels, measures, side, soft_thresholds, ankles, hips, pelvis
             hips[frame],
             rotation_from_matrix(pelvises[frame]),
         )
-        upper, lower = row[at.M_LEG + 2 * side], row[at.M_LEG + 2 * side + 1]
+        upper, lower = row[at.MEASURE_LEG + 2 * side], row[at.MEASURE_LEG + 2 * side + 1]
         out_angles[frame] = knee_swivel(hips[frame], ankles[frame], upper, lower, reach, off_plane, rotation)
 
 
@@ -195,7 +195,7 @@ def write_knee_targets(channels, measures, side, soft_thresholds, angles, hips, 
         rotation, reach, off_plane = leg_frame(
             channels[frame], row, side, soft_thresholds[frame], ankle, hip, rotation_from_matrix(pelvises[frame])
         )
-        upper, lower = row[at.M_LEG + 2 * side], row[at.M_LEG + 2 * side + 1]
+        upper, lower = row[at.MEASURE_LEG + 2 * side], row[at.MEASURE_LEG + 2 * side + 1]
         x, y, _ = unswivelled_knee(upper, lower, reach, off_plane)
         angle = math.atan2(y, x) + angles[frame]
         c, s = (
@@ -221,12 +221,12 @@ def unswivelled_knee(upper, lower, distance, off_plane):
 def is_placed(side, measures, legs, pose):
     """True if ``place_leg`` would not change the leg."""
     channels, ankle = legs.channels, legs.ankles[side]
-    spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    spine_count = (measures.shape[0] - at.MEASURE_SPINE) // 3
     point, segment = (
         spine_count + ANKLE_POINT + POINTS_PER_LIMB * side,
         spine_count + FOOT_SEGMENT + SEGMENTS_PER_LIMB * side,
     )
-    upper, lower = measures[at.M_LEG + 2 * side], measures[at.M_LEG + 2 * side + 1]
+    upper, lower = measures[at.MEASURE_LEG + 2 * side], measures[at.MEASURE_LEG + 2 * side + 1]
     stretch = 1.0 - channels[at.LIMB_SLACK + 2 + side]
     if channels[at.LIMB_BEND + 2 + side] != 1.0 or stretch > legs.soft_thresholds[side]:
         return False

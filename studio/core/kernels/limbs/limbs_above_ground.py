@@ -111,9 +111,9 @@ def end_height(limb, problem, pose):
         return lowest
     side = limb - 2
     foot, toe = rotation_from_matrix(pose.rotations[upper + 2]), rotation_from_matrix(pose.rotations[upper + 3])
-    tall, toe_at = measures[at.M_ANKLE_HEIGHT + side], at.M_TOE + 3 * side
-    thick = tall + measures[at.M_FOOT + 3 * side + 2]
-    heel = transform_point(positions[root + 2], foot, -measures[at.M_HEEL_LENGTH + side], 0.0, -tall)
+    tall, toe_at = measures[at.MEASURE_ANKLE_HEIGHT + side], at.MEASURE_TOE + 3 * side
+    thick = tall + measures[at.MEASURE_FOOT + 3 * side + 2]
+    heel = transform_point(positions[root + 2], foot, -measures[at.MEASURE_HEEL_LENGTH + side], 0.0, -tall)
     ball = transform_point(positions[root + 3], foot, 0.0, 0.0, -thick)
     bent = transform_point(positions[root + 3], toe, 0.0, 0.0, -thick)
     tip = transform_point(positions[root + 3], toe, math.hypot(measures[toe_at], measures[toe_at + 1]), 0.0, -thick)

@@ -19,7 +19,7 @@ ROOT_REACH_DAMPING = 0.1 * HALF_FREE_REACH
 def root_reach_of(side, body, start):
     """(length, braking margin) in metres of the distance hip-ankle, at least that of the motion."""
     measures, root_reaches, legs = body.measures, body.root_reaches, body.legs
-    length = measures[at.M_LEG + 2 * side] + measures[at.M_LEG + 2 * side + 1]
+    length = measures[at.MEASURE_LEG + 2 * side] + measures[at.MEASURE_LEG + 2 * side + 1]
     hip = start.positions[start.positions.shape[0] - POINTS_BESIDE_SPINE + HIP_POINT + POINTS_PER_LIMB * side]
     own = distance(hip, legs.ankles[side])
     root_reach = max(root_reaches[side] * length, own)

@@ -215,7 +215,7 @@ def pose_level_fraction(fraction, level, problem):
 
 @kernel
 def restart_level(level, problem):
-    """Place limbs anew after tasks of this level were dropped."""
+    """Recompute the limbs after tasks of ``level`` were dropped."""
     tasks, body, search, pose = problem.tasks, problem.body, problem.search, problem.pose
     restore_caps(body.limits)
     changed = find_end_tasks(level, tasks, pose.positions.shape[0] - POINTS_BESIDE_SPINE, search.end_tasks)

@@ -196,7 +196,7 @@ def place_arms(measures, arms, positions, rotations):
 def place_arm(frame, side, measures, arms, pose):
     """Place one arm of one frame: shoulder from the clavicle, wrist at its target, hand as given."""
     channels, wrist = arms.channels[frame], arms.wrists[side, frame]
-    spine_count = (measures.shape[0] - at.M_SPINE) // 3
+    spine_count = (measures.shape[0] - at.MEASURE_SPINE) // 3
     shoulder, upper_arm = (
         spine_count + SHOULDER_POINT + POINTS_PER_LIMB * side,
         spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side,
@@ -208,7 +208,7 @@ def place_arm(frame, side, measures, arms, pose):
     )
     axes = compose(parent, rotation_from_quaternion(channels, at.LIMB_FRAME + 4 * side))
     origin = pose.positions[shoulder]
-    upper, lower = measures[at.M_ARM + 2 * side], measures[at.M_ARM + 2 * side + 1]
+    upper, lower = measures[at.MEASURE_ARM + 2 * side], measures[at.MEASURE_ARM + 2 * side + 1]
     length = upper + lower
     x, y, z = wrist[0] - origin[0], wrist[1] - origin[1], wrist[2] - origin[2]
     distance = math.sqrt(x * x + y * y + z * z)
@@ -224,5 +224,5 @@ def place_arm(frame, side, measures, arms, pose):
     end, _ = place_limb(shoulder, upper_arm, axes, limb, pose)
     rotation = rotation_from_matrix(arms.hands[side, frame])
     write_rotation(rotation, pose.rotations[upper_arm + 2])
-    m = at.M_HAND + 3 * side
+    m = at.MEASURE_HAND + 3 * side
     write_transformed_point(end, rotation, measures[m], measures[m + 1], measures[m + 2], pose.positions[shoulder + 3])

@@ -11,7 +11,7 @@ from studio.core.kernels.compiling import kernel, small_kernel
 
 TOE_X, TOE_Y, TOE_Z, ANKLE_HEIGHT, SOLE_HEEL_LENGTH, TOE_LENGTH = range(6)
 """The numbers of a ``sole``: ankle to toe joint in foot axes, ankle above the sole, heel behind the ankle, toe."""
-HEEL_PAD = 0.6
+HEEL_PAD_FRACTION = 0.6
 """Distance from the heel's edge to the middle of its pad, about which a foot turns, as a fraction of the heel's length:
 in 36 captured turns of 13 to 153 degrees the ankle is 2.3 cm ahead of the point that moves least (median).
 """
@@ -99,7 +99,7 @@ def stance_offsets(rotation, sole, out_offsets):
     height.
     """
     pivot_offsets(rotation, sole, out_offsets)
-    ahead = HEEL_PAD * sole[SOLE_HEEL_LENGTH] / max(math.hypot(rotation[0, 0], rotation[1, 0]), 1e-9)
+    ahead = HEEL_PAD_FRACTION * sole[SOLE_HEEL_LENGTH] / max(math.hypot(rotation[0, 0], rotation[1, 0]), 1e-9)
     for axis in range(2):
         out_offsets[0, axis] += ahead * rotation[axis, 0]
 

@@ -59,7 +59,7 @@ from studio.core.kernels.tasks.task_status import (
 DROPPED_IN_KEPT = 2
 """Value of ``blended_limbs`` for a limb whose task was dropped in the saved pose, while the next is solved."""
 
-STRAIGHT_LIMB = 0.01
+STRAIGHT_LIMB_TOLERANCE = 0.01
 """Fraction of its length, short of full extension, from which a limb bends for its goal rather than the trunk."""
 
 
@@ -132,7 +132,7 @@ def blend_states(fraction, search):
 
 @kernel
 def blend_limb(fraction, limb, search):
-    """Blend one limb as ``blend_states`` does."""
+    """Blend one limb of the saved pose, with weight ``fraction``, into the pose just solved."""
     for bone in range(4 * limb, 4 * limb + (3 if limb < 2 else 4)):
         solved, kept = (
             rotation_from_matrix(search.solved_rotations[bone]),
@@ -279,7 +279,7 @@ def update_blended_reach(row, end, holds_end, pose):
     """
     root, longest = limb_parts(row.limbs[end], pose.positions.shape[0] - POINTS_BESIDE_SPINE)[2], row.max_reach[end]
     point, goal = effective_point(row, end, row.goal_positions[end], holds_end, pose)
-    shoulder, edge = pose.positions[root], STRAIGHT_LIMB * longest
+    shoulder, edge = pose.positions[root], STRAIGHT_LIMB_TOLERANCE * longest
     span, spare = distance(goal, shoulder), max(longest - distance(point, shoulder), 0.0)
     row.goal_reaches[end] = longest - spare * soft_positive(longest - span, edge) / soft_positive(spare, edge)
     row.min_reach[end] = row.goal_reaches[end]

@@ -100,7 +100,7 @@ def _part(point: ContactPoint, bone: str) -> BodyPart:
 
 def _body_point(point: ContactPoint, body: AnyMorphology) -> BodyPoint:
     if point is ContactPoint.SEAT:
-        middle = body.rows[0, at.M_HIP_OFFSET : at.M_LEG].reshape(2, 3).mean(axis=0)
+        middle = body.rows[0, at.MEASURE_HIP_OFFSET : at.MEASURE_LEG].reshape(2, 3).mean(axis=0)
         return BodyPoint(BodyPart.PELVIS, tuple(middle.tolist()))
     return BodyPoint(_part(point, "forearm" if point.member == "hand" else "thigh"), at_end=True)
 

@@ -36,7 +36,7 @@ def pack_tasks(
 
     The first ``contacts`` of them have higher levels than all others. Raises TypeError for an unknown kind.
     """
-    count, levels = len(constraints), _levels(constraints, contacts)
+    count, levels = len(constraints), levels_by_priority(constraints, contacts)
     begun = [
         BLANK_TASK.tobytes() if isinstance(each, BalanceConstraint) else row_of(each.point, each.chain, layout)
         for each in constraints
@@ -65,8 +65,8 @@ def pack_tasks(
     return rows
 
 
-def _levels(constraints: Sequence[Constraint], contacts: int) -> tuple[int, ...]:
-    """Level of each constraint, 0 the highest."""
+def levels_by_priority(constraints: Sequence[Constraint], contacts: int) -> tuple[int, ...]:
+    """Level of each constraint, 0 the highest: contacts first, then constraints in order of their priority."""
     priorities = [-1] * contacts + [constraint.priority for constraint in constraints[contacts:]]
     levels = {priority: rank for rank, priority in enumerate(sorted(set(priorities)))}
     return tuple(levels[priority] for priority in priorities)

@@ -1,7 +1,8 @@
 """Constraints on a limb yield to its contacts, and take over as these are released.
 
-A position target is ramped from the contact's position, so that it is met on its way: blended like a transition, its
-residual would depend on how far lower constraints move the body. All other kinds fade in and out with the contact.
+A position target starts at the contact's position and moves to its own, so the point is on a target at every frame.
+Blending the solutions instead would make the residual depend on constraints of lower priority. All other
+kinds fade in and out with the contact.
 """
 
 from collections.abc import Sequence

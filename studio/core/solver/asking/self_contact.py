@@ -280,7 +280,7 @@ class SelfContact:
         eased = np.einsum("fij,fvj->fvi", chest, smoothed_steps(out, self.frame_rate)).reshape(
             len(moves), 2, ELBOW_SWIVEL
         )
-        farthest = MAX_WRIST_PUSH * self.body.rows[:, at.M_ARM : at.M_ARM + 2].sum(axis=1).max()
+        farthest = MAX_WRIST_PUSH * self.body.rows[:, at.MEASURE_ARM : at.MEASURE_ARM + 2].sum(axis=1).max()
         far = np.linalg.norm(eased[:, :, :HAND_ROTATION], axis=2, keepdims=True) / farthest
         moves[:, :, :HAND_ROTATION] = able * eased[:, :, :HAND_ROTATION] / (1.0 + far**4) ** 0.25
         moves[:, :, HAND_ROTATION:ELBOW_SWIVEL] = able * (1.0 - firm)[:, None, None] * eased[:, :, HAND_ROTATION:]
@@ -339,7 +339,7 @@ def self_contact_of(
             own,
             displacements,
         )
-    arms = [rows[:, at.M_ARM : at.M_ARM + 4].sum(axis=1)[:, None] for rows in (body.rows, actor.rows)]
+    arms = [rows[:, at.MEASURE_ARM : at.MEASURE_ARM + 4].sum(axis=1)[:, None] for rows in (body.rows, actor.rows)]
     scale = arms[0] / arms[1]
     both = np.maximum(touching.together, touching.held)
     sizes = scale + (1.0 - scale) * (touching.held * (1.0 - touching.together) / np.maximum(both, 1e-9))[:, None]

@@ -62,7 +62,10 @@ class UnsolvedTask:
 
 
 def trajectory_to(target: FloatArray, begin: FloatArray) -> TargetTrajectory:
-    """Trajectory from positions (F, 3) to targets, zero where a target is NaN."""
+    """Displacements (F, 3) from ``begin`` to ``target``, and their unit length.
+
+    They are softly bounded by ``MAX_TARGET_OFFSET`` and zero where a target is NaN.
+    """
     displacement = np.where(np.isnan(target), 0.0, target - begin)
     return displacement / np.sqrt(
         1.0 + (np.linalg.norm(displacement, axis=1, keepdims=True) / MAX_TARGET_OFFSET) ** 2

@@ -40,7 +40,7 @@ def is_plain(clip: Clip) -> bool:
 
 
 def timing_of(project: Project, performer: Performer) -> Timing:
-    """Timing of a performer's row, known before any motion: as in ``compose``."""
+    """Timing of a performer's clips on the stage, computed without their motions."""
     clips = performer.clips
     rates = [project.frame_rate_of(clip) for clip in clips]
     if len(clips) == 1 and is_plain(clips[0]):

@@ -37,7 +37,7 @@ class RootReach:
         own distance.
         """
         hips = np.stack([positions[:, layout.hip_point(side)] for side in range(2)])
-        legs = measures[:, at.M_LEG : at.M_LEG + 4].reshape(-1, 2, 2).sum(axis=2).T
+        legs = measures[:, at.MEASURE_LEG : at.MEASURE_LEG + 4].reshape(-1, 2, 2).sum(axis=2).T
         own = np.linalg.norm(hips - ankles[..., :3], axis=2)
         return RootReach(positions[:, 0], hips - positions[:, 0], ankles[..., :3], np.maximum(root_reaches * legs, own))
 

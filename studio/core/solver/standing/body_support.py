@@ -309,7 +309,7 @@ def _place_on(position: FloatArray, height: float, ground: Ground) -> tuple[Floa
 
 def _fingers(body: AnyMorphology, side: int) -> FloatArray:
     """Vector (3,) from the wrist to the finger tips, in the hand's axes."""
-    return np.asarray(body.rows[0, at.M_HAND + 3 * side : at.M_HAND + 3 * side + 3])
+    return np.asarray(body.rows[0, at.MEASURE_HAND + 3 * side : at.MEASURE_HAND + 3 * side + 3])
 
 
 def _bearing(body: AnyMorphology, ground: Ground, positions: FloatArray) -> FloatArray:

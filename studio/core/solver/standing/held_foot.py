@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from studio.core.kernels.support.sole import HEEL_PAD, HEEL_STANDS
+from studio.core.kernels.support.sole import HEEL_PAD_FRACTION, HEEL_STANDS
 from studio.core.normalized.differences import rotation_vectors
 from studio.core.normalized.transition import (
     MOST_TRANSITION,
@@ -56,7 +56,7 @@ def heel_pivot(measures: FloatArray) -> Pivot:
     ``measures`` (1, 6) as in ``sole_arms``.
     """
     heel, *_ = sole_arms(measures)
-    return Pivot(heel[0], np.zeros(3), -HEEL_PAD * float(heel[0, 0]))
+    return Pivot(heel[0], np.zeros(3), -HEEL_PAD_FRACTION * float(heel[0, 0]))
 
 
 def toe_pivot(measures: FloatArray, *toes: FloatArray) -> Pivot:

@@ -190,7 +190,7 @@ def _knee_displacements(
     side = hold.point.side
     legs = leg_rows(body, side)
     residual = _too_far(hold.places, positions[:, body.layout.hip_point(side)], legs[:, 0], legs[:, 0])
-    to_toe = body.rows[:, at.M_FOOT + 3 * side :][:, :3]
+    to_toe = body.rows[:, at.MEASURE_FOOT + 3 * side :][:, :3]
     feet, length = footing.feet[side], np.linalg.norm(to_toe, axis=1)
     toes = footing.ankles[side] + np.einsum("fij,fj->fi", feet, np.broadcast_to(to_toe, hold.places.shape))
     both = np.column_stack([legs[:, 1] + 0.0 * length, length + 0.0 * legs[:, 1]])
@@ -251,7 +251,7 @@ def _kneeling(
         knees = hold.displaced(track_of(hold.point, body, positions), frame_rate)
         shank = leg_rows(body, side)[:, 1:]
         to_toe = np.einsum(
-            "fij,fj->fi", feet[side], np.broadcast_to(body.rows[:, at.M_FOOT + 3 * side :][:, :3], knees.shape)
+            "fij,fj->fi", feet[side], np.broadcast_to(body.rows[:, at.MEASURE_FOOT + 3 * side :][:, :3], knees.shape)
         )
         heel, toe = (
             1.0 - release_weight((footing.states[side] & bit) != 0, frame_rate)[:, None]
