@@ -23,7 +23,7 @@ def bundled_strikes_folder() -> Path:
 
 
 def help_file() -> Path:
-    """Path of the help file on the command line."""
+    """Path of the help text about the command line."""
     return _bundled("docs") / "headless.md"
 
 

@@ -78,12 +78,12 @@ def selected_fields(project: Project, items: Iterable[tuple[str, str]]) -> dict[
 
 
 def to_stage(project: Project, clip: Clip | None, field: KeyedField, seconds: float) -> float:
-    """Seconds of the stage of a key, as ``all_to_stage``."""
+    """Stage time (s) of a key that stands at ``seconds`` of its field's own time."""
     return float(all_to_stage(project, clip, field, seconds))
 
 
 def from_stage(project: Project, clip: Clip | None, field: KeyedField, seconds: float) -> float:
-    """Inverse of ``to_stage``."""
+    """Time (s) in the field's own time of a key at the stage time ``seconds``."""
     return float(all_from_stage(project, clip, field, seconds))
 
 
@@ -98,7 +98,7 @@ def all_to_stage(project: Project, clip: Clip | None, field: KeyedField, seconds
 
 
 def all_from_stage(project: Project, clip: Clip | None, field: KeyedField, seconds: ArrayLike) -> FloatArray:
-    """Inverse of ``all_to_stage``."""
+    """Times (s) in the field's own time of keys at the stage times ``seconds``."""
     counted = counted_in(project, clip, field)
     return np.asarray(seconds) if counted is None else counted.motion_seconds(seconds, project.frame_rate_of(counted))
 

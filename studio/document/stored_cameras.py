@@ -29,9 +29,9 @@ def store_camera(document: Document, placement: CameraPlacement, slot: int | Non
 def give_slot(document: Document, camera_id: str, slot: int | None) -> None:
     """Assign a key to a camera, and remove it from any other one, as one undo step."""
     camera = document.project.cameras[camera_id]
-    with document.group(f"Slot of {camera.name}"):
+    with document.group(f"Set shortcut of {camera.name}"):
         holder = camera_in_slot(document.project, slot) if slot is not None else None
         if holder is not None and holder != camera_id:
             other = document.project.cameras[holder]
-            document.replace("cameras", holder, replace(other, slot=None), f"Slot of {other.name}")
-        document.replace("cameras", camera_id, replace(camera, slot=slot), f"Slot of {camera.name}")
+            document.replace("cameras", holder, replace(other, slot=None), f"Set shortcut of {other.name}")
+        document.replace("cameras", camera_id, replace(camera, slot=slot), f"Set shortcut of {camera.name}")

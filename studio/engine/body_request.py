@@ -66,7 +66,7 @@ class BodyRequest:
     """Corrections in seconds of the motion of the row."""
 
     def has_same_grounding(self, other: "BodyRequest | None") -> bool:
-        """True if the grounded motion is the same as another one's."""
+        """True if both requests have the same grounded motion."""
         mine = self.motions, self.layers, self.morphology, self.ground, self.skin, self.limited, self.clears
         return other is not None and mine == (
             other.motions, other.layers, other.morphology, other.ground, other.skin, other.limited, other.clears

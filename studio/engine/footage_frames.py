@@ -74,7 +74,7 @@ class FootageFrames(QObject):
         return found
 
     def try_again(self, path: Path) -> None:
-        """Read a file anew that is another one by now, or could not be read."""
+        """Read a file again that has changed, or that could not be read."""
         with self._changed:
             self._refused.discard(path)
             self._bytes -= sum(self._kept.pop(key).nbytes for key in [key for key in self._kept if key[0] == path])

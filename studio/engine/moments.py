@@ -28,7 +28,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class TargetContext:
-    """``pose`` is one of ``posed``, all performers at the same moment of the stage."""
+    """Reads and moves the targets of constraints of the performer ``pose``; ``posed`` are all at that stage time."""
 
     project: Project
     posed: Mapping[str, PosedPerformer]

@@ -23,7 +23,7 @@ from studio.engine.performance import PosedPerformer
 FloatArray = NDArray[np.float64]
 
 HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
-HELD_DISTANCE = 0.3
+HELD_GAP_METRES = 0.3
 """Metres from a point of a body to the surface of a prop that is held beside it, where it is."""
 CARRIED_AHEAD, CARRIED_HEIGHT = 0.28, 0.2
 """Leg lengths from the root forward to a prop that is carried before the body, and up to its middle, at least."""
@@ -200,7 +200,7 @@ def hold_in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Po
         offset = (motion.positions[row, far] - motion.positions[row, origin]) / 2
     else:
         offset = holder.placement.to_motion(pose.place) - motion.positions[row, origin]
-        if np.linalg.norm(offset) > HELD_DISTANCE + max(pose.prop.size) / 2:
+        if np.linalg.norm(offset) > HELD_GAP_METRES + max(pose.prop.size) / 2:
             offset = np.zeros(3)
     x, y, z = (axes.T @ offset).tolist()
     turn = from_matrix((holder.placement.rotation @ axes).T @ pose.axes)

@@ -154,7 +154,7 @@ def cleaned_joints(read: ReadJoints, body_map: BodyMap, options: ImportOptions, 
     if not faults.any:
         return read
     if not options.clean:
-        reason = f"It has {faults.words}. Clean motion (--clean) takes that off, as from poses estimated in images."
+        reason = f"It has {faults.words}. Clean up motion (--clean) takes that off, as from poses estimated in images."
         guesses.append(Guess("cleaning", "none", reason, Confidence.LIKELY))
         return read
     repair = f"{read.path.name} was cleaned. It had {faults.words}."

@@ -93,7 +93,7 @@ def find_unit(
     is None if nothing was guessed.
     """
     if chosen is not None:
-        return unit_called(chosen, leg), None
+        return parse_unit(chosen, leg), None
     fits = said is None or leg is None or _SAID_LEG[0] <= leg * said.metres <= _SAID_LEG[1]
     if said is not None and fits and UNIT.least <= said.metres <= UNIT.most:
         return said, None
@@ -149,8 +149,11 @@ def _fits(name: str, leg: float) -> bool:
     return shortest <= leg * METRES_PER_UNIT[name] <= longest
 
 
-def unit_called(text: str, leg: float | None) -> Scale:
-    """The unit the user names: one of ``METRES_PER_UNIT``, metres a unit as a number, or ``unknown``."""
+def parse_unit(text: str, leg: float | None) -> Scale:
+    """Scale of the unit that the user names: one of ``METRES_PER_UNIT``, metres a unit as a number, or ``unknown``.
+
+    ``leg`` is the length of the actor's leg in units of the file, from which an unknown unit is guessed.
+    """
     name = _ALIASES.get(text.lower(), text.lower())
     if name in METRES_PER_UNIT:
         return Scale(name, METRES_PER_UNIT[name])

@@ -67,7 +67,7 @@ class Record:
         return values
 
     def numbers(self, key: str, default: tuple[float, ...]) -> tuple[float, ...]:
-        """As many finite numbers as ``default`` has."""
+        """Finite numbers under ``key``, as many as ``default`` has."""
         values = self.value.get(key, default)
         right = isinstance(values, list | tuple) and len(values) == len(default)
         if not right or not all(_is_number(value) for value in values):

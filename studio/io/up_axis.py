@@ -22,8 +22,8 @@ _ABOUT_X, _ABOUT_Y = np.diag([1.0, -1.0, -1.0]), np.diag([-1.0, 1.0, -1.0])
 FILE_AXES = MappingProxyType({"Y": _Y, "Z": _Z, "X": _X, "-Y": _Y @ _ABOUT_X, "-Z": _Z @ _ABOUT_X, "-X": _X @ _ABOUT_Y})
 """File axes to world axes by the axis that is up; the file's usual front (+Z, -Y, +Y) becomes +X, or lies half a turn
 about a level axis from there."""
-BVH_USE = MappingProxyType({"Y": 0.2, "Z": 0.15, "-Y": -0.1, "-Z": -0.05, "-X": -0.05})
-C3D_USE = MappingProxyType({"Z": 0.2, "Y": 0.15})
+BVH_UP_PRIOR = MappingProxyType({"Y": 0.2, "Z": 0.15, "-Y": -0.1, "-Z": -0.05, "-X": -0.05})
+C3D_UP_PRIOR = MappingProxyType({"Z": 0.2, "Y": 0.15})
 """Prior of an axis among files that do not say theirs, in units of the score."""
 _SAID = 0.6
 """The same for the axis that the format, or the file, says."""

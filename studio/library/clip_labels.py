@@ -108,7 +108,7 @@ class ClipLabel:
 
     @classmethod
     def from_json(cls, record: Mapping[str, Any]) -> Self:
-        """Inverse of ``to_json``. Raises KeyError, TypeError or ValueError if it is not the record of a label."""
+        """Label in a JSON ``record``. Raises KeyError, TypeError or ValueError if it is not the record of a label."""
         first, last, hit, limb = (index(record[name]) for name in ("first", "last", "hit", "limb"))
         kind, segment = Kind(record["kind"]), HitSegment(record["segment"])
         return cls(

@@ -16,7 +16,7 @@ from studio.core.retrieval import SearchTable, pose_distances
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-CLUSTER_LINKS = 4
+NEIGHBOURS_PER_CLUSTER = 4
 LEAST_CLUSTER_DISTANCE = 0.08
 """Metres by which the features of two representatives differ at least; poses nearer to each other look alike."""
 
@@ -80,5 +80,5 @@ def map_of(table: SearchTable, count: int) -> PoseMap:
     poses = table.rows[representatives]
     between = np.array([pose_distances(pose, poses)[0] for pose in poses])
     np.fill_diagonal(between, np.inf)
-    links = np.argsort(between, axis=1)[:, : min(CLUSTER_LINKS, len(found) - 1)]
+    links = np.argsort(between, axis=1)[:, : min(NEIGHBOURS_PER_CLUSTER, len(found) - 1)]
     return PoseMap(clusters, features[representatives], representatives, links)

@@ -32,7 +32,7 @@ from studio.library.hitting import hit_places, limb_root
 from studio.library.library import Library
 from studio.library.searching import Result, StrikeQuery, search_strikes
 from studio.library.striking import Strike, StrikeClip, strike_in
-from studio.live.keeping import KEEPING_STEP_SECONDS
+from studio.live.keeping import DISTANCE_STEP_SECONDS
 from studio.live.takeover import SPEED_FRAMES, Takeover, take_over
 
 FloatArray = NDArray[np.float64]
@@ -209,7 +209,7 @@ class Fighter:
         """Advance by one frame and return its positions (K+23, 3) and rotations (K+18, 3, 3), aimed at ``target``."""
         place = np.array(target, dtype=np.float64)
         self._places.append(place)
-        if self._order is not None and self._wanted is None and self._played_for(KEEPING_STEP_SECONDS):
+        if self._order is not None and self._wanted is None and self._played_for(DISTANCE_STEP_SECONDS):
             self._ask(place)
         self._take_plan()
         if self.frame >= self.plan.last or (self.plan.state is FighterState.GUARD and self._stands_wrong(place)):
@@ -229,7 +229,10 @@ class Fighter:
         """Start making the plan for the order, in the background if there is an executor."""
         assert self._order is not None
         begins = PlanStart(self.plan.standing, self._rows, position, self._speed())
-        order, step = self._order, self._step_up(begins.position_in(KEEPING_STEP_SECONDS)) if self._steps_left else None
+        order, step = (
+            self._order,
+            self._step_up(begins.position_in(DISTANCE_STEP_SECONDS)) if self._steps_left else None,
+        )
 
         def work() -> PendingPlan:
             return self._strike(begins, *order, step)
@@ -275,7 +278,7 @@ class Fighter:
 
     def _stepping(self, turn: float, offset: FloatArray) -> MotionPiece:
         own = PlanarTransform(turn, (float(offset[0]), float(offset[1])))
-        return replace(self.guard, start=0.0, own=own, ease=KEEPING_STEP_SECONDS)
+        return replace(self.guard, start=0.0, own=own, ease=DISTANCE_STEP_SECONDS)
 
     def _step_up(self, position: FloatArray) -> MotionPiece | None:
         """Step towards ``position``; None if it is not too far off."""

@@ -17,7 +17,7 @@ from studio.live.acting import StageView, StartedAct
 
 FloatArray = NDArray[np.float64]
 
-KEEPING_STEP_SECONDS = 0.6
+DISTANCE_STEP_SECONDS = 0.6
 """Seconds that a step of both feet takes."""
 KEEPING_STEP, KEEPING_TURN = 0.4, 0.7
 """Maximum displacement (m) and rotation (radians) of one step."""
@@ -34,7 +34,7 @@ def distance_step(seen: StageView, key: str, act: StartedAct, composite: Composi
     """
     found = seen.state_of(key)
     kept = _kept(found[0]) if found else None
-    if found is None or kept is None or seen.seconds < act.clip.start + SETTLING + KEEPING_STEP_SECONDS * act.steps:
+    if found is None or kept is None or seen.seconds < act.clip.start + SETTLING + DISTANCE_STEP_SECONDS * act.steps:
         return None
     role, project = found[1], seen.project
     whom, own = seen.place_of(kept.whom, role), seen.place_of(FollowPerformer(key, PELVIS_POINT), role)
@@ -54,7 +54,7 @@ def distance_step(seen: StageView, key: str, act: StartedAct, composite: Composi
     way = float(np.clip(wrong, -KEEPING_STEP, KEEPING_STEP)) * away / (apart * leg)
     x, y, _ = (placement.rotation.T @ [*way, 0.0]).tolist()
     turned = float(np.clip(turn, -KEEPING_TURN, KEEPING_TURN))
-    return replace(act, clip=replace(act.clip, turn=turned, offset=(x, y), ease=KEEPING_STEP_SECONDS), steps=True)
+    return replace(act, clip=replace(act.clip, turn=turned, offset=(x, y), ease=DISTANCE_STEP_SECONDS), steps=True)
 
 
 def _kept(state: State) -> KeepDistance | None:

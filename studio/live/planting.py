@@ -19,7 +19,7 @@ from studio.live.foothold import DampedHeight, Foothold, FootPose
 
 FloatArray = NDArray[np.float64]
 
-FLOOR_RISES = 0.01
+FLOOR_RISE_SPEED = 0.01
 """Speed (m/s) at which the reference height of low feet rises while no foot comes down to it."""
 LOST = 0.5
 """Seconds without a pose after which the contacts of a body are reset."""
@@ -77,7 +77,7 @@ class LiveGrounding:
         points = [foot.points_of(pose)[:, 2] for foot, pose in zip(self._feet, feet, strict=True)]
         lowest = float(np.min(points))
         self._lowest = min(self._lowest, lowest)
-        self._low = min(self._low + FLOOR_RISES * dt, self._lowest + GREATEST_DRIFT, lowest)
+        self._low = min(self._low + FLOOR_RISE_SPEED * dt, self._lowest + GREATEST_DRIFT, lowest)
         return self._low
 
     def _floor_under(self, feet: list[FootPose], dt: float) -> float:

@@ -13,7 +13,7 @@ from studio.io.referenced_files import read_bytes
 from studio.live.osc import LARGEST_PACKET
 from studio.live.tracker import MOST_A_SLICE, SLICE, Inbox
 
-LATEST_DATAGRAM = 1e6
+MAX_DATAGRAM_SECONDS = 1e6
 """Latest arrival time of a datagram, in seconds after the beginning of its recording."""
 LONGEST_PAUSE, LEAST_PAUSE = 5.0, 0.02
 """Longest silence of a replay in seconds, and its pause between the end and the next beginning."""
@@ -47,7 +47,7 @@ def read_recording(path: Path) -> PacketRecording:
     while at + _RECORD.size <= len(data):
         seconds, size = _RECORD.unpack_from(data, at)
         end = at + _RECORD.size + size
-        if not 0.0 <= seconds <= LATEST_DATAGRAM or size > LARGEST_PACKET or end > len(data):
+        if not 0.0 <= seconds <= MAX_DATAGRAM_SECONDS or size > LARGEST_PACKET or end > len(data):
             break
         packets.append((seconds, data[at + _RECORD.size : end]))
         at = end

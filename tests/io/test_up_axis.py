@@ -16,7 +16,7 @@ from studio.io.export import take_of_capture, write_take
 from studio.io.guessing import METRES_PER_UNIT
 from studio.io.importing import ImportOptions, load_capture
 from studio.io.up_axis import (
-    C3D_USE,
+    C3D_UP_PRIOR,
     FILE_AXES,
     BodyPoints,
     axis_called,
@@ -128,7 +128,7 @@ def test_one_who_lies_or_crawls_through_the_take_is_not_stood_up(captures: Path)
         capture = load_capture(captures / "bvh" / f"{stem}.bvh")
         positions = joint_positions(capture.skeleton, capture.poses) - [0.0, 0.0, capture.floor]
         for axis, turn in FILE_AXES.items():
-            guess = guess_up_axis(pairs(positions @ turn, capture), C3D_USE)
+            guess = guess_up_axis(pairs(positions @ turn, capture), C3D_UP_PRIOR)
             assert guess.value == axis
             assert "That is not certain" in guess.reason
 

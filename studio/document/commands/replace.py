@@ -12,7 +12,7 @@ from PySide6.QtGui import QUndoCommand
 
 from studio.core.stage.project import Entity, Project
 
-GESTURE_COMMANDS = 1
+GESTURE_COMMAND_ID = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +98,7 @@ class ReplaceValue(QUndoCommand):
 
     def id(self) -> int:
         """Group in which Qt offers commands for merging: one for all that belong to a gesture."""
-        return -1 if self.gesture is None else GESTURE_COMMANDS
+        return -1 if self.gesture is None else GESTURE_COMMAND_ID
 
     def mergeWith(self, other: QUndoCommand) -> bool:
         """Merge a later command of the same gesture into this one."""

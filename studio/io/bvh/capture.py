@@ -31,7 +31,7 @@ from studio.io.figure.body_maps import find_body, loose_feet, loose_hands
 from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_and_trunk
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
-from studio.io.up_axis import BVH_USE, BodyPoints, axis_called, guess_up_axis, stated_axis, turn_to_world
+from studio.io.up_axis import BVH_UP_PRIOR, BodyPoints, axis_called, guess_up_axis, stated_axis, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
@@ -168,7 +168,7 @@ def _up_axis(
     standing = BodyPoints.of_joints(_zero_pose(skeleton)[None, None], body_map)
     rest = normalized(standing.shoulders.mean(axis=2) - standing.ankles.mean(axis=2))[0, 0]
     body = BodyPoints.of_joints(points, body_map)
-    guess = guess_up_axis(body, BVH_USE, rest) if said is None else guess_up_axis(body, stated_axis(said))
+    guess = guess_up_axis(body, BVH_UP_PRIOR, rest) if said is None else guess_up_axis(body, stated_axis(said))
     guesses += [guess] if guess.value != said else []
     return guess.value
 

@@ -50,7 +50,7 @@ class _Reader:
         self._prototype, self._elements = 0, 0
 
     def read(self, content: bytes) -> list[SceneNode]:
-        """Parse it all."""
+        """Parse ``content``, a whole X3D file."""
         try:
             self._parser.Parse(content, True)
         except expat.ExpatError as error:

@@ -39,7 +39,7 @@ from studio.io.capture_guesses import reference_by_option
 from studio.io.guessing import guess_floor
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress
-from studio.io.up_axis import C3D_USE, FILE_AXES, BodyPoints, axis_called, guess_up_axis, turn_to_world
+from studio.io.up_axis import C3D_UP_PRIOR, FILE_AXES, BodyPoints, axis_called, guess_up_axis, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
@@ -168,14 +168,14 @@ def _up_axis(followed: TrackedBody, options: ImportOptions, guesses: list[Guess]
         return axis_called(options.up_axis)
     joints, first = _with_a_trunk(followed), followed.first_frame
     if "left_hip" in joints and "left_shoulder" in joints:
-        guess = guess_up_axis(_points(joints, first), C3D_USE)
+        guess = guess_up_axis(_points(joints, first), C3D_UP_PRIOR)
     else:
         low, high = ("ankle", "hip") if "left_hip" in joints else ("wrist", "shoulder")
         way = np.mean([joints[f"{side}_{high}"] - joints[f"{side}_{low}"] for side in SIDE_WORDS], axis=0)[first:].mean(
             axis=0
         )
         heights = {
-            axis: way @ turn[2] / np.linalg.norm(way) + C3D_USE.get(axis, 0.0) for axis, turn in FILE_AXES.items()
+            axis: way @ turn[2] / np.linalg.norm(way) + C3D_UP_PRIOR.get(axis, 0.0) for axis, turn in FILE_AXES.items()
         }
         second, best = sorted(heights, key=lambda axis: float(heights[axis]))[-2:]
         confidence = Confidence.of(float(heights[best] - heights[second]), 0.3, 0.6)

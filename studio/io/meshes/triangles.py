@@ -12,7 +12,7 @@ from studio.core.mesh.triangle_mesh import MOST_TRIANGLES
 Points = NDArray[np.float64]
 Triangles = NDArray[np.int64]
 
-FARTHEST_INDEX = 1 << 53
+MAX_INDEX = 1 << 53
 
 
 class MeshError(ValueError):
@@ -40,6 +40,6 @@ class Corners:
 
 def checked_index(value: float) -> int:
     """Integer that may be an index."""
-    if not (abs(value) < FARTHEST_INDEX and value == int(value)):
+    if not (abs(value) < MAX_INDEX and value == int(value)):
         raise MeshError(f"'{str(value)[:20]}' is not the number of a vertex")
     return int(value)
