@@ -100,7 +100,7 @@ class ActionSet(QObject):
         self._mark_menus()
 
     def keys_now(self) -> dict[str, tuple[str, ...]]:
-        """Keys of each action by its id."""
+        """Shortcuts of each action by its id."""
         return {key: tuple(each.toString() for each in action.shortcuts()) for key, action in self.by_id.items()}
 
     def fill(self, bar: QMenuBar) -> None:
@@ -135,7 +135,7 @@ class ActionSet(QObject):
             action.setToolTip(str(path))
             action.triggered.connect(lambda _=False, path=path: files.open_path(self._bench, path))
         if self.recent.isEmpty():
-            self.recent.addAction("No project yet").setEnabled(False)
+            self.recent.addAction("No recent projects").setEnabled(False)
 
     def _make(self, row: Action) -> QAction:
         action = QAction(row.text, self)

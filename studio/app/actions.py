@@ -124,7 +124,7 @@ FILE = (
     Action("open", "File", "Open…", files.open_project, ("Ctrl+O",), "Open a project"),
     Action("open_sample", "File", "Open sample", files.open_sample, tooltip="The sample clip on five characters"),
     Action("recover", "File", "Recover unsaved work…", recovery_offer.choose_recovery,
-           tooltip="Unsaved work, kept for 30 days", ends_group=True),
+           tooltip="Recover unsaved work of the last 30 days", ends_group=True),
     Action("save", "File", "Save", files.save, ("Ctrl+S",), "Save the project"),
     Action("save_as", "File", "Save as…", files.save_as, ("Ctrl+Shift+S",), "Save the project under another name"),
     Action(
@@ -170,7 +170,7 @@ EDIT = (
     Action("set_key", "Edit", "Set key", editing.set_key, ("S",), "Key the selection at the playhead", _any_selected),
     Action("preferences", "Edit", "Preferences…", editing.preferences, ("Ctrl+,",),
            "Snapping steps, onion skins, activation, autosave, theme, scale, and shortcuts"),
-    Action("escape", "Edit", "Deselect", editing.escape, ("Esc",), "Clear the selection; a drag is cancelled first"),
+    Action("escape", "Edit", "Deselect", editing.escape, ("Esc",), "Cancel the drag, or clear the selection"),
     Action(
         "report", "Edit", "Show import report", editing.select_capture,
         tooltip="Show what the source file of this clip contains and what was assumed", enabled=_performing,
@@ -372,7 +372,7 @@ VIEW = (
            "Show the source capture on the actor's skeleton", _viewing,
            lambda bench: _viewing(bench) and bench.viewport.ghost_shown),
     Action("onion_skins", "View", "Onion skins", view.toggle_onion_skins, ("Alt+O",),
-           "Show the selected character at frames before and after the playhead; how many is set in the"
+           "Show the selected character at frames before and after the playhead; set the number in the"
            " preferences", _viewing,
            lambda bench: _viewing(bench) and bench.viewport.onion_shown),
     Action("keep_ghost", "View", "Add ghost", view.keep_ghost, ("Alt+K",),

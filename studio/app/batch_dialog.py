@@ -29,7 +29,7 @@ from studio.jobs.batch import BatchResult, BatchSettings, FileDone, run_batch
 from studio.panels.fields import FIELD_ICON_PX, Choice, Section, press_button, styled_label
 
 BATCH_DIALOG_WIDTH = 520
-ACTOR_CHOICE = (ACTOR_WORD, "The proportions of each captured actor")
+ACTOR_CHOICE = (ACTOR_WORD, "Each actor's own proportions")
 
 
 class BatchDialog(QDialog):
@@ -178,7 +178,7 @@ class BatchDialog(QDialog):
 
     def _open_page(self) -> None:
         if not QDesktopServices.openUrl(QUrl.fromLocalFile(str(self._page))):
-            raise StudioError(f"No web browser was found. The summary is {self._page}.")
+            raise StudioError(f"No web browser was found. The summary is in {self._page}.")
 
 
 def _show_path(field: QLineEdit, path: Path) -> None:

@@ -95,7 +95,7 @@ def read_motion_ready(
     capture = with_floor_reported(capture)
     capture = with_reference_kept(capture)
     expect(capture)
-    progress(READ_SHARE, "looking for contacts")
+    progress(READ_SHARE, "detecting contacts")
     remarks_on(capture)  # here, beside the window, whose views show them
     motion_id = new_id()
     return ReadMotion(capture, known_of_motion(capture, read.annotations, motion_id), read_as, motion_id, path)
@@ -198,7 +198,7 @@ def stand_on_steps(bench: Workbench, capture_id: str) -> int:
     def find(progress: Progress) -> tuple[Steps | None, tuple[ContactInterval, ...]]:
         from studio.core.normalized.normalize import captured_steps, detected_contacts  # late: it loads kernels
 
-        progress(0.1, "looking for contacts")
+        progress(0.1, "detecting contacts")
         return captured_steps(capture), detected_contacts(capture, "", on_steps=True)
 
     def done(found: tuple[Steps | None, tuple[ContactInterval, ...]]) -> None:

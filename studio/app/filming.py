@@ -43,7 +43,7 @@ def render_film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate:
     count = int((end - begin) * frame_rate + 1e-6) + 1
     if count > MOST_PICTURES:
         raise StudioError(
-            f"{count} frames are too many for a video. Set a shorter range; {MOST_PICTURES} are the most."
+            f"{count} frames are too many for a video. Set a shorter range; the limit is {MOST_PICTURES}."
         )
     times = begin + np.arange(count) / frame_rate
     shots = Shots(_played(bench.document.project), bench.viewport.view, tuple(times.tolist()), size)

@@ -73,7 +73,7 @@ STEPS = (
         _has_undone,
     ),
 )
-END = "The tour is over. Press F1 for the guide, or Ctrl+K to find any action by its name."
+END_SENTENCE = "The tour is over. Press F1 for the guide, or Ctrl+K to find any action by its name."
 
 
 class GuidedTour(QObject):
@@ -112,7 +112,7 @@ class GuidedTour(QObject):
     def _show(self, number: int) -> None:
         if number == len(STEPS):
             self.end()
-            self._strip.show_sentence(END)
+            self._strip.show_sentence(END_SENTENCE)
             return
         self._number, self._start = number, self._start_now()
         self._strip.show_sentence(

@@ -7,9 +7,9 @@ from PySide6.QtCore import QObject, QTimer
 from studio.app.main_window import MainWindow
 from studio.startup.process import give_back_freed_memory
 
-INTERVAL = 1000
+COLLECT_INTERVAL_MS = 1000
 """Milliseconds between two looks at whether there is enough to look for."""
-SETTLES = 5_000
+SETTLE_MS = 5_000
 """Milliseconds after which nothing of the project before is in use any more."""
 
 
@@ -23,10 +23,10 @@ class Collector(QObject):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         gc.disable()
-        timer = QTimer(self, interval=INTERVAL)
+        timer = QTimer(self, interval=COLLECT_INTERVAL_MS)
         timer.timeout.connect(collect_what_is_due)
         timer.start()
-        emptied = QTimer(self, interval=SETTLES, singleShot=True)
+        emptied = QTimer(self, interval=SETTLE_MS, singleShot=True)
         emptied.timeout.connect(give_back_freed_memory)
         emptied.start()
         window.bench.document.project_opened.connect(emptied.start)

@@ -219,7 +219,10 @@ class MainWindow(QMainWindow):
         self._size_docks()
 
     def run_when_saved(self, then: Callable[[], object]) -> None:
-        """Run ``then`` now, or after the user has answered about unsaved changes; the journal keeps them."""
+        """Run ``then`` now if nothing is unsaved, else after the user has saved or chosen not to; never after Cancel.
+
+        Unsaved edits stay in the journal.
+        """
         document = self.bench.document
         if not document.dirty:
             then()

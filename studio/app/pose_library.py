@@ -19,7 +19,7 @@ from studio.panels.thumbnails import pose_picture
 
 HIPS_REGIONS = ("Whole body", "Legs")
 """Regions with which the height of the hips is applied."""
-NO_POSE = (
+NO_POSE_MESSAGE = (
     "No selected character shows a pose at the playhead. Select one that plays a clip, and wait until it is adapted."
 )
 
@@ -100,7 +100,7 @@ class PoseLibrary:
         key = document.active_performer_id or ""
         performer, motion = document.project.performers.get(key), self._bench.live.shown_frame(key)
         if performer is None or motion is None or not performer.clips:
-            raise StudioError(NO_POSE)
+            raise StudioError(NO_POSE_MESSAGE)
         return key, pose_of(document.project, key, motion, document.playhead.time)
 
     def _try(self, work: Callable[[], None]) -> None:

@@ -19,7 +19,7 @@ KeyTable = Mapping[str, tuple[str, ...]]
 """Keys by the id of an action."""
 STUDIO_KEYS = "studio"
 LEAST_SNAP = 1e-3
-WHOLE_NUMBERS = (
+INTEGER_RANGES = (
     ("onion_before", 0, 20),
     ("onion_after", 0, 20),
     ("onion_step", 1, 120),
@@ -66,7 +66,7 @@ class Preferences:
             value = getattr(self, each)
             if not (isinstance(value, float | int) and math.isfinite(value) and value >= LEAST_SNAP):
                 raise ValueError(f"The preference '{each}' must be greater than zero, not {value!r}.")
-        for each, least, most in WHOLE_NUMBERS:
+        for each, least, most in INTEGER_RANGES:
             value = getattr(self, each)
             if not (isinstance(value, int) and least <= value <= most):
                 raise ValueError(

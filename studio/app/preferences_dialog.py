@@ -10,8 +10,8 @@ from studio.app.actions import ACTIONS
 from studio.app.preferences import (
     CHOICES,
     FITTED,
+    INTEGER_RANGES,
     WHOLE_CLIP_ACTIVATION,
-    WHOLE_NUMBERS,
     conflicts_in,
     key_map_of,
     key_maps,
@@ -84,7 +84,7 @@ class PreferencesDialog(QDialog):
         self.table.itemChanged.connect(self._typed)
 
     def _add_whole(self, section: Section, name: str, words: str, unit: str) -> None:
-        [(_, low, high)] = [each for each in WHOLE_NUMBERS if each[0] == name]
+        [(_, low, high)] = [each for each in INTEGER_RANGES if each[0] == name]
         field = NumberField(words, unit, low, high, 1, 0)
         field.show_value(getattr(self._bench.preferences, name))
         field.edited.connect(lambda value: self._change(**{name: round(value)}))

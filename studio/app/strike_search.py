@@ -26,7 +26,7 @@ from studio.panels.strikes import (
     NO_STRIKES_HINT,
     NO_TARGET,
     OF_A_POSE,
-    OWN_FACE,
+    OWN_FACE_HINT,
     READY,
     TRYING,
     UNSOLVED,
@@ -278,7 +278,7 @@ class StrikeSearchController:
         target = self.panel.target.value
         if not isinstance(target, StrikeTarget):
             return NO_TARGET
-        return OWN_FACE if target == StrikeTarget("performers", performer_id) else UNSOLVED
+        return OWN_FACE_HINT if target == StrikeTarget("performers", performer_id) else UNSOLVED
 
     def _show(self, hint: str) -> None:
         self.listed = [each.found.clip for each in self.found]

@@ -55,7 +55,7 @@ class Workbench(QObject):
         self.message_posted.emit(UserMessage(sentence, answers, until))
 
     def inform(self, sentence: str, *answers: Answer, until: Lifetime = Lifetime.CLOSED) -> None:
-        """Show news that warns of nothing, as ``say`` does."""
+        """Show an information message, without warning colour; ``answers`` and ``until`` as for a warning."""
         self.message_posted.emit(UserMessage(sentence, answers, until, warns=False))
 
     def clear_message(self) -> None:

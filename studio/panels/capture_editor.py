@@ -157,9 +157,9 @@ class CaptureEditor(Editor[Capture]):
         for guess in capture.guesses:
             section.add_wide(_guess_lines(guess))
             if guess.subject == "cleaning":
-                section.add_wide(press_button("Clean motion", lambda: self._ask(clean=True)))
+                section.add_wide(press_button("Clean up motion", lambda: self._ask(clean=True)))
             if guess.subject == "steps":
-                section.add_wide(press_button("Use as ground", lambda: self.steps_requested.emit(self.entity_id)))
+                section.add_wide(press_button("Use steps as ground", lambda: self.steps_requested.emit(self.entity_id)))
         if capture.body_map is not None:
             section.add_wide(ReferenceFigure(capture, capture.body_map))
         if not capture.guesses:

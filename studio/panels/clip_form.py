@@ -39,7 +39,7 @@ class ClipForm(QScrollArea):
         self.line, self.figures = ClipLine(), HitFigures()
         self.limb = Choice("Limb", [(limb, limb.words.capitalize()) for limb in Limb])
         self.kind = Choice("Type", [(kind, kind.capitalize()) for kind in Kind])
-        self.segment = Choice("Striking segment", [])
+        self.segment = Choice("Striking body part", [])
         self.tags = TagField("high, spinning", "Tags by which the library search finds the clip")
         self.frames = {mark: NumberField(f"Frame: {mark}", "", 0, 0, 1, 0) for mark in ClipMark}
         self.undo = press_button("Undo", self._undo)
@@ -169,7 +169,7 @@ class ClipForm(QScrollArea):
         section = Section("Classification")
         section.add_row("Limb", self.limb)
         section.add_row("Type", self.kind)
-        section.add_row("Striking segment", self.segment)
+        section.add_row("Striking body part", self.segment)
         section.add_row("Tags", self.tags)
         section.add_row("Frame range", *self.frames.values())
         column.addWidget(section)

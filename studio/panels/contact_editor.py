@@ -15,11 +15,11 @@ def contact_words(point: ContactPoint | Touch) -> str:
     return point.words.capitalize()
 
 
-ON_BODY = "The {what} keeps the actor's contact point on the surface"
+ON_BODY_SENTENCE = "The {what} keeps the actor's contact point on the surface"
 KEPT = {
-    "together": "The distance of the hands is the actor's, scaled by arm length",
+    "together": "The distance between the hands is the actor's, scaled by arm length",
     "thing": "The size of the object between the hands is kept",
-    **dict.fromkeys(("head", "trunk", "hips", "thigh"), ON_BODY),
+    **dict.fromkeys(("head", "trunk", "hips", "thigh"), ON_BODY_SENTENCE),
 }
 """Sentence on the property kept by a contact that is not with the ground, by the member of its point."""
 

@@ -22,7 +22,7 @@ MARK = 8
 EYE = 16
 EYE_WIDTH = 32
 HEAD_PIXELS = 11
-DETAIL_PIXELS = 11
+DETAIL_FONT_PIXELS = 11
 HINT_PIXELS = 12
 
 
@@ -113,7 +113,7 @@ class LibraryDelegate(QStyledItemDelegate):
         else:
             upper = lower = lines
             aligned = Qt.AlignmentFlag.AlignRight
-        painter.setFont(_sized(font, DETAIL_PIXELS))
+        painter.setFont(_sized(font, DETAIL_FONT_PIXELS))
         painter.setPen(QColor(colours.TEXT_THIRD))
         detail = painter.fontMetrics().elidedText(row.detail, Qt.TextElideMode.ElideRight, lower.width())
         painter.drawText(lower, Qt.AlignmentFlag.AlignVCenter | aligned, detail)

@@ -320,7 +320,7 @@ class LibraryPanel(QWidget):
         self.document.add("performers", performer, f"Show {character.name}")
 
     def open_item(self, item: tuple[str, str]) -> None:
-        """Do what a double click on the entity's row does."""
+        """Play the capture, open the scene or project, or show or hide the body of that row, as a double click does."""
         index = self._index(item)
         if index.isValid():
             self._open(index.data(LIBRARY_ROW_ROLE))

@@ -13,13 +13,13 @@ from studio.panels.two_lines import TwoLines
 ALL = "None (list all strikes)"
 NO_STRIKES_HINT = "No clips yet. Add a folder of captures: strikes are found in them automatically."
 READY = "Hover to preview a strike. Drag it onto a character or a track, or insert it at the playhead."
-TRYING = "Strikes are tried in this scene…"
+TRYING = "Evaluating strikes in this scene…"
 NO_MATCH_HINT = "No clip in the library matches that limb and type."
 OF_A_POSE = "Clips that contain the selected pose, best match first."
 INSERT_TIP = "Insert the strike at the playhead, blended in and constrained to the target"
 TARGET_NEEDED = "Choose a target first: a strike is inserted so that it meets it"
 UNSOLVED = "All strikes of the library. Ranking starts when this character and its target are solved."
-OWN_FACE = "All strikes of the library. A character cannot target its own face: choose another target."
+OWN_FACE_HINT = "All strikes of the library. A character cannot target its own face: choose another target."
 NO_TARGET = "All strikes of the library. Choose a target, a box or a face, to rank them."
 
 
@@ -43,8 +43,8 @@ class Strikes(QWidget):
         self._looked, self._usable = -1, False
         section = Section("Target of the strike")
         self.target = Choice("Target", ((None, ALL),))
-        self.aim = Segments("Aim", ((True, "Follows"), (False, "Frozen")))
-        self.aim.setToolTip("Aim at the target at the hit frame (follows), or at its position when searched (frozen)")
+        self.aim = Segments("Aim", ((True, "Moving target"), (False, "Position at search")))
+        self.aim.setToolTip("Meet the target where it is at the hit frame, or where it was at the search")
         self.aim.value_chosen.connect(self._choose_aim)
         self.aim.value_chosen.connect(lambda _: self.search_requested.emit())
         self.follows = True

@@ -30,7 +30,7 @@ class TimeAxis(QObject):
         return min(max(x, self.left - FAR_PIXELS), self.right + FAR_PIXELS)
 
     def xs_of_times(self, seconds: FloatArray) -> FloatArray:
-        """(N,) pixels of times (N,), as ``x_of_time``."""
+        """Horizontal positions (N,) in pixels of the times (N,) in seconds."""
         return np.clip(self.left + (seconds - self.start) * self.scale, self.left - FAR_PIXELS, self.right + FAR_PIXELS)
 
     def time_at(self, x: float) -> float:

@@ -309,7 +309,7 @@ class TrackCanvas(TrackView):
             self.update()
 
     def finish_gesture(self) -> None:
-        """Finish the current drag, if any, as the release of the button does."""
+        """Finish the current drag, if any, and keep its edit."""
         if self.gesture is not None:
             self.gesture.finish()
             self.end_gesture()

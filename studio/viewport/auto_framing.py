@@ -10,7 +10,7 @@ from studio.viewport.camera import OrbitCamera
 from studio.viewport.opening import clear_of_overlays
 
 Size = tuple[float, float]
-PICTURE_EDGE = 0.06
+FRAMING_MARGIN = 0.06
 """Part of the picture's width and height along its edges in which nothing is seen well."""
 
 
@@ -61,7 +61,7 @@ class AutoFraming:
 
 def is_in_picture(body: PosedPerformer, camera: OrbitCamera, size: Size) -> bool:
     """True if all of a body is in the picture, and not at its edge."""
-    return visible_fraction(body, camera, size, PICTURE_EDGE) == 1.0
+    return visible_fraction(body, camera, size, FRAMING_MARGIN) == 1.0
 
 
 def visible_fraction(body: PosedPerformer, camera: OrbitCamera, size: Size, edge: float) -> float:

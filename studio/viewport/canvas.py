@@ -176,7 +176,7 @@ class Canvas(QWidget):
         ground.setColorAt(1, QColor(colours.VIEWPORT_BOTTOM))
         painter.fillRect(self.rect(), ground)
         painter.setPen(QColor(colours.STAGE_TEXT_THIRD))
-        painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "Starting 3D …")
+        painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "Starting the 3D view …")
 
     def _single_shot(self, milliseconds: int, slot: Callable[[], None]) -> QTimer:
         timer = QTimer(self)

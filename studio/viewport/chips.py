@@ -164,7 +164,7 @@ class Chips:
         """Show the number of visible bodies and, during motion, the frame rate, and if they are smoothed."""
         text = f"{bodies} character{'' if bodies == 1 else 's'}"
         if pace:
-            text += f" · {pace}" + ("" if eased else " · smoothing when idle")
+            text += f" · {pace}" + ("" if eased else " · anti-aliased when idle")
         if text != self.work.text():
             self.work.setText(text)
         self.work.setVisible(bodies > 0 and self._wide)

@@ -375,7 +375,7 @@ class Viewport(Canvas):
         return gesture is not None
 
     def finish_gesture(self) -> None:
-        """Finish the current drag, if any, as the release of the button does."""
+        """Finish the current drag, if any, and keep its edit."""
         gesture, self.gesture = self.gesture, None
         if gesture is not None:
             gesture.finish()

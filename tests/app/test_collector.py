@@ -67,7 +67,7 @@ def test_what_the_start_has_loaded_is_never_looked_through(qtbot, tmp_path):
 
 def test_what_a_project_took_goes_back_to_the_system_when_another_is_opened(qtbot, tmp_path, monkeypatch):
     given: list[bool] = []
-    monkeypatch.setattr(main_thread_gc, "SETTLES", 50)
+    monkeypatch.setattr(main_thread_gc, "SETTLE_MS", 50)
     monkeypatch.setattr(main_thread_gc, "give_back_freed_memory", lambda: given.append(True))
     make_application()
     window = make_window(Settings(tmp_path / "studio.ini"), Document())

@@ -108,7 +108,7 @@ def test_who_plays_nothing_is_told_what_to_do_first(window):
     document.replace("performers", FIRST, replace(performer, clips=()), "")
     document.selection.set(("performers", FIRST))
     window.actions_by_id.by_id["lean_away"].trigger()
-    assert "has no clip yet. Give it one first" in window.strip.text
+    assert "has no clip yet. Add a clip first" in window.strip.text
     assert not document.project.behaviours
 
 

@@ -244,10 +244,10 @@ def test_balance_recruits_free_arms_and_the_free_leg_until_they_are_locked_on_th
     for part, link in ((BodyPart.LEFT_FOREARM, "free_arms"), (BodyPart.RIGHT_THIGH, "free_legs")):
         QTest.mouseClick(figure, LEFT, pos=(SCALE * SEGMENT_SHAPES[part].center()).toPoint())
         assert getattr(current(document).chain, link) == 0.0
-    enter(inspector, "Weight of Free arms", "0.4")
+    enter(inspector, "Weight of Other arms", "0.4")
     assert current(document).chain.free_arms == 0.4
     add(studio, "position")
-    assert "Weight of Free arms" not in [each.accessibleName() for each in visible_numbers(inspector)]
+    assert "Weight of Other arms" not in [each.accessibleName() for each in visible_numbers(inspector)]
 
 
 def test_the_tilt_of_an_area_is_keyed_by_its_checkbox_and_a_number_sets_the_key(studio):

@@ -201,7 +201,7 @@ def test_who_has_just_taken_a_box_does_not_lose_it_as_the_giver_would_put_it_dow
     taken = document.project.props[prop_id]
     played.actions_by_id.by_id["put_down_prop"].trigger()
     assert document.project.props[prop_id] == taken
-    assert "move the playhead later" in played.strip.text
+    assert "move the playhead past its pick-up" in played.strip.text
     document.playhead.set_time(0.25)
     played.actions_by_id.by_id["put_down_prop"].trigger()
     one, two = document.project.props[prop_id].holds

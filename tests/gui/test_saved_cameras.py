@@ -64,7 +64,7 @@ def test_a_key_without_a_camera_says_how_to_store_one(seen):
     said = []
     seen.bench.message_posted.connect(lambda message: said.append(message.sentence))
     press(seen, Qt.Key.Key_F8)
-    assert said == ["Camera slot 4 is empty. Store the view by View > Store camera 4."]
+    assert said == ["Camera slot 4 is empty. Store the view with View > Store camera 4."]
 
 
 def test_a_camera_gets_a_name_in_the_inspector_and_the_menu_shows_it(seen):

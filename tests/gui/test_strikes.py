@@ -132,7 +132,7 @@ def test_strikes_are_ranked_as_soon_as_the_body_is_solved(striking, window, qtbo
 def test_who_aims_at_its_own_face_is_told_to_choose_another_target(striking, window):
     striking.panel.target.show_value(StrikeTarget("performers", window.bench.document.active_performer_id))
     striking.search()
-    assert striking.panel.hint.text() == strikes.OWN_FACE
+    assert striking.panel.hint.text() == strikes.OWN_FACE_HINT
 
 
 def test_a_folder_without_use_is_told_and_nothing_changes(striking, window, qtbot, tmp_path):

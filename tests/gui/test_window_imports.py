@@ -203,7 +203,7 @@ def test_a_noisy_take_is_offered_a_cleaning_that_one_click_applies_and_undo_take
     as_read = document.project
     assert "cleaning" in {guess.subject for guess in document.project.captures[capture_id].guesses}
     document.selection.set(("captures", capture_id))
-    [clean] = [each for each in window.inspector.findChildren(QPushButton) if each.text() == "Clean motion"]
+    [clean] = [each for each in window.inspector.findChildren(QPushButton) if each.text() == "Clean up motion"]
     QTest.mouseClick(clean, LEFT)
     wait_until_idle(qtbot, window)
     cleaned = document.project.captures[capture_id]
@@ -226,7 +226,7 @@ def test_steps_of_a_capture_become_the_ground_by_one_click_and_undo_takes_them_b
     document = window.bench.document
     as_read, capture_id = document.project, list(document.project.captures)[-1]
     document.selection.set(("captures", capture_id))
-    [use] = [each for each in window.inspector.findChildren(QPushButton) if each.text() == "Use as ground"]
+    [use] = [each for each in window.inspector.findChildren(QPushButton) if each.text() == "Use steps as ground"]
     QTest.mouseClick(use, LEFT)
     wait_until_idle(qtbot, window)
     project = document.project

@@ -102,9 +102,7 @@ def _make(bench: Workbench, text: str, ready: Ready) -> None:
             clips = document.project.performers[performer_id].clips
             if not clips:
                 name = document.project.performers[performer_id].name
-                raise StudioError(
-                    f"{name} has no clip yet. Give it one first: it is the guard that the character returns to."
-                )
+                raise StudioError(f"{name} has no clip yet. Add a clip first: it becomes the guard between strikes.")
             begun = ready_made.guard_behaviour(replace(clips[0], start=0.0))
             behaviour_id = add_behaviour(document, performer_id, begun, partner_id)
         elif partner_id:

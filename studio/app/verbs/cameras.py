@@ -14,7 +14,7 @@ def slot_recaller(slot: int) -> Callable[[Workbench], None]:
     def run(bench: Workbench) -> None:
         camera_id = camera_in_slot(bench.document.project, slot)
         if camera_id is None:
-            raise StudioError(f"Camera slot {slot} is empty. Store the view by View > Store camera {slot}.")
+            raise StudioError(f"Camera slot {slot} is empty. Store the view with View > Store camera {slot}.")
         bench.viewport.look_through(bench.document.project.cameras[camera_id].placement)
 
     return run

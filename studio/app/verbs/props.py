@@ -205,7 +205,9 @@ def put_down(bench: Workbench) -> None:
     prop, now = document.project.props[prop_id or ""], document.playhead.time
     held = [each for each in prop.holds if each.holds_at(now) and each.begin != now and each.end != now]
     if prop_id is None or not held:
-        raise StudioError("No character carries the prop here. Select a carried prop, and move the playhead later.")
+        raise StudioError(
+            "No character carries the prop here. Select a carried prop, then move the playhead past its pick-up."
+        )
     text = f"Put down {prop.name}"
     with document.group(text):
         document.replace("props", prop_id, prop.with_hold(held[-1], replace(held[-1], end=now)), text)

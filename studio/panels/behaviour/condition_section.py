@@ -109,7 +109,7 @@ class ConditionSection(Section):
         self._name = TextField()
         self._name.setToolTip(
             "A letter, a digit, or a name such as Space." if is_key
-            else "Event sent by a state of the partner, or from outside."
+            else "Event sent by a state of the partner, or received over the network."
         )  # fmt: skip
         self._name.editingFinished.connect(lambda: self._rename("key" if is_key else "event"))
         self.add_row("Key press" if is_key else "Event", self._name)

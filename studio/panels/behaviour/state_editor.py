@@ -23,7 +23,7 @@ from studio.panels.behaviour.part_editor import PartEditor
 from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, TextField, check_box, styled_label
 
 ADD = "Add reaction"
-NEW_MANNERS: dict[str, Manner] = {TITLES[type(each)]: each for each in (KeepDistance(), LeanAway(), Meet())}
+NEW_REACTIONS: dict[str, Manner] = {TITLES[type(each)]: each for each in (KeepDistance(), LeanAway(), Meet())}
 
 
 class StateEditor(PartEditor[State]):
@@ -40,7 +40,7 @@ class StateEditor(PartEditor[State]):
         below = QWidget()
         row = QVBoxLayout(below)
         row.setContentsMargins(FIELD_ICON_PX, 12, FIELD_ICON_PX, 0)
-        self._add = Choice("Add reaction", [(None, ADD), *((title, title) for title in NEW_MANNERS)])
+        self._add = Choice("Add reaction", [(None, ADD), *((title, title) for title in NEW_REACTIONS)])
         self._add.value_chosen.connect(self._add_manner)
         row.addWidget(self._add)
         row.addWidget(styled_label("Constraints of the clip stay active while the state lasts.", "hint"))
@@ -187,7 +187,7 @@ class StateEditor(PartEditor[State]):
 
     def _add_manner(self, title: str | None) -> None:
         if title is not None:
-            self._set(f"{self.entity.name}: {title.lower()}", manners=(*self.entity.manners, NEW_MANNERS[title]))
+            self._set(f"{self.entity.name}: {title.lower()}", manners=(*self.entity.manners, NEW_REACTIONS[title]))
 
     def _putter(self, index: int) -> PutManner:
         def put(make: Callable[[], Manner] | None, text: str) -> None:

@@ -88,7 +88,7 @@ def manner_words(manner: Manner, project: Project) -> str:
         case KeepDistance():
             return f"keeps {manner.distance:.2f} {manner.gap.unit} from {whom}"
         case LeanAway():
-            return f"leans {length_text(manner.metres, 'm', 2)} from {_point_of(manner.whom)}"
+            return f"leans {length_text(manner.metres, 'm', 2)} away from {_point_of(manner.whom)}"
     return f"{point_name(manner.point)} meets {_point_of(manner.whom)}"
 
 

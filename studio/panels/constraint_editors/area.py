@@ -47,7 +47,7 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         self._side.value_chosen.connect(self._set_side)
         section.add_row("Region", self._side)
         self._whole = check_box("Include limbs and torso")
-        self._whole.setAccessibleName("Keep the whole limbs and torso out, not only the point")
+        self._whole.setAccessibleName("Keep all limbs and the torso out, not only the point")
         self._whole.clicked.connect(self._set_whole)
         section.add_row("Collision", self._whole)
         self._source = TargetRows(self, section, "centre")

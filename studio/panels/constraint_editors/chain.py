@@ -25,7 +25,7 @@ def link_words(point: BodyPart) -> dict[str, str]:
         names = (f"{side.capitalize()} leg", f"{side.capitalize()} foot", "Clavicle")
     else:
         names = ("Neck, head", "End effector", "Clavicle")
-    return dict(zip(CHAIN_LINKS, (*names, "Torso", "Pelvis, root", "Free arms", "Free legs"), strict=True))
+    return dict(zip(CHAIN_LINKS, (*names, "Torso", "Pelvis, root", "Other arms", "Other legs"), strict=True))
 
 
 def link_parts(constraint: Constraint) -> dict[str, tuple[BodyPart, ...]]:

@@ -22,7 +22,7 @@ class ClearEditor(ConstraintEditor[ClearConstraint]):
         section.add_row("Arms", self._arms)
         self._margin = self.bind(NumberField("Margin", "cm", 0.0, 50.0, 0.5, 1), self._set_margin)
         self._margin.setToolTip(
-            "Minimum distance, also where the actor touches its own body, for example for thick clothes"
+            "Minimum distance of arms and body, also at self-contacts; for example for thick clothes"
         )
         section.add_row("Margin", self._margin)
         self._gives = Segments("May move", [(True, "Wrist, elbow"), (False, "Elbow")])

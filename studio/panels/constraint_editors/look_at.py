@@ -4,4 +4,4 @@ from studio.panels.constraint_editors.position import PositionEditor
 
 
 class LookAtEditor(PositionEditor):
-    """Position of the gaze target in metres, as for a position constraint."""
+    """Form of a look-at constraint: position of the gaze target in metres."""

@@ -8,7 +8,7 @@ from studio.panels.rotation_row import RotationRow
 
 
 class OrientationEditor(ConstraintEditor[OrientationConstraint]):
-    """Degrees about the X, Y and Z axes of the motion's space."""
+    """Form of an orientation constraint: target rotation as X, Y and Z angles in degrees, clip space."""
 
     def add_kind_rows(self, section: Section) -> None:
         """Add the rows of the target and of its three current angles."""
@@ -16,7 +16,7 @@ class OrientationEditor(ConstraintEditor[OrientationConstraint]):
         self._angles = RotationRow(
             self,
             section,
-            "motion space",
+            "clip space",
             lambda target: self._source.set_numbers(target, f"Rotate target of {self.entity.name}"),
         )
 

@@ -26,7 +26,7 @@ def current_position(editor: Editor[Constraint], point: BodyPoint) -> Vector | N
 
 
 def current_centre_of_mass(editor: Editor[Constraint]) -> Vector | None:
-    """Position of the body's centre of mass, as ``current_position``."""
+    """Position of the body's centre of mass at the playhead."""
     from studio.core.quality.metrics import centre_of_mass  # as above
 
     moment = current_context(editor)

@@ -47,7 +47,7 @@ SPOTS = (
     ((0.0, 0.0, 1.0), "Top"),
     ((0.0, 0.0, -1.0), "Bottom"),
 )
-ONLY_PLACES = (PLACE_KINDS[0], *RULES)
+POSITION_ONLY_KINDS = (PLACE_KINDS[0], *RULES)
 """Kinds of target that a rotation cannot have."""
 SIGN_BUTTON_PX = 30
 """Pixels of a button with one sign."""
@@ -59,7 +59,9 @@ class TargetRows:
 
     def __init__(self, editor: Editor[Constraint], section: Section, field: str, turns: bool = False) -> None:
         self._editor, self._field, self._turns = editor, field, turns
-        self._kind = Choice("Target type", [kind for kind in PLACE_KINDS if not turns or kind not in ONLY_PLACES])
+        self._kind = Choice(
+            "Target type", [kind for kind in PLACE_KINDS if not turns or kind not in POSITION_ONLY_KINDS]
+        )
         self._kind.value_chosen.connect(self._choose)
         self._kind_caption = section.add_row("Target type", self._kind)
         self._thing = Choice("Follows", ())

@@ -22,7 +22,7 @@ class UprightEditor(ConstraintEditor[UprightConstraint]):
         self._take.setToolTip("Set the axis to the one that points along the direction at the playhead")
         self._take.clicked.connect(self._take_axis)
         section.add_wide(self._take)
-        section.add_wide(styled_label("Direction in motion space, axis local to the segment.", "hint"))
+        section.add_wide(styled_label("Direction in clip space, axis local to the segment.", "hint"))
 
     def refresh(self) -> None:
         """Update all fields from the document."""

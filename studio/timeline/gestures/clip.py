@@ -187,7 +187,7 @@ class StretchClip(ClipGesture):
             return (replace(clip, speed=speed, start=clip.start + (shift if first else 0.0)),)
 
         self.show_clips_edited(edit)
-        words = f"{length / max(length + change, SHORTEST_STRETCH):.3g} × former speed"
+        words = f"{length / max(length + change, SHORTEST_STRETCH):.3g} × previous speed"
         if not isinstance(speed, KeyedNumber):
             words = f"Speed × {speed:.3g}"
         self.mark = DragHint(grabbed + shift, f"{words}  {length + change:.3f} s", caught.magnet)

@@ -12,7 +12,7 @@ from studio.timeline.tracks.brush import paint_bar, paint_fold, paint_label, tra
 CONTACT_LINE_HEIGHT, FOLDED_CONTACT_HEIGHT = 24, 13
 CONTACT_LINE_PX, THIN_LINE = 7, 3
 """Pixels of a row, and of one of its lines, as high as it is and folded."""
-CONTACT_EDGE_REACH = 5.0
+CONTACT_EDGE_GRAB_PIXELS = 5.0
 LEAST_BAR = 3.0
 REPEATED = 0.4
 """Opacity of what a later repeat of a clip plays again."""
@@ -74,7 +74,7 @@ def played_frames(shown: RowContext, contact: ContactInterval) -> tuple[int, int
 
 
 def paint_contacts(painter: QPainter, row: QRect, shown: RowContext, row_id: str) -> None:
-    """Draw bars, joined if they overlap in pixels, as in a capture of an hour; the selected one has a light edge."""
+    """Draw a bar for each contact, the selected one with a light edge; bars that overlap in pixels are joined."""
     contacts = _contacts(shown, row_id)
     for point, fill in zip(LANES[row_id], FILLS, strict=False):
         line = lane_rect(row, point)
@@ -129,7 +129,7 @@ def contacts_hit(shown: RowContext, row: QRect, row_id: str, point: QPointF) -> 
     """Contact or end of one under the mouse; else the lane, named by its point."""
     lanes = LANES[row_id]
     touching = lanes[0] if point.y() < row.top() + row.height() / 2 else lanes[-1]
-    reach = CONTACT_EDGE_REACH + LEAST_BAR
+    reach = CONTACT_EDGE_GRAB_PIXELS + LEAST_BAR
     first, last = shown.frame_at(point.x() - reach), shown.frame_at(point.x() + reach)
     hits = [
         (distance, Hit("contacts", key, part))
@@ -145,10 +145,10 @@ def contacts_hit(shown: RowContext, row: QRect, row_id: str, point: QPointF) -> 
 
 def _grip(bar: QRectF, x: float) -> list[tuple[float, ItemPart]]:
     """Part of a bar at ``x`` with its distance; ends extend beyond the bar, and leave a third as body."""
-    reach = min(CONTACT_EDGE_REACH, bar.width() / 3)
-    if bar.left() - CONTACT_EDGE_REACH <= x <= bar.left() + reach:
+    reach = min(CONTACT_EDGE_GRAB_PIXELS, bar.width() / 3)
+    if bar.left() - CONTACT_EDGE_GRAB_PIXELS <= x <= bar.left() + reach:
         return [(abs(x - bar.left()), ItemPart.FIRST)]
-    if bar.right() - reach <= x <= bar.right() + CONTACT_EDGE_REACH:
+    if bar.right() - reach <= x <= bar.right() + CONTACT_EDGE_GRAB_PIXELS:
         return [(abs(x - bar.right()), ItemPart.LAST)]
     return [(0.0, ItemPart.BODY)] if bar.left() < x < bar.right() else []
 
