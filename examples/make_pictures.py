@@ -11,6 +11,7 @@ from pictured.kick_film import FRAME_RATE, KickFilm
 from pictured.scenes import fight, handstand
 from pictured.shots import (
     behaviour,
+    cameras,
     clip_speed,
     constrain,
     correction,
@@ -32,13 +33,15 @@ from pictured.shots import (
     tilted_area,
     timeline,
     tour,
+    trail_keys,
+    turntable,
     weights,
     window,
 )
 
 from studio.startup import first_run
 
-FILM_WIDTH = 720
+FILM_WIDTH = 640
 STILLS = {
     "window": window,
     "fight": fight,
@@ -46,6 +49,9 @@ STILLS = {
     "constrain": constrain,
     "light_theme": light_theme,
     "onion_skins": onion_skins,
+    "trail_keys": trail_keys,
+    "cameras": cameras,
+    "turntable": turntable,
     "rotate": rotate,
     "skin_point": skin_point,
     "tilted_area": tilted_area,

@@ -28,12 +28,12 @@ from studio.startup.process import prepare_process
 COUNT, COUNTS = (
     100_000,
     dict.fromkeys((".fbx", "catalogue", "clips", "commands", "stages", "words"), 5_000)
-    | {"kills": 2_000, "actions": 200},
+    | {"kills": 2_000, "actions": 200, "projects": 200},
 )  # these take longer
 SECONDS, STILL, START = 5.0, 600.0, 600.0
 """Seconds of the processor for a file; by the clock, however busy the machine is; and by the clock for the first, for
 which kernels may have to be compiled."""
-SECONDS_OF = {"actions": 200.0}
+SECONDS_OF = {"actions": 200.0, "projects": 60.0}
 """Seconds of the processor for what is longer than a file."""
 TELLS = 30.0
 """Seconds between two lines that say how far a kind of file is."""

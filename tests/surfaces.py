@@ -1,5 +1,5 @@
 """Surfaces that a soak tries by seeds instead of spoilt files: a catalogue, a recording, a stage, command lines, kills,
-actions of the window.
+actions of the window, projects opened and closed.
 
 Each trial raises where something is lost or goes wrong.
 """
@@ -14,7 +14,7 @@ from studio.live.osc import LARGEST_PACKET
 from studio.live.recording import read_recording, write_recording
 from tests.cli import odd_words
 from tests.document.killed import CHECKS
-from tests.gui import random_actions
+from tests.gui import opened_projects, random_actions
 from tests.io import spoilt_stages
 from tests.io.test_fuzz import bytes_changed
 from tests.library.damaged_catalogue import damage, make_catalogue, use
@@ -71,5 +71,6 @@ SURFACES: dict[str, Trial] = {
     "words": odd_words.play,
     "kills": try_kill,
     "actions": random_actions.play,
+    "projects": opened_projects.play,
     "commands": lambda seed, _folder: clip_commands.play(seed, live=seed % 8 == 0),
 }

@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QPoint, QRect, QSize, Qt
-from PySide6.QtGui import QImage
+from PySide6.QtGui import QImage, QPainter
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLineEdit, QWidget
 
@@ -36,11 +36,14 @@ from studio.library.scenes import SCENES
 from studio.viewport.body_points import body_joints, point_path
 from studio.viewport.onion_skins import OnionSkins
 from studio.viewport.rotate_gizmo import RotateGizmo
+from studio.viewport.turntable import TURN_RATE
 
 KICK_KEYS = KeyedField("constraints", "kick", "target")
 KEY_TIMES = (2.2, 2.4, 2.55, 2.75, 2.95)
 CLICK_RATE = 22_050
 KICK_FILM = Path(__file__).parents[2] / "docs" / "pictures" / "kick.gif"
+TILE = QSize(210, 340)
+"""Pixels of a view in a row of them."""
 LEFT, NO_KEY = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
 
 
@@ -82,10 +85,7 @@ def onion_skins() -> QImage:
     session = Session("front_kick", (1440, 860))
     session.document.selection.set(("performers", "adult_woman"))
     viewport = session.bench.viewport
-    for key in session.document.project.performers:
-        if key != "adult_woman":
-            body = session.document.project.performers[key]
-            session.document.replace("performers", key, replace(body, visible=False), "Hide")
+    _show_only(session, "adult_woman")
     session.document.playhead.set_time(1.4)
     session.settle()
     viewport.keep_ghosts()
@@ -95,6 +95,95 @@ def onion_skins() -> QImage:
     session.settle()
     session.look(-70, 8, 1.5, among=("adult_woman",))
     return _taken(session, [viewport])
+
+
+def trail_keys() -> QImage:
+    """A kick at a target with keys, each a diamond on the trail of the foot."""
+    session = Session("front_kick", (640, 520))
+    _hide_docks(session)
+    _show_only(session, "adult_woman")
+    places = (0.45, -0.1, 0.7), (0.75, 0.0, 1.05), (1.0, 0.1, 1.2), (0.7, 0.05, 0.75)
+    keyed = KeyedPlace((2.25, 2.4, KICK_TIME, 2.8), places)
+    key = session.document.add("constraints", replace(kick_target(), target=keyed), "Add 'Kick target'")
+    session.document.selection.set(("performers", "adult_woman"), ("constraints", key))
+    session.document.playhead.set_time(KICK_TIME)
+    session.settle()
+    session.look(-70, 6, 1.35, among=("adult_woman",))
+    middle = session.bench.viewport.geometry().center()
+    middle = session.bench.viewport.parentWidget().mapTo(session.window, middle)
+    image = session.picture(QRect(middle - QPoint(230, 180), QSize(460, 380)))
+    session.close()
+    return image
+
+
+def cameras() -> QImage:
+    """A kick through four saved cameras, beside each other as F5 to F8 show it."""
+    session = Session("front_kick", (600, 520))
+    _hide_docks(session)
+    _aim(session, "adult_woman")
+    session.document.selection.clear()
+    _show_only(session, "adult_woman")
+    session.settle()
+    viewport, actions = session.bench.viewport, session.window.actions_by_id.by_id
+    one = ("adult_woman",)
+    views = (35.0, 8.0, 1.4, one), (-60.0, 4.0, 1.7, one), (20.0, 45.0, 1.6, one), (5.0, -4.0, 1.5, one)
+    for slot, (azimuth, elevation, margin, among) in enumerate(views, 1):
+        session.look(azimuth, elevation, margin, among=among)
+        actions[f"store_camera_{slot}"].trigger()
+    images = []
+    for slot in range(1, 5):
+        actions[f"camera_{slot}"].trigger()
+        session.rest(0.6)
+        images.append(_middle(viewport.grab_image()))
+    session.close()
+    return _side_by_side(images)
+
+
+def turntable() -> QImage:
+    """Four moments of a walk that the camera follows and goes round."""
+    session = Session("walk_turn", (600, 520))
+    _hide_docks(session)
+    _show_only(session, "adult_woman")
+    document, viewport = session.document, session.bench.viewport
+    document.selection.set(("performers", "adult_woman"))
+    session.settle()
+    session.look(35, 8, 1.4, among=("adult_woman",))
+    document.selection.clear()
+    viewport.set_following(True)
+    images = []
+    for moment in range(4):
+        document.playhead.set_time(0.4 + 0.6 * moment)
+        session.settle()
+        images.append(_middle(viewport.grab_image()))
+        viewport.set_camera(replace(viewport.camera, azimuth=viewport.camera.azimuth + 0.6 * TURN_RATE))
+    session.close()
+    return _side_by_side(images)
+
+
+def _hide_docks(session: Session) -> None:
+    for name in ("Library", "History", "Inspector", "Timeline"):
+        session.window.docks[name].hide()
+
+
+def _show_only(session: Session, performer_id: str) -> None:
+    for key, performer in session.document.project.performers.items():
+        if key != performer_id:
+            session.document.replace("performers", key, replace(performer, visible=False), "Hide")
+
+
+def _middle(image: QImage) -> QImage:
+    """The middle of a view, ``TILE`` large."""
+    return image.copy(
+        QRect((image.width() - TILE.width()) // 2, (image.height() - TILE.height()) // 2, *TILE.toTuple())
+    )
+
+
+def _side_by_side(images: list[QImage]) -> QImage:
+    whole = QImage(len(images) * TILE.width(), TILE.height(), QImage.Format.Format_RGB32)
+    with QPainter(whole) as painter:
+        for place, image in enumerate(images):
+            painter.drawImage(place * TILE.width(), 0, image)
+    return whole
 
 
 def _turn_by_ring(session: Session, axis: str) -> QPoint:
@@ -147,10 +236,7 @@ def tilted_area() -> QImage:
         shape=AreaShape.TABLE, centre=(x + 0.1, y, z + 0.06), size=(0.5, 0.6, 0.06),
     )  # fmt: skip
     key = session.document.add("constraints", table, "Add")
-    for other in session.document.project.performers:
-        if other != "tall_man":
-            body = session.document.project.performers[other]
-            session.document.replace("performers", other, replace(body, visible=False), "Hide")
+    _show_only(session, "tall_man")
     session.document.selection.set(("performers", "tall_man"), ("constraints", key))
     session.settle()
     session.look(38, 14, 1.3, among=("tall_man",))
@@ -167,8 +253,7 @@ def tour() -> QImage:
     """The third step of the tour, a joint being picked."""
     session = Session("front_kick", (1000, 560))
     document = session.document
-    for name in ("Library", "History", "Inspector", "Timeline"):
-        session.window.docks[name].hide()
+    _hide_docks(session)
     session.window.actions_by_id.by_id["tour"].trigger()
     document.playhead.play()
     session.rest(0.3)
@@ -197,9 +282,7 @@ def mirrored() -> QImage:
         ActivationCurve(1.2, 1.5, 2.9, 3.2), target=KeyedPlace(times, places),
     )  # fmt: skip
     key = document.add("constraints", wave, "Add 'Right wave'")
-    for other in document.project.performers:
-        if other != "tall_man":
-            document.replace("performers", other, replace(document.project.performers[other], visible=False), "Hide")
+    _show_only(session, "tall_man")
     document.selection.set(("constraints", key))
     for action in ("copy", "paste_mirrored"):
         session.window.actions_by_id.by_id[action].trigger()
@@ -223,9 +306,7 @@ def weights() -> QImage:
     )  # fmt: skip
     hip = replace(chest, name="At the hip", target=(0.15, -0.35, 0.85), weight=KeyedNumber((1.9, 2.7), (0.0, 1.0)))
     keys = document.add_all("constraints", (chest, hip), "Add")
-    for other in document.project.performers:
-        if other != "tall_man":
-            document.replace("performers", other, replace(document.project.performers[other], visible=False), "Hide")
+    _show_only(session, "tall_man")
     document.selection.set(("performers", "tall_man"), *(("constraints", key) for key in keys))
     document.playhead.set_time(2.25)
     timeline = session.bench.timeline

@@ -69,7 +69,7 @@ class StrikeSearchController:
         self.panel.strike_chosen.connect(self.play)
         self.panel.strike_highlighted.connect(self.aim_at)
         bench.document.entity_changed.connect(self._entity_changed)
-        bench.document.project_opened.connect(self._offer_targets)
+        bench.document.project_opened.connect(self._project_opened)
         bench.live.adapted.connect(lambda _: self.search() if self._waits else None)
         self._offer_targets()
         self.panel.opened.connect(self.label)
@@ -77,6 +77,13 @@ class StrikeSearchController:
     def _entity_changed(self, collection: str, entity_id: str) -> None:
         if collection in ("props", "performers"):
             self._offer_targets()
+
+    def _project_opened(self) -> None:
+        """Forget what was found for the project before; a visible panel searches again."""
+        self._end_trial()
+        self._offer_targets()
+        if self.library is not None and self.panel.isVisible():
+            self.search_in(self.library)
 
     def _offer_targets(self) -> None:
         """Show the targets that can be hit.

@@ -26,6 +26,7 @@ from studio.document.commands.replace import (
     with_edits_applied,
 )
 from studio.document.key_selection import KeySelection
+from studio.document.keyed_fields import KeyRef
 from studio.document.mirrored import mirrored_edit, mirrored_entity, mirrored_project
 from studio.document.playhead import INITIAL_PLAYHEAD, Playhead
 from studio.document.selection import Item, Selection
@@ -170,7 +171,7 @@ class EditedProject(QObject):
         if self._group is not None:
             yield
             return
-        self._group, before = [], self._project
+        self._group, before, keys = [], self._project, self.keys.items
         try:
             yield
             self._refuse(before, self._project, self._group)
@@ -182,7 +183,7 @@ class EditedProject(QObject):
         edits = merged_edits((), edits)
         if edits:
             self._shown_already = True
-            self.undo_stack.push(ReplaceValue(self._step, edits, text, gesture))
+            self.undo_stack.push(ReplaceValue(self._step, edits, text, gesture, keys))
 
     def new_gesture(self) -> int:
         """Number for the edits of one drag, which become one undo step."""
@@ -322,14 +323,23 @@ class EditedProject(QObject):
             self._show(edits)
             self._group += edits
         else:
-            self.undo_stack.push(ReplaceValue(self._step, edits, text, gesture))
+            self.undo_stack.push(ReplaceValue(self._step, edits, text, gesture, self.keys.items))
 
-    def _step(self, edits: tuple[Edit, ...], verb: str, text: str, gesture: int | None) -> None:
-        """Apply and record the edits of a command; those of a group are applied already."""
+    def _step(
+        self, edits: tuple[Edit, ...], verb: str, text: str, gesture: int | None, keys: frozenset[KeyRef]
+    ) -> frozenset[KeyRef]:
+        """Apply and record the edits of a command; those of a group are applied already.
+
+        Undo and redo select ``keys``. Returns the keys that were selected before.
+        """
+        before, selected = self._project, self.keys.items
         if not self._shown_already:
             self._show(edits)
         self._shown_already = False
+        if verb != "edit":
+            self.keys.restore(keys, before)
         self._recorded(edits, verb, text, gesture)
+        return selected
 
     def _show(self, edits: tuple[Edit, ...]) -> None:
         before, playhead = stage_span(self._project), self.playhead

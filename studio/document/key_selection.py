@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, Signal
 
+from studio.core.stage.project import Project
 from studio.document.keyed_fields import KeyedField, KeyRef, keyed_value, owners_of, places_at
 
 if TYPE_CHECKING:
@@ -14,8 +15,8 @@ if TYPE_CHECKING:
 class KeySelection(QObject):
     """Set of keys, all of selected entities.
 
-    It follows the keys of a field by their order if they are moved or undone, by their time if some are added or
-    deleted.
+    It follows the keys of a field by their order if they are moved, by their time if some are added or deleted. Undo
+    and redo select the keys of changed fields that were selected in the state that they restore.
     """
 
     changed = Signal()
@@ -71,6 +72,19 @@ class KeySelection(QObject):
         keys = frozenset(keys)
         self.set(self._items - keys if keys <= self._items else self._items | keys)
 
+    def restore(self, keys: Iterable[KeyRef], before: Project) -> None:
+        """Select ``keys`` again in those of their fields whose times were others ``before``."""
+        selected, project = {*self._document.selection.items}, self._document.project
+        fields = {
+            field
+            for field in {key.field for key in keys}
+            if _times(before, field) != _times(project, field)
+            and (not selected or not selected.isdisjoint(owners_of(project, *field.item)))
+        }
+        if fields:
+            others = (key for key in self._items if key.field not in fields)
+            self.set((*others, *(key for key in keys if key.field in fields)))
+
     def _follow(self, collection: str, entity_id: str) -> None:
         """Follow the keys of a changed entity; an empty id stands for many. Clips also change with their performers."""
         changed = {
@@ -102,3 +116,8 @@ class KeySelection(QObject):
         project = self._document.project
         kept = {field for field in self._times if selected.intersection(owners_of(project, *field.item))}
         self.set(key for key in self._items if key.field in kept)
+
+
+def _times(project: Project, field: KeyedField) -> tuple[float, ...]:
+    value = keyed_value(project, field)
+    return () if value is None else value.times

@@ -22,12 +22,14 @@ GRASP_SAMPLES = 16
 class Grasp:
     """Moment in which a body holds a thing: ``seconds`` of the stage, and the holder's pose.
 
-    ``lowest`` is the least height of the middle of its hands above the ground during the hold, in metres.
+    ``lowest`` is the least height of the middle of its hands above the ground during the hold, in metres; ``end`` the
+    second of the stage at which the hands leave the thing.
     """
 
     seconds: float
     holder: PosedPerformer
     lowest: float
+    end: float
 
     def lift(self, prop: Prop) -> float:
         """Height in metres of the prop above the middle of the hands that keeps it out of the ground."""
@@ -60,7 +62,7 @@ def _grasp(
     if len(holders) < len(moments):
         return None
     places = np.array([captured_grasp(each) for each in holders])
-    return Grasp(seconds, holders[0], float((places[:, 2] - project.ground.height_at(places)).min()))
+    return Grasp(seconds, holders[0], float((places[:, 2] - project.ground.height_at(places)).min()), span[1])
 
 
 def captured_grasps(project: Project, performer_id: str) -> list[tuple[float, float]]:

@@ -32,7 +32,8 @@ from studio.startup.kernel_warm_up import WarmUp
 WINDOW_SECONDS = 0.75
 WINDOW_MILLISECONDS, IDLE_MILLISECONDS = 120, 150
 """Interval between solved windows during a drag, and idle time before whole motions are solved."""
-TELL_MILLISECONDS = 100
+SOLVE_REPORT_MILLISECONDS, DRAG_REPORT_MILLISECONDS = 100, 250
+"""Time from a new result until forms, strips and plots show it: all that come meanwhile are shown together."""
 _SOURCE, _EXPECTED, _FRAMES, _TOGETHER = "source ", "expected ", "frames", "\n"
 
 Realise = Callable[[NormalizedMotion, Morphology], AdaptedMotion]
@@ -117,7 +118,7 @@ class LiveAdaptation(QObject):
         self._kernels.changed.connect(self._kernels_changed)
         self._rest = RestTimer(IDLE_MILLISECONDS, self)
         self._rest.rested.connect(lambda: self._refresh(whole=True))
-        self._telling = QTimer(self, singleShot=True, interval=TELL_MILLISECONDS)
+        self._telling = QTimer(self, singleShot=True)
         self._telling.timeout.connect(self._tell_results)
         document.entity_changed.connect(self._schedule)
         document.project_opened.connect(self._begin_anew)
@@ -142,7 +143,7 @@ class LiveAdaptation(QObject):
             self._hand.set_listening(value)
             if not value and not self.play.running:
                 if self._telling.isActive():
-                    self._telling.start()  # what is told is told once: with all that is asked now
+                    self._telling.start(SOLVE_REPORT_MILLISECONDS)  # reported once: with all that is asked now
                 self._rest.stop()
                 self._turn.start(0)
             self.interactive_changed.emit(value)
@@ -236,6 +237,10 @@ class LiveAdaptation(QObject):
             return False
         cycle = next((each for each in self._circles if performer_id in each), (performer_id,))
         return body_request_of(project, performer_id, cycle, self._results.get) == wanted
+
+    def _report_soon(self) -> None:
+        if not self._telling.isActive():
+            self._telling.start(DRAG_REPORT_MILLISECONDS if self._interactive else SOLVE_REPORT_MILLISECONDS)
 
     def _tell_results(self) -> None:
         self._told = dict(self._results)
@@ -364,8 +369,7 @@ class LiveAdaptation(QObject):
         known = {key: self._wanted[key] for key in cycle}
         stages = self._stages(project, cycle, known, whole)
         if stages:
-            if not self._telling.isActive():
-                self._telling.start()
+            self._report_soon()
             self._scheduler.request(_TOGETHER.join(cycle), self._document.revision, *stages)
 
     def _stages(
@@ -422,8 +426,7 @@ class LiveAdaptation(QObject):
         if key.startswith(_EXPECTED):
             return
         if isinstance(answer, SolveResults):
-            if not self._telling.isActive():
-                self._telling.start()
+            self._report_soon()
             for performer_id, adapted in answer.adapted.items():
                 self._results[performer_id], self._asked_at[performer_id] = adapted, answer.asked_at
                 self._failures.pop(performer_id, None)
@@ -455,14 +458,15 @@ class LiveAdaptation(QObject):
             self._results.pop(performer_id, None)  # what it played before is not what is asked
             self.adapted.emit(performer_id)
         self._document.problem_reported.emit(str(error))
-        self._telling.start()
+        self._report_soon()
 
     def _tell_busy(self) -> None:
         busy = self._scheduler.busy
         if self._works_on_former and not busy:  # what was under way as another project was opened filled caches again
             self._works_on_former = False
             forget_project()
-        if not busy and self._telling.isActive() and not self._turn.isActive() and not self._rest.isActive():
+        waiting = self._interactive or self._turn.isActive() or self._rest.isActive()
+        if not busy and self._telling.isActive() and not waiting:
             self._telling.start(0)  # there is no more to come
         if busy != self._busy:
             self._busy = busy

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.body_shape import moving_body_by_shape
+from studio.core.body.body_shape import has_human_limbs, moving_body_by_shape
 from studio.core.body.body_sides import LIMB_PARTS, exchanged_limbs
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_positions
@@ -82,6 +82,9 @@ def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -
     else:
         reason = "The names of its joints say nothing; legs reach lowest, arms widest, the head highest."
         confidence = Confidence.LIKELY
+        if not has_human_limbs(skeleton, found.body_map):
+            reason += " Its limbs are not divided like a person's: look at its elbows, wrists, knees and ankles."
+            confidence = Confidence.DOUBTFUL
     return [Guess("body map", f"{parts} parts, {len(found.body_map.spine)} spine joints", reason, confidence)]
 
 

@@ -13,6 +13,7 @@ from studio.core.curves.keyed import KeyedPlace, Keys
 from studio.core.rotations import from_matrix, to_matrix
 from studio.core.stage.prop import Carried, Hold, InHand, Prop, PropShape
 from studio.document.document import Document
+from studio.document.grips import remove_ended_grips
 from studio.document.obstacles import obstacles_of, set_obstacle
 from studio.engine.live_interface import Live
 from studio.engine.performance import posed_performers
@@ -167,7 +168,12 @@ class PropEditor(Editor[Prop]):
         self.change(f"{verb} {self.entity.name}", **values)
 
     def _put_made(self, verb: str, make: Callable[[], Prop]) -> None:
-        self.replace_entity(make, f"{verb} {self.entity.name}")
+        """Replace the prop; hands that have carried it so far leave it."""
+        text, before = f"{verb} {self.entity.name}", self.document.project.props
+        with self.document.group(text, self.gesture):
+            self.replace_entity(make, text)
+            for prop_id in self.edited_ids:
+                remove_ended_grips(self.document, prop_id, before[prop_id], text)
 
     def _move(self, position: tuple[float, ...]) -> None:
         self._put_made("Move", lambda: moved_prop(self.pose, np.array(position)))

@@ -74,9 +74,8 @@ class Thumbnails(QObject):
 
     def forget_saved(self) -> None:
         """Read the pictures of project files again when they are shown."""
-        self._pictures = {
-            key: kept for key, kept in self._pictures.items() if not (isinstance(key, tuple) and key[0] == SAVED)
-        }
+        for key in [key for key in self._pictures if isinstance(key, tuple) and key[0] == SAVED]:
+            del self._pictures[key]
 
     def _picture(self, key: Hashable, drawn: object, draw: Callable[[], QImage]) -> QPixmap | None:
         """Thumbnail by ``key``, that of what is ``drawn``: poses or a skin, which outlast names and lengths."""

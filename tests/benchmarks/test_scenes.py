@@ -27,3 +27,13 @@ def test_what_is_asked_below_changes_nothing_that_is_missed_above(clip: str, exa
         assert [each.count for each in results] == list(COUNTS)
         assert max(each.changed for each in results) < LAW, seed
         assert max(each.ramped for each in results) < LAW, seed
+
+
+@pytest.mark.parametrize(("place", "clip"), list(enumerate(BUNDLED)), ids=BUNDLED)
+def test_smoothing_makes_no_peak_greater(place: int, clip: str) -> None:
+    motion, contacts = clip_of(ready_capture(example_captures_folder() / clip, GUESS_ALL), LONGEST)
+    bodies = list(bundled_characters().values())
+    for seed in range(3):
+        standing = stand(motion, bodies[(place + seed) % len(bodies)].morphology, contacts, Ground())
+        for each in measure(clip, standing, seed, 1.0):
+            assert each.peak < 1.1 * max(each.exact_peak, 3.0), each

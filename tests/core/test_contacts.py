@@ -91,6 +91,29 @@ def test_a_foot_that_skids_stands_where_it_was_and_where_it_comes_to(far: float,
     assert len(_detect(skidding, _track([(0, 119)]))[ContactPoint.LEFT_TOE]) == steps
 
 
+def test_a_foot_that_slides_slowly_stands_before_and_after_not_between() -> None:
+    way = np.interp(np.arange(120.0), [0, 50, 70, 119], [0.0, 0.0, 0.18, 0.18])
+    sliding = np.stack([way, np.zeros(120), np.full(120, 0.08)], axis=1)
+    found = _detect(sliding, _track([(0, 119)]))
+    for kind in ("heel", "toe"):
+        (_, last), (first, _) = found[ContactPoint(f"left_{kind}")]
+        assert abs(last - 50) <= 3
+        assert abs(first - 70) <= 3
+
+
+@pytest.mark.parametrize("rise", [0.05, 0.07])
+def test_heels_over_toes_that_stand_are_raised_however_long_a_body_sneaks(rise: float) -> None:
+    heels = np.full(480, rise)
+    heels[:60] = 0.0
+    soles = np.zeros((480, 2, 3, 3))
+    soles[..., 0, 2] = heels[:, None]
+    soles[..., 1:, 0] = [0.18, 0.25]
+    found = detect_contacts(soles, RATE)
+    for side in ("left", "right"):
+        assert found[ContactPoint(f"{side}_toe")] == [(0, 479)]
+        assert np.allclose(found[ContactPoint(f"{side}_heel")], [(0, 59)], atol=3)
+
+
 def test_a_foot_that_turns_about_its_ankle_goes_nowhere() -> None:
     angles = np.clip((np.arange(120.0) - 60.0) / 2.0, 0.0, 1.0)
     ahead = np.stack([np.cos(angles), np.sin(angles), np.zeros(120)], axis=1)

@@ -276,7 +276,7 @@ def _with_other_axes(capture: Capture, axes: np.ndarray) -> Capture:
 @given(seeds)
 @settings(max_examples=10)
 def test_how_joint_axes_lie_does_not_change_the_motion(seed: int) -> None:
-    capture = swaying(seed)
+    capture = swaying(seed, hinged=True)
     other = _with_other_axes(capture, random_rotations(np.random.default_rng(seed), 26))
     assert _same_channels(normalize_capture(capture)[0].channels, normalize_capture(other)[0].channels)
 

@@ -17,7 +17,7 @@ from studio.core.mannequin.physiques import BUNDLED
 from studio.core.normalized.alignment import align_soles, find_alignments
 from studio.core.normalized.landmarks import find_landmarks
 from studio.core.rigs.zero_pose import with_zero_pose
-from studio.core.rotations import angle_between, from_matrix, multiply, to_matrix
+from studio.core.rotations import angle_between, from_matrix, inverse, multiply, to_matrix
 from studio.core.stage.local_pose import LocalPose, local_pose, posed_rotations
 from tests.core.motions import HINGES, about, swaying
 
@@ -243,6 +243,28 @@ def test_an_elbow_that_bends_shows_its_hinge_and_one_that_is_straight_hardly_any
         marks = find_landmarks(each, each.body_map)
         apart.append(from_matrix(find_alignments(marks)[marks.layout.upper_arm_segment(0)]))
     assert np.degrees(angle_between(*apart)) < 5.0
+
+
+def test_palms_of_a_human_zero_pose_look_down_wherever_elbows_bend() -> None:
+    """The elbow of an actor with palms down bends upwards by some degrees; the palm is that of the T-pose."""
+    forward = swaying(4, frames=120, amplitude=0.1, hinged=True)
+    turn = about(LEFT, np.radians(30.0))
+    elbow = forward.skeleton.index("LeftForeArm")
+    rotations = np.array(forward.poses.local_rotations)
+    rotations[:, elbow] = multiply(
+        multiply(turn, about(HINGES["LeftForeArm"], np.full(120, np.radians(90.0)))), inverse(turn)
+    )
+    upward = replace(forward, poses=replace(forward.poses, local_rotations=rotations))
+    arms = []
+    for each in (forward, upward):
+        assert each.body_map is not None
+        marks = find_landmarks(each, each.body_map)
+        first = marks.layout.upper_arm_segment(0)
+        arms.append(from_matrix(find_alignments(marks)[first : first + 3]))
+    upper_arm, forearm, hand = np.degrees(angle_between(*arms))
+    assert upper_arm > 20.0
+    assert forearm > 20.0
+    assert hand < 0.01
 
 
 def test_a_foot_that_stands_on_its_edge_for_a_while_keeps_a_level_sole() -> None:

@@ -87,3 +87,56 @@ def test_keys_of_what_is_deselected_or_gone_are_selected_no_more(qapp, project):
     assert not document.keys.items
     assert not delete_keys(document)
     document.close()
+
+
+def selected_times(document):
+    return [document.project.constraints["reach"].target.times[place] for place in document.keys.by_field()[TARGET]]
+
+
+def test_undo_selects_the_keys_that_were_moved_past_others_and_redo_too(qapp, project):
+    """It followed their order: the keys that had been passed were selected, and moved by the next drag."""
+    document = Document(project)
+    document.selection.set(("constraints", "reach"))
+    document.keys.set([KeyRef(TARGET, 0)])
+    drag = KeyDrag(document)
+    for seconds in (0.05, 0.15, 0.25):
+        drag.move(seconds)
+    assert selected_times(document) == [pytest.approx(0.35)]
+    document.undo_stack.undo()
+    assert selected_times(document) == [0.1]
+    document.undo_stack.redo()
+    assert selected_times(document) == [pytest.approx(0.35)]
+
+
+def test_undo_selects_the_keys_that_were_deleted(qapp, project):
+    document = Document(project)
+    document.selection.set(("constraints", "reach"))
+    document.keys.set([KeyRef(TARGET, 0), KeyRef(TARGET, 2)])
+    delete_keys(document)
+    document.undo_stack.undo()
+    assert selected_times(document) == [0.1, 0.3]
+
+
+def test_undo_of_an_edit_of_something_else_leaves_the_selected_keys(qapp, project):
+    document = Document(project)
+    document.selection.set(("constraints", "reach"))
+    document.keys.set([KeyRef(TARGET, 0)])
+    name = replace(document.project.constraints["reach"], name="Other")
+    document.replace("constraints", "reach", name, "Rename")
+    document.keys.set([KeyRef(TARGET, 2)])
+    document.undo_stack.undo()
+    assert selected_times(document) == [0.3]
+    document.keys.clear()
+    document.undo_stack.redo()
+    assert not document.keys.items
+
+
+def test_a_new_edit_after_an_undo_keeps_the_selection_of_now(qapp, project):
+    document = Document(project)
+    document.selection.set(("constraints", "reach"))
+    document.keys.set([KeyRef(TARGET, 0)])
+    nudge_keys(document, 1)
+    document.undo_stack.undo()
+    document.keys.set([KeyRef(TARGET, 1)])
+    nudge_keys(document, 1)
+    assert selected_times(document) == [document.project.constraints["reach"].target.times[1]]

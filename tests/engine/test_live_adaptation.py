@@ -13,6 +13,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from PySide6.QtCore import QTimer
+from PySide6.QtTest import QTest
 
 from studio.core.body.morphology import Morphology
 from studio.core.captures.capture import Capture
@@ -24,7 +25,7 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.project import GROUND_ID
 from studio.document.document import Document
-from studio.engine.live_adaptation import LiveAdaptation
+from studio.engine.live_adaptation import DRAG_REPORT_MILLISECONDS, LiveAdaptation
 from studio.engine.residuals import unsolved_words
 from studio.startup.kernel_warm_up import WarmUp
 from tests.builders import make_capture, make_constraint, make_morphology, make_project
@@ -284,6 +285,27 @@ def test_all_views_are_told_of_one_answer_at_one_moment(make_scene: Any) -> None
     scene.live.wait_until_solved()
     assert all(heard)  # a newer pose; what is told of the constraints changes for all views together
     assert told[-1] is scene.live.result("performer 0")
+
+
+def test_a_drag_is_reported_four_times_a_second_and_its_end_at_once(make_scene: Any) -> None:
+    """Whenever the workers rested, each answer was reported at once: forms, strips and plots were painted for each."""
+    scene = make_scene(characters=1, constraints=1)
+    document, live = scene.document, scene.live
+    document.selection.set(("performers", "performer 0"))
+    live.wait_until_solved()
+    [(key, constraint)] = document.project.constraints.items()
+    told: list[float] = []
+    live.reported_changed.connect(lambda: told.append(time.monotonic()))
+    live.interactive = True
+    begun = time.monotonic()
+    while time.monotonic() < begun + 1.0:
+        document.replace("constraints", key, replace(constraint, target=(time.monotonic() - begun, 0.0, 1.0)), "Move")
+        QTest.qWait(10)
+    assert len(scene.solver.windows) > 4  # the worker answers more often
+    assert 2 <= len(told) <= 1000 / DRAG_REPORT_MILLISECONDS
+    live.interactive = False
+    live.wait_until_solved()
+    assert live.reported_motion("performer 0") is live.result("performer 0")
 
 
 def test_a_hidden_performer_is_not_solved(make_scene: Any) -> None:

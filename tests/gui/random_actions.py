@@ -3,6 +3,8 @@
 import os
 import shutil
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -38,40 +40,65 @@ def open_window(folder: Path) -> Any:
     return _windows[0]
 
 
+def process_events() -> None:
+    """Process what is pending as an event loop does; ``processEvents`` alone never deletes what is deleted later."""
+    from PySide6.QtCore import QCoreApplication, QEvent
+
+    QCoreApplication.processEvents()
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+
+
+@contextmanager
+def slots_raise() -> Iterator[None]:
+    """Raise in the end what a slot of Qt has raised, which would only be printed."""
+    raised: list[BaseException] = []
+    hook, sys.excepthook = sys.excepthook, lambda _kind, error, _stack: raised.append(error)
+    try:
+        yield
+    finally:
+        sys.excepthook = hook
+    if raised:
+        raise raised[0]
+
+
+def act(window: Any, random: Random) -> None:
+    """Trigger an action on a random selection at a random time."""
+    from studio.app.actions import ACTIONS
+
+    document, actions = window.bench.document, window.actions_by_id.by_id
+    possible = [
+        actions[each.id] for each in ACTIONS if (each.menu in MENUS and ASKING not in each.text) or each.id in ALSO
+    ]
+    collection = random.choice(COLLECTIONS)
+    keys = list(getattr(document.project, collection))
+    chosen = random.sample(keys, min(len(keys), random.choice([1, 1, 2])))
+    document.selection.set(*((collection, key) for key in chosen))
+    document.playhead.set_time(random.uniform(0.0, 1.5))
+    process_events()
+    random.choice([each for each in possible if each.isEnabled()]).trigger()
+
+
 def play(seed: int, folder: Path, steps: int = STEPS) -> int:
     """Trigger actions on random selections; returns the number of steps on the undo stack.
 
     Raises AssertionError where undoing all, redoing all, or recovering the journal gives other bytes.
     """
-    from PySide6.QtCore import QCoreApplication
-
-    from studio.app.actions import ACTIONS
-
-    window, random, raised = open_window(folder), Random(seed), []
-    document, actions = window.bench.document, window.actions_by_id.by_id
+    window, random = open_window(folder), Random(seed)
+    document = window.bench.document
     document.new(stage_project())
     first = project_json(document.project, {})
-    possible = [
-        actions[each.id] for each in ACTIONS if (each.menu in MENUS and ASKING not in each.text) or each.id in ALSO
-    ]
-    sys.excepthook = lambda _kind, error, _stack: raised.append(error)
     for _ in range(steps):
-        collection = random.choice(COLLECTIONS)
-        keys = list(getattr(document.project, collection))
-        chosen = random.sample(keys, min(len(keys), random.choice([1, 1, 2])))
-        document.selection.set(*((collection, key) for key in chosen))
-        document.playhead.set_time(random.uniform(0.0, 1.5))
-        QCoreApplication.processEvents()
-        random.choice([each for each in possible if each.isEnabled()]).trigger()
-        if random.random() < 0.1:
-            document.undo_stack.setIndex(random.randrange(document.undo_stack.count() + 1))
-        QCoreApplication.processEvents()
-        if raised:
-            raise raised[0]
+        with slots_raise():
+            act(window, random)
+            if random.random() < 0.1:
+                document.undo_stack.setIndex(random.randrange(document.undo_stack.count() + 1))
+            process_events()
     last, index = project_json(document.project, {}), document.undo_stack.index()
-    document.undo_stack.setIndex(0)
+    with slots_raise():
+        document.undo_stack.setIndex(0)
     assert project_json(document.project, {}) == first, "undo"
-    document.undo_stack.setIndex(index)
+    with slots_raise():
+        document.undo_stack.setIndex(index)
     assert project_json(document.project, {}) == last, "redo"
     copy = folder / "killed"
     assert document.journal is not None

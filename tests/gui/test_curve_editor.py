@@ -264,6 +264,19 @@ def test_all_or_the_selected_keys_are_framed(document, editor):
     assert curves.range_of(shown, metres).high < span.high
 
 
+def test_one_selected_key_is_framed_at_the_scale_of_time_that_is_shown(document, editor):
+    """Its x, y and z are at one time: two frames about it filled the whole width."""
+    axis, key = editor.timeline.tracks.axis, FIELD
+    axis.zoom(3.0, axis.left)
+    axis.scroll(10_000.0)
+    shown = axis.time_at(axis.right) - axis.time_at(axis.left)
+    document.keys.set([KeyRef(key, 0)])
+    assert KEYS.times[0] < axis.time_at(axis.left)
+    QTest.keyClick(editor.timeline.tracks, Qt.Key.Key_F)
+    assert axis.time_at(axis.left) <= KEYS.times[0] <= axis.time_at(axis.right)
+    assert axis.time_at(axis.right) - axis.time_at(axis.left) == pytest.approx(shown)
+
+
 def test_normalized_curves_each_fill_the_height_and_are_dragged_at_their_own_scale(document, editor, hand):
     values = {name: [*key_values(*editor.channel(name))] for name in "xyz"}
     heights = {name: [editor.key(name, place).y() for place in range(4)] for name in "xyz"}

@@ -105,6 +105,30 @@ def test_add_box_puts_it_where_the_capture_holds_a_thing_and_pick_up_takes_it_th
     assert document.project.props[prop_id].held.offset[:2] == (0.0, 0.0)
 
 
+def test_a_box_is_put_down_where_the_hands_of_the_capture_leave_it(played):
+    document, said = played.bench.document, []
+    played.bench.message_posted.connect(lambda message: said.append(message.sentence))
+    clip = document.project.performers[FIRST].clips[0]
+    rate = document.project.frame_rate_of(clip)
+    first, last = 2, clip.last // 4
+    document.add("contacts", ContactInterval(clip.motion_id, Touch.HANDS_ON_THING, first, last), "Add")
+    prop_id = document.add("props", Prop("Box", position=(0.5, 0.0, 0.9)), "Add box")
+    steps, begin, end = document.undo_stack.count(), first / rate, clip.start + last / rate
+    pick_up(played, FIRST, prop_id, begin)
+    [hold] = document.project.props[prop_id].holds
+    assert (hold.begin, hold.end) == pytest.approx((begin, end))
+    grips = [each for each in document.project.constraints.values() if gripped_prop(each) == prop_id]
+    assert grips
+    assert all(each.activation.full_end == pytest.approx(last / rate) for each in grips)
+    assert any("is put down there" in each for each in said)
+    assert document.undo_stack.count() == steps + 1
+    places = []
+    for time in (end, end + 0.1):
+        posed = posed_performers(document.project, played.bench.live.result, time)
+        places.append(prop_at(document.project, posed, prop_id, time).place)
+    assert places[1] == pytest.approx(places[0], abs=1e-6)
+
+
 def test_a_box_beyond_reach_is_moved_ahead_of_who_picks_it_up_and_a_message_says_so(played):
     document, said = played.bench.document, []
     played.bench.message_posted.connect(lambda message: said.append(message.sentence))

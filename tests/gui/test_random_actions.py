@@ -1,12 +1,9 @@
 """A short run of what ``make soak`` does at length."""
 
-import sys
-
 from tests.gui import random_actions
 
 
-def test_any_actions_of_the_menus_are_undone_redone_and_recovered_to_the_byte(qapp, tmp_path, monkeypatch):
-    monkeypatch.setattr(sys, "excepthook", sys.excepthook)  # the run has its own
+def test_any_actions_of_the_menus_are_undone_redone_and_recovered_to_the_byte(qapp, tmp_path):
     try:
         random_actions.play(3, tmp_path, steps=8)
     finally:

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QPushButton
 
 from studio.app.strike_target import StrikeTarget
 from studio.core.constraints.position import PositionConstraint
+from studio.core.stage.project import Project
 from studio.core.stage.prop import Prop
 from studio.engine.background_tasks import Progress
 from studio.engine.live_adaptation import LiveAdaptation
@@ -105,6 +106,14 @@ def test_what_is_chosen_is_searched_for_at_once(striking, window, qtbot):
     assert {clip.label.limb for clip in striking.listed} == {Limb.RIGHT_LEG}
     window.bench.document.remove("props", key, "Delete box")
     assert panel.hint.text() == strikes.NO_TARGET
+
+
+def test_a_new_project_lists_no_clips_of_a_pose_that_was_selected_before(striking, window, qtbot):
+    striking.list_clips(striking.library.clips[:2])
+    window.bench.document.new(Project())
+    wait_until_idle(qtbot, window)
+    assert striking.panel.hint.text() == strikes.NO_TARGET
+    assert striking.panel.results.count() == len(striking.library.clips)
 
 
 def test_without_a_box_it_says_that_one_is_needed(striking, window, qtbot):

@@ -1,17 +1,20 @@
 """Pictures in the library: of captures and characters, drawn beside the window, once each."""
 
+import gc
 import threading
 import time
+import weakref
 from dataclasses import replace
 
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 
+from studio.core.stage.project import Project
 from studio.io.project.character_file import bundled_characters
 from studio.panels import thumbnails
 from studio.panels.library_delegate import PICTURED
 from studio.panels.thumbnails import capture_picture, character_picture
-from tests.builders import make_capture
+from tests.builders import make_capture, make_project
 from tests.patience import SECONDS
 
 
@@ -61,3 +64,15 @@ def test_every_row_gets_its_picture_drawn_beside_the_window_and_only_once(window
     document.replace("characters", key, replace(character, name="Other"), "Rename")
     assert library.thumbnails.of("characters", key) is not None
     assert len(threads) == count
+
+
+def test_pictures_go_with_their_project_after_those_of_files_were_read_again(window):
+    """A new table of pictures was no longer the one that is cleared when another project is opened."""
+    thumbnails, document = window.library.thumbnails, window.bench.document
+    thumbnails.forget_saved()
+    document.new(make_project())
+    skin = weakref.ref(next(iter(document.project.characters.values())).skin)
+    wait_for(lambda: all(thumbnails.of("characters", key) for key in document.project.characters))
+    document.new(Project())
+    gc.collect()
+    assert skin() is None

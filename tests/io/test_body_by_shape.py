@@ -6,9 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_positions
+from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
+from studio.io.capture_guesses import body_guesses
 from studio.io.export import take_of_capture, write_take
+from studio.io.figure.body_maps import FoundBody
 from studio.io.importing import ImportOptions, load_capture
 from studio.resources_folder import example_captures_folder
 
@@ -152,6 +156,31 @@ def test_joints_that_only_divide_a_bone_are_no_elbows_and_knees(tmp_path: Path, 
             here = joint_positions(found.skeleton, found.poses)[:, found.body_map[part]]
             there = joint_positions(plain.skeleton, plain.poses)[:, joint]
             assert np.abs(here - there).max() < 1e-3, part
+
+
+@pytest.mark.parametrize(
+    ("part", "bone", "confidence"),
+    [
+        (None, None, Confidence.LIKELY),
+        ("hand", "ForeArm", Confidence.DOUBTFUL),
+        ("forearm", "Arm", Confidence.DOUBTFUL),
+        ("foot", "Leg", Confidence.DOUBTFUL),
+    ],
+)
+def test_a_body_by_shape_that_ends_a_bone_half_way_is_told_as_doubtful(
+    tmp_path: Path, part: str | None, bone: str | None, confidence: Confidence
+) -> None:
+    path = tmp_path / "walk.bvh"
+    path.write_text(_divided(WALK, BONES))
+    plain = load_capture(path)
+    assert plain.body_map is not None
+    joints = plain.body_map.to_json(plain.skeleton)
+    if part:
+        joints |= {f"{side.lower()}_{part}": f"{side}{bone}02" for side in ("Left", "Right")}
+    found = FoundBody(BodyMap.from_json(plain.skeleton, joints), "", ())
+    (guess,) = body_guesses(plain.skeleton, found, ImportOptions())
+    assert guess.confidence is confidence
+    assert ("not divided like a person's" in guess.reason) == (part is not None)
 
 
 @pytest.mark.parametrize("suffix", [".bvh", ".glb"])

@@ -136,6 +136,11 @@ POINTS = "take.bvh: its numbers have decimal commas; they were read as points."
 BLANKS = "commas between them; they were read as blanks."
 REPAIRED = {
     **{word: (_rows(word), 3, FILLED) for word in NO_NUMBER},
+    "a row of zeros": (
+        bvh_text([ROW, " ".join(["0.000"] * 9), ROW]),
+        3,
+        "line 20: 1 row lacks numbers or holds zeros alone; what is missing was filled from the rows before and after.",
+    ),
     "a row that begins with a word behind a hash": (bvh_text([ROW, " ".join(["#N/A"] * 9), ROW]), 3, FILLED),
     "decimal commas and the word of a German C library": (
         bvh_text(
@@ -318,6 +323,28 @@ def test_a_row_without_numbers_lies_between_its_neighbours_and_angles_turn_the_s
     assert frames[1, 1] == pytest.approx(92.0)
     assert frames[1, 3] % 360.0 == pytest.approx(180.0)
     assert frames[[0, 2], 3].tolist() == [170.0, -170.0]
+
+
+def test_first_rows_of_zeros_and_zeros_of_a_body_in_place_are_poses(tmp_path: Path) -> None:
+    zero, bent = " ".join(["0"] * 9), "0 0 0 40 0 0 0 0 0"
+    for rows in ([zero, ROW, ROW], [bent, zero, bent]):
+        file = _read(tmp_path, bvh_text(rows))
+        assert not file.frames[rows.index(zero)].any()
+        assert not file.repairs
+
+
+def test_a_travelling_body_that_would_not_bend_has_angles_in_radians(tmp_path: Path) -> None:
+    def walk(travels: float, bends: float) -> BvhFile:
+        return _read(tmp_path, bvh_text([f"{step * travels} 90 0 0 1.57 0 0 {step * bends} 0" for step in range(3)]))
+
+    radians = walk(50.0, 0.7)
+    assert radians.frames[2].tolist() == pytest.approx([100, 90, 0, 0, np.degrees(1.57), 0, 0, np.degrees(1.4), 0])
+    assert radians.repairs == (
+        "take.bvh: its angles were read as radians; as degrees, a body that travels would not bend by more than 1.4.",
+    )
+    for degrees in (walk(10.0, 0.7), walk(50.0, 7.0), walk(50.0, 0.2)):
+        assert degrees.frames[0, 4] == 1.57
+        assert not degrees.repairs
 
 
 @pytest.mark.parametrize(

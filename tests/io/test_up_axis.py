@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from studio.core.body.kinematics import joint_positions
+from studio.core.body.humanoid import BodyPart
+from studio.core.body.kinematics import joint_positions, rest_poses
 from studio.core.body.pose import PoseSequence
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
@@ -77,6 +78,10 @@ def test_the_tilt_of_a_camera_is_taken_back_and_told(
     up = turn_to_world(read.up_axis)[2]
     assert np.degrees(np.arccos(up @ (FILE_AXES[axis].T @ tilt)[:, 2])) < 3.0
     assert any("as a tilted camera sees it" in guess.reason for guess in read.guesses)
+    assert read.body_map is not None
+    standing = joint_positions(read.skeleton, rest_poses(read.skeleton, read.reference_rotations))[0]
+    trunk = standing[read.body_map[BodyPart.NECK]] - standing[read.body_map.spine[0]]
+    assert np.degrees(np.arccos(trunk[2] / np.linalg.norm(trunk))) < 5.0
 
 
 def fbx(up: int, sign: int, unit: float) -> str:

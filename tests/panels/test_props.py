@@ -17,6 +17,7 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.solver.performers.stage import constraints_of_performer
+from studio.core.stage.holding import grip_constraints
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.document.obstacles import obstacles_of, set_obstacle
@@ -115,6 +116,25 @@ def test_a_prop_in_a_hand_moves_with_it_and_is_let_go_where_it_is(document, form
     assert prop.held is None
     assert prop.position == pytest.approx(end)
     assert prop.heading == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize("placement", ["Attached to a body point", "Fixed"])
+def test_hands_leave_a_box_that_they_carry_no_longer_in_one_step(document, form, placement):
+    choose(form, "Placement", "Carried in both hands")
+    held = document.project.props["box"].held
+    motion_id = document.project.performers[held.performer_id].clips[0].motion_id
+    grips = grip_constraints(motion_id, held.performer_id, "box", document.project.props["box"], (0.0, 0.5), 0)
+    document.add_all("constraints", grips, "Grip")
+    steps = document.undo_stack.count()
+    choose(form, "Carried by", document.project.performers[held.performer_id].name)
+    assert tuple(document.project.constraints.values()) == grips  # the same hands carry it
+    document.undo_stack.setIndex(steps)
+    choose(form, "Placement", placement)
+    assert not document.project.constraints
+    assert document.undo_stack.count() == steps + 1
+    document.undo_stack.undo()
+    assert tuple(document.project.constraints.values()) == grips
+    assert document.project.props["box"].held == held
 
 
 def test_a_prop_is_where_the_picture_has_it_while_its_holder_plays_a_motion_that_is_gone(document, form, live):

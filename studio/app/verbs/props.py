@@ -23,6 +23,7 @@ from studio.core.stage.mirrored_props import constraint_as_played
 from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape, quarter_turns
 from studio.document.document import Document
+from studio.document.grips import remove_grips
 from studio.document.length_units import length_text, shown_unit
 from studio.engine.grasps import Grasp, captured_grasp, chest_heading, grasp_at, grasp_near
 from studio.engine.performance import PosedPerformer, motion_time, posed_performers
@@ -40,10 +41,10 @@ NEW_PROP_DISTANCE = 0.6
 """Metres from a body's root to a new prop."""
 PROP_GAP = 0.1
 """Metres between a new prop and the one beside it."""
-SAME_SECOND = 1e-6
-"""Seconds that are no difference between two moments."""
 PROP_REACH = 0.75
 """Leg lengths over the ground from a body's root to a prop that it still reaches."""
+LATEST_RELEASE = 0.2
+"""Seconds before the end of a body's last clip from which hands release nothing: their contact ends with the clip."""
 HAND_THICKNESS = 0.02
 """Metres from a wrist to the palm's surface."""
 CARRIED = (PropShape.BOX, PropShape.BALL, PropShape.STICK, PropShape.MESH)
@@ -211,10 +212,10 @@ def put_down(bench: Workbench) -> None:
     text = f"Put down {prop.name}"
     with document.group(text):
         document.replace("props", prop_id, prop.with_hold(held[-1], replace(held[-1], end=now)), text)
-        _leave(document, prop_id, held[-1].performer_id, now, text)
+        _fade_grips(document, prop_id, held[-1].performer_id, now, text)
 
 
-def _leave(document: Document, prop_id: str, performer_id: str, now: float, text: str) -> None:
+def _fade_grips(document: Document, prop_id: str, performer_id: str, now: float, text: str) -> None:
     """Fade out the hand constraints of a performer that releases a prop."""
     for clip in document.project.performers[performer_id].clips:
         time = motion_time(clip, document.project.frame_rate_of(clip), now)
@@ -224,15 +225,6 @@ def _leave(document: Document, prop_id: str, performer_id: str, now: float, text
                 full = min(curve.full, time)
                 left = curve.with_times(min(curve.start, full), full, time, time + HAND_REACH_SECONDS)
                 document.replace("constraints", key, replace(each, activation=left), text)
-
-
-def _let_go(document: Document, prop_id: str, performer_id: str, begin: float, text: str) -> None:
-    """Remove the hand constraints of a performer that no longer takes a prop at second ``begin`` of the stage."""
-    for clip in document.project.performers[performer_id].clips:
-        time = motion_time(clip, document.project.frame_rate_of(clip), begin)
-        for key, each in document.project.constraints_of(clip.motion_id).items():
-            if _grips(each, prop_id, performer_id) and each.activation.full >= time - SAME_SECOND:
-                document.remove("constraints", key, text)
 
 
 def _grips(constraint: Constraint, prop_id: str, performer_id: str) -> bool:
@@ -253,7 +245,8 @@ def _holding(bench: Workbench) -> tuple[Document, str, str]:
 def _hold(bench: Workbench, begin: float | None) -> None:
     """Let both hands hold the prop from ``begin`` on."""
     document, prop_id, performer_id = _holding(bench)
-    prop, performer, moved = document.project.props[prop_id], document.project.performers[performer_id], ""
+    prop, performer = document.project.props[prop_id], document.project.performers[performer_id]
+    moved, grasp = "", None
     posed = posed_performers(document.project, bench.live.result, document.playhead.time)
     holder, giver = posed.get(performer_id), prop.held_at(begin) if begin is not None else None
     hold, reaching, lower = Carried(performer_id), HAND_REACH_SECONDS, False
@@ -271,10 +264,11 @@ def _hold(bench: Workbench, begin: float | None) -> None:
         if begin is not None:
             document.replace("props", prop_id, prop.taken(hold, begin), text)
             if giver is not None and giver.performer_id != performer_id:
-                _leave(document, prop_id, giver.performer_id, begin, text)
+                _fade_grips(document, prop_id, giver.performer_id, begin, text)
             for later in prop.holds:
-                if later.begin is not None and later.begin >= begin and later.performer_id != performer_id:
-                    _let_go(document, prop_id, later.performer_id, later.begin, text)
+                is_lost = later.begin is not None and later.begin >= begin and later.performer_id != performer_id
+                if is_lost and isinstance(later, Carried):
+                    remove_grips(document, prop_id, later, text)
         elif not isinstance(prop.held, Carried) or prop.holders != {performer_id}:
             document.replace("props", prop_id, prop.with_holds([hold]), text)
         for motion_id, seconds in _stretches(document.project, performer, begin).items():
@@ -293,8 +287,23 @@ def _hold(bench: Workbench, begin: float | None) -> None:
             )
             seen = [constraint_as_played(document.project, performer_id, clip, each) for each in made]
             document.add_all("constraints", seen, text)
+        if begin is not None and grasp is not None and _leaves(document.project, performer, grasp):
+            taken = document.project.props[prop_id]
+            released = replace(next(each for each in taken.holds if each.begin == begin), end=grasp.end)
+            document.replace("props", prop_id, taken.with_holds([*taken.holds[:-1], released]), text)
+            _fade_grips(document, prop_id, performer_id, grasp.end, text)
+            frame = round(grasp.end * document.playhead.frame_rate)
+            moved = (
+                f"{moved} The actor's hands leave the object at frame {frame}: {prop.name} is put down there.".strip()
+            )
     if moved:
         bench.post_message(moved, until=Lifetime.EDITED)
+
+
+def _leaves(project: Project, performer: Performer, grasp: Grasp) -> bool:
+    """True if the hands of the capture leave what they hold while the performer still plays."""
+    ends = [clip.start + clip.length(project.frame_rate_of(clip)) for clip in performer.clips]
+    return max(ends) - grasp.end > LATEST_RELEASE
 
 
 def _in_reach(

@@ -22,6 +22,8 @@ _SEEN_BEND = 0.1
 _MOST_LEAVES = 120
 _STRAIGHT, _PARTS = np.radians(3.0), 2.0
 """Bend of a joint that divides a bone, and the ratio of the parts, at most."""
+_UPPER_ARMS, _THIGHS, _ARMS = (0.8, 1.8), (0.7, 1.4), (0.45, 0.9)
+"""Ranges of an upper arm in forearms, a thigh in shanks and an arm in legs, of people and of their skeletons."""
 _LEAST_BENT = 3
 """Joints of a limb that bend, as its root, its middle and its end do, where others may only divide it."""
 _Pair = tuple[list[int], list[int]]
@@ -84,6 +86,24 @@ def moving_body_by_shape(skeleton: Skeleton, rest: FloatArray, points: FloatArra
     if any(part not in parts for limb in LIMB_PARTS.values() for part in limb):
         return None
     return BodyMap(parts, skeleton.path(parts[BodyPart.PELVIS], int(kept[found.spine[-1]])))
+
+
+def has_human_limbs(skeleton: Skeleton, body: BodyMap) -> bool:
+    """True if the bones of arms and legs of ``body`` have lengths like a person's beside one another."""
+    upper_arm, forearm, thigh, shank = (
+        sum(
+            float(np.linalg.norm(skeleton.offsets[joint]))
+            for side in ("LEFT", "RIGHT")
+            for joint in skeleton.path(body[BodyPart[f"{side}_{part}"]], body[BodyPart[f"{side}_{end}"]])[1:]
+        )
+        for part, end in (("UPPER_ARM", "FOREARM"), ("FOREARM", "HAND"), ("THIGH", "SHANK"), ("SHANK", "FOOT"))
+    )
+    ratios = (
+        (upper_arm, forearm, _UPPER_ARMS),
+        (thigh, shank, _THIGHS),
+        (upper_arm + forearm, thigh + shank, _ARMS),
+    )
+    return all(least * whole <= bone <= most * whole for bone, whole, (least, most) in ratios)
 
 
 def _turning_end(skeleton: Skeleton, points: FloatArray, joint: int) -> int:

@@ -22,6 +22,8 @@ _NEVER_STOOD = 2.0
 """Worst fault of a take's best frame from which no frame of it stands at ease."""
 _HARDLY_HUMAN, _SURE_HEAD = 0.8, 15.0
 """Worst fault of a zero pose, and degrees of doubt about the head, up to which nothing is doubtful."""
+_UNTILTED = np.cos(np.radians(10.0))
+"""Cosine of the angle from which no zero pose leans as a whole."""
 _NO_WIDTH = 1e-9
 """Distance in metres of joints that lie in one place."""
 
@@ -64,15 +66,21 @@ def find_reference_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyM
 
 
 def upright_pose(skeleton: Skeleton, local_rotations: FloatArray, body_map: BodyMap) -> FloatArray | None:
-    """Pose (J, 4) with the root rotated so that the trunk points to +Z; None if the trunk is not along a world axis."""
+    """Pose (J, 4) with the root rotated so that the trunk points to +Z; None if it points elsewhere than the body.
+
+    A body that leans from the world axes as a whole is one that a tilted camera sees, in whose axes its zero pose is.
+    """
     points = joint_positions(skeleton, rest_poses(skeleton, local_rotations))[0]
     trunk = normalized(_middle(points, body_map, "UPPER_ARM") - _middle(points, body_map, "THIGH"))
+    body = normalized(_middle(points, body_map, "UPPER_ARM") - _middle(points, body_map, "FOOT"))
     axis = np.zeros(3)
-    largest = int(np.argmax(np.abs(trunk)))
-    axis[largest] = np.sign(trunk[largest])
-    if np.abs(trunk[largest]) < 0.9:
+    largest = int(np.argmax(np.abs(body)))
+    axis[largest] = np.sign(body[largest])
+    if body @ axis < _UNTILTED:
+        axis = body
+    if trunk @ axis < 0.9:
         return None
-    if largest == 2 and axis[2] > 0:
+    if axis[2] == 1.0:
         return local_rotations
     stood = np.array(local_rotations)
     stood[0] = multiply(from_matrix(shortest_arc(axis, _UP)), stood[0])

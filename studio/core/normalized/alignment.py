@@ -1,7 +1,8 @@
 """Constant rotations between a capture's joint axes and the canonical segment axes, one for each segment.
 
 Those of pelvis, trunk, head and feet come from the reference pose. Those of the limbs come from the bones and from the
-axis about which elbow and knee bend in the motion, because reference poses often bend the wrong way.
+axis about which elbow and knee bend in the motion, because reference poses often bend the wrong way. Palms of a human
+zero pose look down in a T-pose, whatever the axis of the elbow: a forearm that is turned in it is not straight.
 """
 
 from collections.abc import Sequence
@@ -42,16 +43,18 @@ def find_alignments(marks: Landmarks) -> FloatArray:
     for limb in range(4):
         side, is_leg = limb % 2, limb >= 2
         upper = layout.thigh_segment(side) if is_leg else layout.upper_arm_segment(side)
-        hinge = limb_hinge(marks, upper, is_leg, body)
+        usual = body[:, 1] if is_leg else normalized(np.cross(bones[upper], body[:, 0]))
+        hinge = limb_hinge(marks, upper, usual)
+        bend = shortest_arc(bones[upper], bones[upper + 1])
         desired[upper] = frame_along(bones[upper], hinge)
-        carried = shortest_arc(bones[upper], bones[upper + 1]) @ hinge
-        desired[upper + 1] = frame_along(bones[upper + 1], carried)
+        desired[upper + 1] = frame_along(bones[upper + 1], bend @ hinge)
         if is_leg:
             desired[upper + 2] = foot_frame(bones[upper + 2], body)
             desired[upper + 3] = desired[upper + 2]
         else:
             desired[upper - 1] = frame_along(bones[upper - 1], body[:, 0])
-            desired[upper + 2] = desired[upper + 1]
+            palm = usual if marks.reference_is_rest else hinge
+            desired[upper + 2] = frame_along(bones[upper + 1], bend @ palm)
     return np.asarray(np.einsum("sji,sjk->sik", marks.reference_rotations, desired))
 
 
@@ -78,12 +81,12 @@ def foot_frame(bone: FloatArray, body: FloatArray) -> FloatArray:
     return np.stack([x, np.cross(ALIGNED_UP, x), ALIGNED_UP], axis=1)
 
 
-def limb_hinge(marks: Landmarks, upper: int, is_leg: bool, body: FloatArray) -> FloatArray:
+def limb_hinge(marks: Landmarks, upper: int, anatomical: FloatArray) -> FloatArray:
     """Axis (3,) about which a limb bends, in the world of the reference pose.
 
     It is the normalised sum of u x f over the frames, in the upper segment's axes, weighted by its square, because a
     limb that hardly bends shows no hinge. Its natural sign is right, so samples are not flipped towards a guess. The
-    anatomical hinge counts in every frame as if the limb were bent by 15 degrees.
+    ``anatomical`` hinge (3,) counts in every frame as if the limb were bent by 15 degrees.
     """
     root = marks.layout.proximal_points()[upper]
     seen = measured_frames(len(marks.points))
@@ -91,8 +94,6 @@ def limb_hinge(marks: Landmarks, upper: int, is_leg: bool, body: FloatArray) -> 
     u, f = normalized(points[:, 1] - points[:, 0]), normalized(points[:, 2] - points[:, 1])
     bend = np.einsum("fji,fj->fi", marks.rotations[seen, upper], np.cross(u, f))
     total = ((bend**2).sum(axis=1)[:, None] * bend).mean(axis=0)
-    reference = normalized(marks.reference[root + 1] - marks.reference[root])
-    anatomical = body[:, 1] if is_leg else normalized(np.cross(reference, body[:, 0]))
     return normalized(marks.reference_rotations[upper] @ total + BENT**3 * anatomical)
 
 

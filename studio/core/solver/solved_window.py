@@ -251,13 +251,12 @@ class SolvedWindow:
 
     @cached_property
     def _smoothing_weights(self) -> FloatArray:
-        """Smoothing weights (L, F) of the levels, at least those of higher levels, so that these are kept; 0 for
-        contacts.
-        """
-        first, levels = int(self._held > 0), self._solved_levels
-        rooms = np.zeros((len(levels), len(self._positions)))
-        for number in range(first, len(levels)):
-            rooms[number] = np.maximum(rooms[number - 1] if number else 0.0, levels[number].smoothing_weights)
+        """Smoothing weights (L, F) of the levels near peaks of their own or of higher levels; 0 for contacts."""
+        levels, near = self._solved_levels, np.zeros(len(self._positions))
+        rooms = np.zeros((len(levels), len(near)))
+        for number in range(int(self._held > 0), len(levels)):
+            near = np.maximum(near, levels[number].near_peaks)
+            rooms[number] = near * levels[number].within_activity
         return rooms
 
     @cached_property

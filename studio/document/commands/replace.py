@@ -11,6 +11,7 @@ import numpy as np
 from PySide6.QtGui import QUndoCommand
 
 from studio.core.stage.project import Entity, Project
+from studio.document.keyed_fields import KeyRef
 
 GESTURE_COMMAND_ID = 1
 
@@ -68,33 +69,37 @@ class ReplaceValue(QUndoCommand):
 
     def __init__(
         self,
-        show: Callable[[tuple[Edit, ...], str, str, int | None], None],
+        show: Callable[[tuple[Edit, ...], str, str, int | None, frozenset[KeyRef]], frozenset[KeyRef]],
         edits: tuple[Edit, ...],
         text: str,
         gesture: int | None,
+        keys: frozenset[KeyRef] = frozenset(),
     ) -> None:
+        """``keys`` are those that were selected before; ``show`` returns those that are selected as it is called."""
         super().__init__(text)
         # A strong one closes a cycle through the stack's C++ side, which crashes the garbage collector.
         self._document_step = WeakMethod(show)
         self.edits, self.gesture = edits, gesture
+        self._keys = keys
+        """Keys that were selected in the state on the other side of this step."""
         self.vanishes = False
         """The command leaves the stack as it is undone, and cannot be redone."""
         self._verb = "edit"
 
     def redo(self) -> None:
         """Set the new values."""
-        self._show(self.edits, self._verb)
+        before = self._show(self.edits, self._verb)
+        self._keys = self._keys if self._verb == "edit" else before
         self._verb = "redo"
 
     def undo(self) -> None:
         """Restore the old values."""
-        self._show(reverted_edits(self.edits), "undo")
+        self._keys = self._show(reverted_edits(self.edits), "undo")
         self.setObsolete(self.vanishes)
 
-    def _show(self, edits: tuple[Edit, ...], verb: str) -> None:
+    def _show(self, edits: tuple[Edit, ...], verb: str) -> frozenset[KeyRef]:
         step = self._document_step()
-        if step is not None:
-            step(edits, verb, self.text(), self.gesture)
+        return self._keys if step is None else step(edits, verb, self.text(), self.gesture, self._keys)
 
     def id(self) -> int:
         """Group in which Qt offers commands for merging: one for all that belong to a gesture."""

@@ -44,6 +44,10 @@ _FRAME_TIME = re.compile(
 _WIDE, _BEGINNING = ("utf-32-le", "utf-32-be", "utf-16-le", "utf-16-be"), 256
 """Encodings of several bytes a letter, with or without a mark, and the bytes in which the first word tells them."""
 _SCALE_NOISE = 1e-3
+_BENT_RADIANS, _WHOLE_TURN = 1.0, 2.001 * np.pi
+"""Greatest angle of a joint, in radians, of one who moves, and most that a file writes."""
+_TRAVELS = 2.0
+"""Lengths of the longest bone from which a body has gone somewhere."""
 _DEEDS = {
     "scale": kernel.IGNORED_CHANNEL,
     "position": kernel.POSITION_CHANNEL,
@@ -121,6 +125,7 @@ def read_bvh(path: Path | str, progress: Progress | None = None) -> BvhFile:
     offsets = np.array(hierarchy.offsets)
     moved = _moved_from_offsets(path.name, hierarchy.channels, offsets, frames, repairs)
     repairs += _scaled_joints(path.name, hierarchy, frames)
+    _radians_to_degrees(path.name, hierarchy, frames, repairs)
     report(1.0, f"Read {path.name}")
     skeleton = Skeleton(
         tuple(hierarchy.names),
@@ -166,6 +171,24 @@ def _scaled_joints(name: str, hierarchy: Hierarchy, frames: FloatArray) -> list[
         return []
     joint = hierarchy.names[channels[grows[0]][0]]
     return [f"{name}: joints are scaled ('{joint}' the first of them); their scales were not applied."]
+
+
+def _radians_to_degrees(name: str, hierarchy: Hierarchy, frames: FloatArray, repairs: list[str]) -> None:
+    """Convert the angles of ``frames`` in place if they can only be radians: as degrees, a body that travels by its
+    own size would hardly bend.
+    """
+    channels = [(joint, each) for joint, all_ in enumerate(hierarchy.channels) for each in all_]
+    turning = [column for column, (_, each) in enumerate(channels) if each.endswith("rotation")]
+    limbs = [column for column in turning if channels[column][0] != channels[turning[0]][0]]
+    travelling = _first_with_positions(hierarchy.channels)
+    moving = [at for at, (joint, each) in enumerate(channels) if joint == travelling and each.endswith("position")]
+    most = float(np.abs(frames[:, limbs]).max(initial=0.0))
+    bones = np.array(hierarchy.offsets)[np.array(hierarchy.parents) >= 0]
+    size = float(np.linalg.norm(bones, axis=1).max(initial=0.0))
+    if _BENT_RADIANS < most <= _WHOLE_TURN and np.ptp(frames[:, moving], axis=0).max(initial=0.0) > _TRAVELS * size:
+        frames[:, turning] = np.degrees(frames[:, turning])
+        words = f"as degrees, a body that travels would not bend by more than {most:.1f}"
+        repairs.append(f"{name}: its angles were read as radians; {words}.")
 
 
 def _content(path: Path) -> bytes:
@@ -319,14 +342,16 @@ def _part_glued(
 def _fill(name: str, values: FloatArray, lines: NDArray[np.int64], hierarchy: Hierarchy, repairs: list[str]) -> None:
     """Interpolate missing values in time, angles along the shorter arc; report the number of rows and the first line.
 
-    ``values`` (F, C) with NaN for a missing value, ``lines`` (F,) of the file. Raises StudioError if a channel has no
-    number at all.
+    Rows of zeros are missing too. ``values`` (F, C) with NaN for a missing value, ``lines`` (F,) of the file. Raises
+    StudioError if a channel has no number at all.
     """
+    channels = [(joint, each) for joint, all_ in enumerate(hierarchy.channels) for each in all_]
+    zeros = _rows_of_zeros(values, [column for column, (_, each) in enumerate(channels) if each.endswith("position")])
+    values[zeros] = np.nan
     missing = ~np.isfinite(values)
     rows = np.flatnonzero(missing.any(axis=1))
     if not len(rows):
         return
-    channels = [(joint, each) for joint, all_ in enumerate(hierarchy.channels) for each in all_]
     for column in np.flatnonzero(missing.any(axis=0)).tolist():
         joint, channel = channels[column]
         if missing[:, column].all():
@@ -335,9 +360,22 @@ def _fill(name: str, values: FloatArray, lines: NDArray[np.int64], hierarchy: Hi
             )
         values[:, column] = filled_in_time(values[:, column], 360.0 if channel.endswith("rotation") else None)
     count = "1 row lacks" if len(rows) == 1 else f"{len(rows)} rows lack"
+    or_zeros = " or holds" if len(rows) == 1 else " or hold"
     repairs.append(
-        f"{name}, line {lines[rows[0]]}: {count} numbers; what is missing was filled from the rows before and after."
+        f"{name}, line {lines[rows[0]]}: {count} numbers{f'{or_zeros} zeros alone' if zeros.any() else ''}; "
+        "what is missing was filled from the rows before and after."
     )
+
+
+def _rows_of_zeros(values: FloatArray, positions: list[int]) -> NDArray[np.bool_]:
+    """(F,) true for rows (C,) of zeros that a recorder wrote where it had lost the body.
+
+    The first rows may be a pose of calibration, and so may all if the body is nowhere else than at zero.
+    """
+    zeros = ~values.any(axis=1)
+    away = values[:, positions].any(axis=1)
+    lost = zeros & np.maximum.accumulate(~zeros)
+    return lost if (zeros | away).all() else np.zeros_like(lost)
 
 
 def _is_cut(lines: list[bytes], last: int, header: _Header, rows: int) -> bool:

@@ -97,13 +97,16 @@ class ValueCurves:
             scale = self._scale(channel)
             units[scale] = channel.unit
             found.setdefault(scale, []).extend([*values[chosen].tolist(), *_baseline(channel)])
-            times += [stage_time(shown, channel.field, keyed.times[place]) for place in chosen]
-            if not keys:
+            if keys:
+                times += [stage_time(shown, channel.field, keyed.times[place]) for place in chosen]
+            else:
                 span = np.linspace(keyed.times[0], keyed.times[-1], 200)
                 found[scale].extend(values_at(channel, keyed, span).tolist())
         self.ranges |= {scale: _framed(every, units[scale]) for scale, every in found.items()}
-        if keys and len(times) > 1:
+        if len({*times}) > 1:
             shown.axis.show(min(times), max(times))
+        elif times:
+            shown.axis.reveal(times[0])
 
     def set_normalized(self, normalized: bool) -> None:
         """Show every channel over the whole height, or again those of a unit in the same range."""

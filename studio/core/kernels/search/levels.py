@@ -66,8 +66,10 @@ LEVEL_STEPS, LATE_LEVEL_STEPS = 4, 5
 """Steps of a level, and further ones while it is nearly met or still gains: a body far out of reach would take many
 more to come to rest, for little.
 """
-THOROUGH_STEPS = 6
-"""Steps of a level with redundant limbs, and of one with full Newton steps."""
+REDUNDANT_STEPS = 6
+"""Steps of a level with redundant limbs."""
+FULL_NEWTON_STEPS = 12
+"""Steps of a level with full Newton steps, after which it has converged: a head pulled down buckles a spine slowly."""
 DAMPING_DECAY = 0.25
 """Factor of the damping from one step of a level to the next: directions with little effect are freed last. Levels with
 a balance keep their damping: they would sink to the ground, or fling limbs about.
@@ -173,7 +175,7 @@ def take_steps(level, fresh, problem):
     frees = may_rotate_limbs(min(tasks.shape[0] + level, chain.weights.shape[0] - 1), chain)
     stays = fresh and not level_moves_root(level, tasks, chain)
     whole = stays and not frees
-    tries = THOROUGH_STEPS if frees or whole else LEVEL_STEPS
+    tries = REDUNDANT_STEPS if frees else FULL_NEWTON_STEPS if whole else LEVEL_STEPS
     if not frees and retreat_root(level, problem):
         tries = LIMITED_LEG_STEPS
     for attempt in range(tries if frees else tries + LATE_LEVEL_STEPS):

@@ -30,8 +30,6 @@ ROLL_MARGIN = 0.01
 """Margin before the end of the leg's reach, as a fraction of it, at which a foot begins to roll."""
 STEEPEST_TOE_ROLL = math.radians(70.0)
 """Greatest downward pitch of a rolling foot, approached softly: beyond it stands on its tip."""
-STEEPEST_HEEL_ROLL = math.radians(40.0)
-"""Greatest upward pitch of a foot that rolls back over its heel, approached softly."""
 LEAST_ROLL_GAIN = 0.4
 """Least gain of leg length a radian, as a fraction of the distance from the ankle to the pivot."""
 STEEPEST_TOE = 1.0
@@ -222,11 +220,4 @@ def pitch_to_reach(foot, offsets, pivot, ankle, hip, reach):
         return 0.0
     length = math.sqrt(over_x * over_x + over_y * over_y + over_z * over_z)
     pitch = penetration_correction(reach - span, ROLL_MARGIN * reach) / max(nearer, LEAST_ROLL_GAIN * length)
-    return limited_toe_pitch(foot, pitch) if pivot == 1 else -limited_heel_pitch(foot, pitch)
-
-
-@small_kernel
-def limited_heel_pitch(foot, pitch):
-    """``pitch`` in radians back over the heel, limited softly before the toes of a ``foot`` (3, 3) point up."""
-    margin = max(STEEPEST_HEEL_ROLL - math.asin(min(max(foot[2, 0], -1.0), 1.0)), 1e-3)
-    return margin * math.tanh(pitch / margin)
+    return limited_toe_pitch(foot, pitch) if pivot == 1 else -pitch

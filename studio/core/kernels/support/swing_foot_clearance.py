@@ -17,7 +17,6 @@ from studio.core.kernels.support.sole import (
     TOE_X,
     TOE_Y,
     TOE_Z,
-    lying_aside,
     sole_down_fraction,
 )
 
@@ -133,10 +132,7 @@ def clearance_weights(states, bits, frame_rate, out_weights):
 
 @kernel
 def toe_bend(joint, length, thickness, margin, upright, toe):
-    """Rotation in radians of a ``toe`` (3, 3) about its left axis that clears its tip; ``joint`` is its height.
-
-    A toe on its side does not bend.
-    """
+    """Rotation in radians of a ``toe`` (3, 3) about its left axis that clears its tip; ``joint`` is its height."""
     along, over = toe[2, 0] * length - toe[2, 2] * thickness, toe[2, 2] * length + toe[2, 0] * thickness
     raised = penetration_correction(joint + along, margin)
     if raised == 0.0:
@@ -147,7 +143,6 @@ def toe_bend(joint, length, thickness, margin, upright, toe):
         angle += 2.0 * math.pi
     return (
         upright
-        * (1.0 - lying_aside(toe))
         * smoothstep(min(max(over / (TOE_BEND_FADE * span), 0.0), 1.0))
         * max(angle, 0.0)
         / (1.0 + (angle / MAX_TOE_BEND) ** 4) ** 0.25

@@ -234,11 +234,16 @@ class SolvedLevel:
         return replace(self, solve=solve, solved=solved, acts=acts, own=own, allowed=self.allowed[frames])
 
     @property
-    def smoothing_weights(self) -> FloatArray:
-        """Smoothing weights (F,) from 0 to 1: near solved peaks, within active frames."""
-        rate, sharp = self.solve.rate, self.solve.ratios(self.solve.sharp, self.allowed)
-        acting = minimum_filter1d(self.acts.astype(np.float64), 3, mode="nearest")
-        return _mean(acting, 1) * _spread_peaks(_excess(sharp), rate, SMOOTHING_REACH)
+    def near_peaks(self) -> FloatArray:
+        """Closeness (F,) to peaks of the level's solve: 1 near them, fading to 0."""
+        return _spread_peaks(
+            _excess(self.solve.ratios(self.solve.sharp, self.allowed)), self.solve.rate, SMOOTHING_REACH
+        )
+
+    @property
+    def within_activity(self) -> FloatArray:
+        """Weights (F,): 1 where constraints of this level or above are active, 0 in the first and last such frame."""
+        return _mean(minimum_filter1d(self.acts.astype(np.float64), 3, mode="nearest"), 1)
 
 
 class LevelSmoother:
