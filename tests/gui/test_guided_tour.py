@@ -7,7 +7,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from studio.app.application import import_views, make_application, make_window, show_views
-from studio.app.guided_tour import END, STEPS
+from studio.app.guided_tour import END_SENTENCE, STEPS
 from studio.app.sample import SAMPLE_MOTION_ID
 from studio.app.settings import Settings
 from studio.document.document import Document
@@ -73,7 +73,7 @@ def test_the_tour_goes_on_with_what_the_mouse_does(qtbot, window):
     solved(window)
     assert at_step(window) == 5
     QTest.keyClick(viewport, Qt.Key.Key_Z, CTRL)
-    assert window.tour_strip.text == END
+    assert window.tour_strip.text == END_SENTENCE
     window.tour_strip.press("Close")
     document.playhead.play()
     document.playhead.pause()
@@ -100,7 +100,7 @@ def test_every_step_can_be_skipped_and_another_project_begins_the_tour_again(qtb
     for number in (2, 3, 4, 5):
         assert at_step(window) == number
         window.tour_strip.press("Skip")
-    assert window.tour_strip.text == END
+    assert window.tour_strip.text == END_SENTENCE
     window.actions_by_id.by_id["tour"].trigger()
     window.tour_strip.press("Skip")
     window.actions_by_id.by_id["open_sample"].trigger()
