@@ -1,5 +1,10 @@
 """Status line: frame, frame rate, import guesses, running job, state of the journal."""
 
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QStatusBar, QWidget
 
@@ -8,9 +13,39 @@ from studio.document.mnemonics import escaped_mnemonics
 from studio.panels.fields import ElidedText, press_button
 
 STATUS_BAR_WIDTH = 120
-SECONDS_BEFORE_PERCENT = 10
+LEAST_TIMED_SECONDS, LEAST_TIMED_SHARE = 3.0, 0.02
+"""Seconds, and part of a job, that must have been timed before the time left is shown."""
+SECONDS_SHOWN_BELOW = 120
+"""Seconds from which the time left is shown in minutes."""
 MOTION_NAME_PX = 240
 """Greatest width of the name of a motion, which is cut in its middle if it is longer."""
+
+
+@dataclass
+class Pace:
+    """Pace of a job since its first progress: what comes before, imports above all, is not repeated."""
+
+    seconds: float = 0.0
+    share: float = 0.0
+    """Monotonic seconds and progress of the first progress, or where the progress last went back."""
+    seconds_now: float = 0.0
+    share_now: float = 0.0
+
+    def update(self, seconds: float, share: float) -> None:
+        """Note the progress (0 to 1) at a monotonic time."""
+        if self.share == 0.0 or share < self.share_now:
+            self.seconds, self.share = seconds, share
+        self.seconds_now, self.share_now = seconds, share
+
+    @property
+    def time_left(self) -> str:
+        """Time left in words; empty until enough has been timed, and at the end."""
+        seconds, share = self.seconds_now - self.seconds, self.share_now - self.share
+        if seconds < LEAST_TIMED_SECONDS or share < LEAST_TIMED_SHARE or self.share_now >= 1.0:
+            return ""
+        left = (1.0 - self.share_now) * seconds / share
+        whole = f"{math.ceil(left)} s" if left < SECONDS_SHOWN_BELOW else f"{math.ceil(left / 60.0)} min"
+        return f"{whole} left"
 
 
 class ProgressLine(QWidget):
@@ -20,7 +55,7 @@ class ProgressLine(QWidget):
     message_posted = Signal(str, float)
     """Words and share of the job that is shown; empty words when none runs."""
 
-    def __init__(self) -> None:
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         super().__init__()
         row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 12, 0)
@@ -37,7 +72,9 @@ class ProgressLine(QWidget):
         row.addWidget(self._words, 1)
         for widget in (self._bar, self._cancel):
             row.addWidget(widget, 0, Qt.AlignmentFlag.AlignVCenter)
+        self._clock = clock
         self._titles: dict[int, str] = {}
+        self._paces: dict[int, Pace] = {}
         self._jobs: dict[int, tuple[str, float]] = {}
         self.hide()
 
@@ -48,18 +85,21 @@ class ProgressLine(QWidget):
 
     def begin(self, task: int, title: str) -> None:
         """Add a job that has begun; the newest one is shown."""
-        self._titles[task] = title
+        self._titles[task], self._paces[task] = title, Pace()
         self.show_share(task, 0.0, "")
 
     def show_share(self, task: int, share: float, words: str) -> None:
-        """Show the progress of a job, from 0 to 1."""
+        """Show the progress of a job, from 0 to 1, and its time left."""
         if task in self._titles:
-            self._jobs[task] = (" · ".join(filter(None, (self._titles[task], words))), share)
+            self._paces[task].update(self._clock(), share)
+            texts = self._titles[task], words, self._paces[task].time_left
+            self._jobs[task] = (" · ".join(filter(None, texts)), share)
             self._show()
 
     def end(self, task: int) -> None:
         """Remove a job that has ended, in whichever way."""
         self._titles.pop(task, None)
+        self._paces.pop(task, None)
         self._jobs.pop(task, None)
         self._show()
 

@@ -6,7 +6,6 @@ process the solver of constraints, which takes longest.
 """
 
 import gc
-import math
 import os
 import sys
 import threading
@@ -34,8 +33,6 @@ PICTURE = ("first_picture.run",)
 WARM_STANDING, WARM_REST, WARM_CONSTRAINTS = "first_run.run_standing", "first_run.run_rest", "first_run.run_constraints"
 SOLVER = ((WARM_STANDING, WARM_REST), (WARM_CONSTRAINTS,))
 """Functions that each process runs in turn."""
-TOLD_FROM = 0.1
-"""Fraction of the work that must be timed before the time left is shown."""
 COMPILED = 0.98
 """Progress (0 to 1) at which all kernels are compiled; the rest is loading them from their cache."""
 CHILD = (sys.executable, "-m", "studio.startup.kernel_warm_up")
@@ -60,8 +57,6 @@ class WarmUp:
         self._shares = dict.fromkeys(SOLVER, 0.0)
         self._running = {part: part[0] for part in SOLVER}
         """The function that each process runs now."""
-        self._pace_from: tuple[float, float] | None = None
-        """Monotonic seconds and progress when the first compiled kernels were noticed; None before."""
         # Imported on the thread: numba alone takes a third of a second, which the window need not wait for.
         self._thread = threading.Thread(target=self._run, name="warm-up", daemon=True)
         self._thread.start()
@@ -105,7 +100,7 @@ class WarmUp:
         self._thread.join(patience)
 
     def follow(self, report: Callable[[float, str], None]) -> None:
-        """Report progress and time left until the work is done: a job for ``TaskRunner``."""
+        """Report progress until the work is done: a job for ``TaskRunner``."""
         while self.running:
             report(self.fraction, self.words)
             time.sleep(LOOKED_AT_EVERY)
@@ -117,17 +112,8 @@ class WarmUp:
 
     @property
     def words(self) -> str:
-        """Text shown beside the progress, with the time left; empty if everything was compiled before."""
-        if not self.cold:
-            return ""
-        now = time.monotonic(), min(self._shares.values())
-        if self._pace_from is None and now[1] > 0.0:
-            self._pace_from = now  # what comes before, imports above all, is not repeated
-        begun = self._pace_from or now
-        if now[1] - begun[1] < TOLD_FROM:
-            return "once on this machine"
-        left = (1.0 - now[1]) * (now[0] - begun[0]) / (now[1] - begun[1])
-        return f"once on this machine, {math.ceil(left)} s left"
+        """Text shown beside the progress; empty if everything was compiled before."""
+        return "once on this machine" if self.cold else ""
 
     def _wait_for(self, event: threading.Event) -> None:
         event.wait()

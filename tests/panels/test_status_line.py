@@ -52,3 +52,33 @@ def test_a_text_of_two_lines_is_told_in_one_and_never_widens_the_window(qtbot):
     status.layout().activate()
     assert any(each.text().startswith("kick: frames 0 to 251 · Drag to trim.") for each in status.findChildren(QLabel))
     assert status.minimumSizeHint().width() == least
+
+
+def test_every_long_job_tells_the_time_left_from_its_first_progress_on(qtbot):
+    """Only the preparation of the solver did; a video of minutes did not."""
+    clock = [100.0]
+    line = ProgressLine(lambda: clock[0])
+    qtbot.addWidget(line)
+    line.begin(1, "Video")
+    told = []
+    for seconds, share in ((30, 0.0), (40, 0.1), (41, 0.11), (45, 0.2), (50, 0.3), (85, 0.5)):
+        clock[0] = 100.0 + seconds
+        line.show_share(1, share, f"Frame {round(100 * share)}")
+        told.append(line.now[0])
+    assert told == [
+        "Video · Frame 0", "Video · Frame 10", "Video · Frame 11",
+        "Video · Frame 20 · 40 s left", "Video · Frame 30 · 35 s left", "Video · Frame 50 · 57 s left",
+    ]  # fmt: skip
+
+
+def test_the_time_left_is_told_in_minutes_if_it_is_long_and_anew_where_the_progress_goes_back(qtbot):
+    clock = [0.0]
+    line = ProgressLine(lambda: clock[0])
+    qtbot.addWidget(line)
+    line.begin(1, "Export")
+    told = []
+    for seconds, share in ((1, 0.1), (11, 0.125), (20, 0.05), (21, 0.06), (30, 0.55), (31, 1.0)):
+        clock[0] = seconds
+        line.show_share(1, share, "")
+        told.append(line.now[0])
+    assert told == ["Export", "Export · 6 min left", "Export", "Export", "Export · 9 s left", "Export"]

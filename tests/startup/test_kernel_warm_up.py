@@ -19,13 +19,10 @@ FETCHED = [kernel_warm_up.WARM_STANDING, "first_run.run", kernel_warm_up.WARM_RE
 
 
 def followed(monkeypatch, *steps):
-    """Reports while the shares of both processes are as in ``steps``, a second each."""
-    clock, left = [100.0], list(steps)
+    """Reports while the shares of both processes are as in ``steps``."""
+    left = list(steps)
     warming = object.__new__(kernel_warm_up.WarmUp)
-    warming.cold, warming._pace_from, warming._shares = True, None, dict.fromkeys(kernel_warm_up.SOLVER, 0.0)
-
-    def pass_by(_seconds):
-        clock[0] += 1.0
+    warming.cold, warming._shares = True, dict.fromkeys(kernel_warm_up.SOLVER, 0.0)
 
     def is_running(_self):
         if left:
@@ -33,7 +30,7 @@ def followed(monkeypatch, *steps):
             return True
         return False
 
-    monkeypatch.setattr(kernel_warm_up, "time", SimpleNamespace(monotonic=lambda: clock[0], sleep=pass_by))
+    monkeypatch.setattr(kernel_warm_up, "time", SimpleNamespace(sleep=lambda _seconds: None))
     monkeypatch.setattr(kernel_warm_up.WarmUp, "running", property(is_running))
     told = []
     warming.follow(lambda share, words: told.append((share / kernel_warm_up.COMPILED, words)))
@@ -43,13 +40,6 @@ def followed(monkeypatch, *steps):
 def test_it_is_as_far_as_the_process_that_is_furthest_from_its_end(monkeypatch):
     told = followed(monkeypatch, (0.2, 0.1), (0.6, 0.2), (1.0, 0.3), (1.0, 1.0))
     assert [share for share, _ in told] == [0.1, 0.2, 0.3, 1.0]
-
-
-def test_the_time_that_is_left_follows_from_the_time_since_the_first_kernels(monkeypatch):
-    """However long it took until then."""
-    steps = [(0.0, 0.0)] * 30 + [(0.5, 0.1 * step) for step in range(1, 6)]
-    words = [each for _, each in followed(monkeypatch, *steps)]
-    assert words[30:] == ["once on this machine", *(f"once on this machine, {left} s left" for left in (8, 7, 6, 5))]
 
 
 def test_a_process_that_counts_anew_takes_nothing_back():
