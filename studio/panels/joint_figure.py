@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QLineF, QPointF, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QLineF, QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QHelpEvent, QMouseEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
@@ -13,7 +13,7 @@ from studio.document import colours
 FloatArray = NDArray[np.float64]
 
 JOINT_FIGURE_HEIGHT = 190
-_MARGIN, _NEAR, _DOT = 10.0, 12.0, 2.5
+_MARGIN, _LETTER_MARGIN, _NEAR, _DOT = 10.0, 6.0, 12.0, 2.5
 
 
 class JointFigure(QWidget):
@@ -104,3 +104,7 @@ class JointFigure(QWidget):
                 painter.setPen(QPen(QColor(colours.SELECTED_HANDLE), 2.0))
                 painter.setBrush(Qt.BrushStyle.NoBrush)
                 painter.drawEllipse(points[self._ringed], 3.0 * _DOT, 3.0 * _DOT)
+            corners = QRectF(self.rect()).adjusted(_LETTER_MARGIN, 0.0, -_LETTER_MARGIN, 0.0)
+            for letter, side, colour in (("L", "Left", colours.LEFT), ("R", "Right", colours.RIGHT)):
+                painter.setPen(QColor(colour))
+                painter.drawText(corners, Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag[f"Align{side}"], letter)

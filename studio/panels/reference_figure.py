@@ -1,4 +1,4 @@
-"""Reference pose of a capture as interpreted: from the front and from its left, with sides, front and up named."""
+"""Reference pose of a capture as interpreted: from behind and from its left, with sides, front and up named."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,12 +39,12 @@ class ReferenceFigure(QWidget):
         return QSize(200, _HEIGHT)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the front view at the left, the view from the body's left at the right."""
+        """Draw the back view, as of the other figures, at the left, and the view from the body's left at the right."""
         with QPainter(self) as painter:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             half = self.width() / 2.0
             views = (
-                ("Front", self._points[:, 1], "Right", "Left"),
+                ("Back view", -self._points[:, 1], "L", "R"),
                 ("Left view", -self._points[:, 0], "Front", "Back"),
             )
             for number, (caption, across, *sides) in enumerate(views):

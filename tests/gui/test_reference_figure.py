@@ -33,11 +33,21 @@ def image(qtbot: QtBot) -> QImage:
     return figure.grab().toImage()
 
 
-def test_the_body_is_seen_from_the_front_with_its_left_at_the_right(image: QImage) -> None:
-    left, right = (_columns(image, colour, 200) for colour in (LEFT, RIGHT))
-    assert len(left)
-    assert len(right)
-    assert left.mean() > right.mean() + 20
+def test_the_body_is_seen_from_behind_with_its_left_at_the_left_as_in_the_figure_of_joints(
+    image: QImage, qtbot: QtBot
+) -> None:
+    """They showed opposite sides, one above the other in one form."""
+    capture = make_capture()
+    body, joints = body_of_capture(capture), JointFigure()
+    qtbot.addWidget(joints)
+    joints.resize(200, 190)
+    assert body is not None
+    joints.show_body(body.skeleton, body.positions, body.body_map, None)
+    for picture in (image, joints.grab().toImage()):
+        left, right = (_columns(picture, colour, 200) for colour in (LEFT, RIGHT))
+        assert len(left)
+        assert len(right)
+        assert left.mean() < right.mean() - 20
 
 
 def test_the_body_stands_on_a_line_and_the_way_up_is_named(image: QImage) -> None:
