@@ -1,6 +1,5 @@
 """Moments in which captured hands hold a thing: its position and height."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,11 +80,11 @@ def captured_grasps(project: Project, performer_id: str) -> list[tuple[float, fl
 
 def chest_heading(holder: PosedPerformer) -> float:
     """Heading of a chest on the stage, radians about Z."""
-    layout = holder.motion.morphology.layout
-    ahead = (
-        holder.placement.rotation @ holder.motion.rotations[holder.row, layout.segment_of_part(BodyPart.THORAX), :, 0]
-    )
-    return math.atan2(ahead[1], ahead[0])
+    from studio.core.solver.performers.prop_tracks import chest_headings  # loads kernels
+
+    thorax = holder.motion.morphology.layout.segment_of_part(BodyPart.THORAX)
+    chest = holder.placement.rotation @ holder.motion.rotations[holder.row, thorax]
+    return float(chest_headings(chest[None])[0])
 
 
 def captured_grasp(holder: PosedPerformer) -> FloatArray:

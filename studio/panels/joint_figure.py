@@ -105,6 +105,6 @@ class JointFigure(QWidget):
                 painter.setBrush(Qt.BrushStyle.NoBrush)
                 painter.drawEllipse(points[self._ringed], 3.0 * _DOT, 3.0 * _DOT)
             corners = QRectF(self.rect()).adjusted(_LETTER_MARGIN, 0.0, -_LETTER_MARGIN, 0.0)
-            for letter, side, colour in (("L", "Left", colours.LEFT), ("R", "Right", colours.RIGHT)):
-                painter.setPen(QColor(colour))
+            for letter, side, shown in (("L", "Left", colours.LEFT), ("R", "Right", colours.RIGHT)):
+                painter.setPen(QColor(shown))
                 painter.drawText(corners, Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag[f"Align{side}"], letter)

@@ -18,10 +18,10 @@ from studio.core.normalized.mirror import mirrored_contacts, mirrored_motion
 from studio.core.normalized.motion import Girdle
 from studio.core.normalized.normalize import normalize_capture
 from studio.core.normalized.realize import realize_motion
-from studio.core.rotations import to_matrix
+from studio.core.rotations import from_euler, to_matrix
 from studio.core.solver.adapt import adapt, body_point_positions
 from studio.core.solver.performers.performing import StagedPerformances, adapt_performers
-from studio.core.solver.performers.prop_tracks import Holder, hand_over_seconds, stage_track
+from studio.core.solver.performers.prop_tracks import Holder, chest_headings, hand_over_seconds, stage_track
 from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.stage.holding import grip_constraints
 from studio.core.stage.placement import Placement
@@ -347,6 +347,13 @@ def handing() -> Project:
         *grip_constraints(motion, other, "box", box, (GIVEN, 8.0), 0),
     ]
     return project.with_entities("constraints", [(f"grip {place}", each, None) for place, each in enumerate(asked)])
+
+
+@pytest.mark.parametrize("pitch", [0.0, 60.0, 89.0, 91.0, 150.0])
+def test_a_box_keeps_its_heading_while_who_carries_it_bends_down_beyond_level(pitch: float) -> None:
+    """It was reversed, and the palms with it, as the chest's axis ahead pointed back."""
+    bent = to_matrix(from_euler("ZY", np.array([0.3, math.radians(pitch)])))
+    assert chest_headings(bent[None]) == pytest.approx([0.3])
 
 
 def test_who_hands_a_box_to_another_holds_it_until_then_and_the_other_from_then_on() -> None:

@@ -204,8 +204,15 @@ def carried_track(held: Carried, positions: FloatArray, rotations: FloatArray, b
     """
     layout = body.first_frame_body.layout
     ends = [point_indices(BodyPoint(part, at_end=end), layout)[0] for part in CARRYING_HANDS for end in (False, True)]
-    chest = rotations[:, layout.segment_of_part(BodyPart.THORAX), :, 0]
-    heading = np.arctan2(chest[:, 1], chest[:, 0])
+    heading = chest_headings(rotations[:, layout.segment_of_part(BodyPart.THORAX)])
     origin = positions[:, 0] if held.steady else positions[:, ends].mean(axis=1)
     places = origin + body.leg_length * rotations_about_z(heading) @ np.array(held.offset)
     return Track(places, rotations_about_z(heading + held.heading) @ to_matrix(np.array(held.tilt)))
+
+
+def chest_headings(chests: FloatArray) -> FloatArray:
+    """Headings (F,) of chests (F, 3, 3), radians about Z.
+
+    They follow from the axis to the left: the one ahead reverses its heading as a body bends down beyond level.
+    """
+    return np.asarray(np.arctan2(-chests[:, 0, 1], chests[:, 1, 1]))
