@@ -56,11 +56,15 @@ def pytest_collection_finish() -> None:
 
 @pytest.fixture(autouse=True)
 def collected() -> Iterator[None]:
-    """A window takes over from Python's collector for good; here others come after it."""
-    enabled = gc.isenabled()
+    """Once there is an application, garbage is collected between tests alone, on their thread, as a window does.
+
+    A worker that collects a part of a window holds a lock of Qt while it waits for the thread that waits for that lock.
+    """
     yield
-    if enabled:
-        gc.enable()
+    widgets = sys.modules.get("PySide6.QtWidgets")
+    if widgets is not None and widgets.QApplication.instance():
+        gc.disable()
+        import_module("studio.app.main_thread_gc").collect_what_is_due()
 
 
 @pytest.fixture(autouse=True)
