@@ -249,11 +249,11 @@ def displayed_stage(document: Document, live: Live) -> tuple[Project, float, dic
 
 def swept_points(project: Project, result_of: Results) -> dict[str, FloatArray]:
     """(T, P, 2) points on the ground below those of each performer that has an adapted motion, the root first, in
-    metres, over all clips, from its position on the stage, in the axes of its placement.
+    metres, over all clips, from its position on the stage, in the axes of its placement. T is 1 at least.
     """
     clips = [clip for performer in project.performers.values() for clip in performer.clips]
     end = max((clip.start + clip.length(project.frame_rate_of(clip)) for clip in clips), default=0.0)
-    times = np.arange(0.0, end, 1.0 / PATH_RATE)
+    times = np.arange(int(max(end, 0.0) * PATH_RATE) + 1) / PATH_RATE
     swept = {}
     for performer_id, performer in project.performers.items():
         motion = result_of(performer_id) if performer.clips else None

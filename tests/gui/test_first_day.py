@@ -238,6 +238,17 @@ def test_line_up_puts_bodies_across_their_way_as_one_step(window, qtbot, walk):
     assert document.project.performers["performer 1"].position == (3.0, 0.4)
 
 
+def test_bodies_whose_clips_end_before_the_stage_begins_are_lined_up_too(window, qtbot):
+    document = window.bench.document
+    assert window.bench.live.wait_until_solved(SECONDS)
+    for key, performer in document.project.performers.items():
+        clips = tuple(replace(clip, start=-9.0) for clip in performer.clips)
+        document.replace("performers", key, replace(performer, clips=clips), "Move")
+    count = document.undo_stack.count()
+    window.actions_by_id.by_id["line_up"].trigger()
+    assert document.undo_stack.count() == count + 1
+
+
 def travelling(folder, name, heading):
     """A BVH file of a body that goes three metres in a heading."""
     capture = make_capture(frames=60)
