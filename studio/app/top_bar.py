@@ -2,11 +2,13 @@
 
 from dataclasses import dataclass
 
-from PySide6.QtCore import Qt
+import qtawesome
+from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QAction, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QMenuBar, QPushButton, QSizePolicy, QToolButton, QWidget
 
 from studio.app.action_set import ActionSet
+from studio.document import colours
 from studio.document.document import Document
 
 TOP_BAR_HEIGHT = 34
@@ -51,6 +53,12 @@ class TopBar(QWidget):
         self.menus.setNativeMenuBar(False)
         self.menus.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
         actions.fill(self.menus)
+        more = self.menus.findChild(QToolButton, "qt_menubar_ext_button")
+        if more is not None:  # as narrow as Qt makes it, with a mark that the theme shows
+            more.setIcon(qtawesome.icon("mdi6.chevron-double-right", color=colours.TEXT))
+            more.setIconSize(QSize(12, 12))
+            more.setStyleSheet("padding: 0; border: none")
+            more.setToolTip("More menus")
         row.addWidget(self.menus)
         row.addSpacing(16)
         self._tools: list[ToolButton] = []

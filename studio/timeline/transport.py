@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import qtawesome
 from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
-from PySide6.QtGui import QIcon, QValidator
+from PySide6.QtGui import QIcon, QResizeEvent, QValidator
 from PySide6.QtWidgets import QComboBox, QDoubleSpinBox, QHBoxLayout, QLabel, QSpinBox, QToolButton, QWidget
 
 from studio.document import colours
@@ -103,20 +103,40 @@ class Transport(QWidget):
         for button in (self.to_start, self.previous, self.play, self.next, self.to_end, self.loop):
             inner.addWidget(button)
         inner.addStretch()
-        row = QHBoxLayout(self)
+        row = self._row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 12, 0)
         row.setSpacing(6)
         row.addWidget(buttons)
         row.addSpacing(10)
         _add(row, _caption("Frame"), self.frame, self.seconds, self.timecode, self.rate)
         row.addSpacing(12)
-        _add(row, _caption("Speed"), self.speed)
+        speed = _caption("Speed")
+        _add(row, speed, self.speed)
         row.addSpacing(12)
         _add(row, self.live, self.record, self.clock)
         row.addStretch()
         _add(row, self.dope, self.curves)
         row.addSpacing(12)
         _add(row, _caption("Play range"), self.first, _caption("–"), self.last)
+        self._optional = (self.timecode, self.rate, self.seconds, speed, self.speed)
+
+    def minimumSizeHint(self) -> QSize:
+        """Size without the parts that a narrow row hides."""
+        shown = [each for each in self._optional if not each.isHidden()]
+        spare = sum(
+            each.minimumSizeHint().expandedTo(each.minimumSize()).width() + self._row.spacing() for each in shown
+        )
+        return QSize(self._row.minimumSize().width() - spare, TRANSPORT_HEIGHT)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Hide parts of a narrow row, the least important first: the status line or keys have them as well."""
+        super().resizeEvent(event)
+        for each in self._optional:
+            each.show()
+        for each in self._optional:
+            if self._row.minimumSize().width() <= self.width():
+                break
+            each.hide()
 
     def _show_time(self) -> None:
         with QSignalBlocker(self.frame), QSignalBlocker(self.seconds), QSignalBlocker(self.timecode):

@@ -366,3 +366,20 @@ def test_what_no_body_does_is_marked_on_the_ruler_and_told_there(qtbot, document
 def test_the_ruler_of_a_sound_capture_tells_nothing(timeline):
     place = QPointF(timeline.x_of_frame(50), timeline.tracks.sheet.ruler.center().y())
     assert hover_text(timeline.tracks.sheet, timeline.tracks.picture.plot, place) == ""
+
+
+def test_a_narrow_row_of_the_transport_hides_parts_and_never_widens_the_window(timeline):
+    """It was 1055 pixels wide at least: at 200 % the window was wider than a screen of 1600 pixels."""
+    transport = timeline.transport
+    parts = (transport.timecode, transport.rate, transport.seconds, transport.speed)
+    assert timeline.minimumSizeHint().width() <= 720
+    shown = []
+    for width in (1400, 1000, 860, 720):
+        timeline.resize(width, timeline.height())
+        QTest.qWait(0)
+        assert transport.width() == width
+        assert transport.minimumSizeHint().width() <= 720
+        shown.append(sum(not each.isHidden() for each in parts))
+        assert not transport.frame.isHidden()
+    assert shown == sorted(shown, reverse=True)
+    assert (shown[0], shown[-1]) == (4, 0)
