@@ -119,6 +119,11 @@ class ActionSet(QObject):
         """All actions by menu, for the shortcut sheet."""
         return {name: [self.by_id[row.id] for row in ACTIONS if row.menu == name] for name in MENUS}
 
+    def in_menus(self) -> list[QAction]:
+        """All actions of the menus, panels among them, for the command palette."""
+        found = [action for menu in self.menus.values() for action in menu.actions()]
+        return [action for action in found if not action.isSeparator() and action.menu() is None]
+
     def tools(self) -> list[QAction]:
         """Actions of the tools in the top bar."""
         return [self.by_id[row.id] for row in ACTIONS if row.tool]

@@ -106,7 +106,7 @@ class MainWindow(QMainWindow):
         self._make_centre()
         self._make_docks()
         add_panel_actions(self)
-        self.palette_panel = CommandPalette(self, list(self.actions_by_id.by_id.values()))
+        self.palette_panel = CommandPalette(self, self.actions_by_id.in_menus())
         self.choice_panel = CommandPalette(self, [])
         self._connect()
         self._apply_preferences()
