@@ -20,6 +20,7 @@ from studio.core.stage.prop import Carried, InHand, Prop
 from studio.document.clip_edits import mirror_clip
 from studio.engine.performance import posed_performers
 from studio.engine.prop_places import prop_at
+from studio.panels.fields import Choice
 from tests.gui.viewport_use import drag, on_arrow, settle
 from tests.patience import PATIENCE, SECONDS
 
@@ -279,3 +280,65 @@ def test_a_mirrored_clip_takes_the_stick_into_the_other_hand_in_one_step(played)
     assert document.undo_stack.count() == steps + 1
     mirror_clip(document, clip.id)
     assert document.project.props[prop_id].held == hold
+
+
+def grips(document, performer_id):
+    return [
+        each
+        for each in document.project.constraints.values()
+        if gripped_prop(each) is not None and each.scope.performer_id == performer_id
+    ]
+
+
+def choose(window, name, text):
+    """Choose an entry of a list of the shown form."""
+    [field] = [each for each in window.inspector.current_form().findChildren(Choice) if each.accessibleName() == name]
+    field.setCurrentIndex(field.findText(text))
+    field.activated.emit(field.currentIndex())
+
+
+@pytest.mark.parametrize("placement", ["Attached to a body point", "Fixed", "Animated", "Pendulum"])
+def test_hands_leave_a_box_whose_carrying_is_ended_in_its_form_in_one_step(played, placement):
+    """The grips stayed: the box hung beside the hands, and both arms reached for it."""
+    document = played.bench.document
+    x, y = document.project.performers[FIRST].position
+    prop_id = document.add("props", Prop("Box", position=(x + 0.5, y, 0.9)), "Add box")
+    pick_up(played, FIRST, prop_id, 0.1)
+    document.selection.set(("props", prop_id))
+    before, steps = document.project, document.undo_stack.count()
+    assert len(grips(document, FIRST)) == 4
+    choose(played, "Placement", placement)
+    assert not grips(document, FIRST)
+    assert document.undo_stack.count() == steps + 1
+    document.undo_stack.undo()
+    assert document.project == before
+
+
+def test_a_box_given_to_another_in_its_form_keeps_no_grip_of_who_carried_it(played, qtbot):
+    document = played.bench.document
+    giver = document.project.performers[FIRST]
+    x, y = giver.position
+    other = document.add("performers", replace(giver, name="Other", position=(x + 1.1, y), heading=math.pi), "Add")
+    prop_id = document.add("props", Prop("Box", position=(x + 0.5, y, 0.9)), "Add box")
+    pick_up(played, FIRST, prop_id, 0.1)
+    assert played.bench.live.wait_until_solved(SECONDS)
+    document.selection.set(("props", prop_id))
+    choose(played, "Carried by", "Other")
+    assert document.project.props[prop_id].held.performer_id == other
+    assert not grips(document, FIRST)
+
+
+def test_a_box_that_the_capture_holds_to_the_end_of_its_clip_is_carried_into_the_next_one(played):
+    """It was left in the air where the next clip begins."""
+    document = played.bench.document
+    performer = document.project.performers[FIRST]
+    clip = performer.clips[0]
+    rate = document.project.frame_rate_of(clip)
+    document.add("contacts", ContactInterval(clip.motion_id, Touch.HANDS_ON_THING, clip.last - 8, clip.last), "Add")
+    after = replace(clip, id="after", last=clip.last - 10, start=clip.start + clip.length(rate))
+    document.replace("performers", FIRST, replace(performer, clips=(clip, after)), "Add clip")
+    prop_id = document.add("props", Prop("Box", position=(0.5, 0.0, 0.9)), "Add box")
+    assert played.bench.live.wait_until_solved(SECONDS)
+    pick_up(played, FIRST, prop_id, (clip.last - 6) / rate)
+    [hold] = document.project.props[prop_id].holds
+    assert hold.end is None

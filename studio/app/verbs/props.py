@@ -44,7 +44,7 @@ PROP_GAP = 0.1
 PROP_REACH = 0.75
 """Leg lengths over the ground from a body's root to a prop that it still reaches."""
 LATEST_RELEASE = 0.2
-"""Seconds before the end of a body's last clip from which hands release nothing: their contact ends with the clip."""
+"""Seconds before the end of a clip from which hands release nothing: their contact ends with the clip."""
 HAND_THICKNESS = 0.02
 """Metres from a wrist to the palm's surface."""
 CARRIED = (PropShape.BOX, PropShape.BALL, PropShape.STICK, PropShape.MESH)
@@ -301,9 +301,9 @@ def _hold(bench: Workbench, begin: float | None) -> None:
 
 
 def _leaves(project: Project, performer: Performer, grasp: Grasp) -> bool:
-    """True if the hands of the capture leave what they hold while the performer still plays."""
+    """True if the hands of the capture leave what they hold before its clip ends: a prop is carried into the next one."""
     ends = [clip.start + clip.length(project.frame_rate_of(clip)) for clip in performer.clips]
-    return max(ends) - grasp.end > LATEST_RELEASE
+    return not any(0.0 <= end - grasp.end <= LATEST_RELEASE for end in ends)
 
 
 def _in_reach(
