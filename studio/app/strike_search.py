@@ -62,6 +62,10 @@ class StrikeSearchController:
         self._sought: tuple[StrikeQuery, Placement] | None = None
         self._waits = False
         """True while a search waits for a body to be solved."""
+        self._outdated = False
+        """True if the panel lists what was found for another project, target or character."""
+        self._searched_for = ""
+        """Performer for which the listed strikes were found; empty if they are ranked for none."""
         self._trial = -1
         """Task that tries the strikes that were found last."""
         self.panel.folder_requested.connect(lambda: ask_folder(bench, "Add to the motion library", self.add_folder))
@@ -70,6 +74,7 @@ class StrikeSearchController:
         self.panel.strike_highlighted.connect(self.aim_at)
         bench.document.entity_changed.connect(self._entity_changed)
         bench.document.project_opened.connect(self._project_opened)
+        self.panel.shown.connect(self._update_results)
         bench.live.adapted.connect(lambda _: self.search() if self._waits else None)
         self._offer_targets()
         self.panel.opened.connect(self.label)
@@ -79,23 +84,29 @@ class StrikeSearchController:
             self._offer_targets()
 
     def _project_opened(self) -> None:
-        """Forget what was found for the project before; a visible panel searches again."""
+        """Forget what was found for the project before."""
         self._end_trial()
+        self._outdated = True
         self._offer_targets()
-        if self.library is not None and self.panel.isVisible():
-            self.search_in(self.library)
 
     def _offer_targets(self) -> None:
         """Show the targets that can be hit.
 
-        A new box is chosen if nothing is; a chosen target stays chosen. A visible panel updates its results at once.
+        A new box is chosen if nothing is; a chosen target stays chosen. Results for another target, or for a performer
+        that is gone, are found again.
         """
         targets = targets_of(self.bench.document.project)
         props = [target for target, _ in targets if target.collection == "props"]
         chosen = self.panel.target.value
         new = next((target for target in props if not self.panel.target.offers(target)), None)
         self.panel.offer_targets(targets, new if chosen is None else chosen)
-        if self.panel.target.value != chosen and self.library is not None and self.panel.isVisible():
+        is_gone = self._searched_for not in ("", *self.bench.document.project.performers)
+        self._outdated = self._outdated or is_gone or self.panel.target.value != chosen
+        self._update_results()
+
+    def _update_results(self) -> None:
+        """Search again if the results are outdated, and visible."""
+        if self._outdated and self.library is not None and self.panel.isVisible():
             self.search_in(self.library)
 
     def add_folder(self, folder: Path) -> int:
@@ -242,7 +253,7 @@ class StrikeSearchController:
         from studio.library.searching import search_strikes
         from studio.library.striking import tried_strikes
 
-        self.library = library
+        self.library, self._outdated, self._searched_for = library, False, ""
         if self.mapping.view.isVisible():
             self.mapping.show(library)
         active, now = self.bench.document.active_performer_id, self.bench.document.playhead.time
@@ -254,7 +265,7 @@ class StrikeSearchController:
             self._waits = hint == UNSOLVED
             self._show(hint)
             return
-        self._waits, self.listed = False, []
+        self._waits, self.listed, self._searched_for = False, [], active
         self.panel.show_results([], TRYING)
         self._sought = asked, Placement.of(self.bench.document.project.performers[active])
         scene = strike_scene(self.bench, active, now, target, self._frozen(target, now))
@@ -304,7 +315,7 @@ class StrikeSearchController:
     def list_clips(self, clips: "list[LibraryClip]") -> None:
         """List given clips: those of one group of the map."""
         self._end_trial()
-        self.listed = clips
+        self.listed, self._outdated, self._searched_for = clips, False, ""
         aimed = isinstance(self.panel.target.value, StrikeTarget)
         self.panel.show_results([(clip.name, _state(clip)) for clip in clips], OF_A_POSE, aimed)
 
@@ -339,8 +350,8 @@ class StrikeSearchController:
 
 def show_strikes(bench: Workbench) -> None:
     """Open the panel, and search strikes for the active body if there is a target."""
-    bench.window.show_dock("Strikes")
     bench.window.striking.search()
+    bench.window.show_dock("Strikes")
 
 
 def strike_chosen(bench: Workbench) -> bool:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 
 from PySide6.QtCore import QEvent, QMimeData, QObject, Qt, Signal
-from PySide6.QtGui import QHideEvent
+from PySide6.QtGui import QHideEvent, QShowEvent
 from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QSizePolicy, QVBoxLayout, QWidget
 
 from studio.document.dragging import STRIKE, carried_row
@@ -35,6 +35,7 @@ class Strikes(QWidget):
     strike_chosen = Signal(int)
     opened = Signal(int)
     strike_highlighted = Signal(int)
+    shown = Signal()
 
     def __init__(self, limbs: Iterable[tuple[object, str]], kinds: Iterable[tuple[object, str]]) -> None:
         super().__init__()
@@ -105,6 +106,11 @@ class Strikes(QWidget):
         if event.type() == QEvent.Type.Leave:
             self._look(-1)
         return super().eventFilter(watched, event)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Report that the panel is visible."""
+        super().showEvent(event)
+        self.shown.emit()
 
     def hideEvent(self, event: QHideEvent) -> None:
         """Report that no result is under the mouse."""
