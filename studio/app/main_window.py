@@ -324,6 +324,7 @@ class MainWindow(QMainWindow):
     def _add_dock_action(self, dock: QDockWidget) -> None:
         action: QAction = dock.toggleViewAction()
         action.setText(f"{dock.windowTitle()} panel")
+        action.triggered.connect(lambda shown: dock.raise_() if shown else None)  # else it is behind others
         self.actions_by_id.menus["View"].addAction(action)
 
     def _size_docks(self) -> None:

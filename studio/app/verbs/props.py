@@ -301,7 +301,7 @@ def _hold(bench: Workbench, begin: float | None) -> None:
 
 
 def _leaves(project: Project, performer: Performer, grasp: Grasp) -> bool:
-    """True if the hands of the capture leave what they hold before its clip ends: a prop is carried into the next one."""
+    """True if the hands of the capture leave what they hold before the clip ends, else it is carried into the next."""
     ends = [clip.start + clip.length(project.frame_rate_of(clip)) for clip in performer.clips]
     return not any(0.0 <= end - grasp.end <= LATEST_RELEASE for end in ends)
 
