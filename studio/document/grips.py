@@ -4,9 +4,15 @@ import math
 
 import numpy as np
 
+from studio.core.constraints.base import Constraint
 from studio.core.stage.held_grips import SAME_STAGE_TIME, gripped_prop
 from studio.core.stage.prop import Carried, Prop
 from studio.document.edited_project import EditedProject
+
+
+def is_grip(constraint: Constraint, prop_id: str, performer_id: str) -> bool:
+    """True if a constraint keeps a hand of the performer on a prop."""
+    return gripped_prop(constraint) == prop_id and constraint.scope.performer_id == performer_id
 
 
 def remove_grips(document: EditedProject, prop_id: str, hold: Carried, text: str) -> None:
@@ -21,8 +27,8 @@ def remove_grips(document: EditedProject, prop_id: str, hold: Carried, text: str
             for time, open_end in ((hold.begin, -math.inf), (hold.end, math.inf))
         )
         for key, each in document.project.constraints_of(clip.motion_id).items():
-            is_its = gripped_prop(each) == prop_id and each.scope.performer_id == hold.performer_id
-            if is_its and first - SAME_STAGE_TIME <= each.activation.full <= last + SAME_STAGE_TIME:
+            during = first - SAME_STAGE_TIME <= each.activation.full <= last + SAME_STAGE_TIME
+            if during and is_grip(each, prop_id, hold.performer_id):
                 document.remove("constraints", key, text)
 
 

@@ -105,6 +105,7 @@ class JointFigure(QWidget):
                 painter.setBrush(Qt.BrushStyle.NoBrush)
                 painter.drawEllipse(points[self._ringed], 3.0 * _DOT, 3.0 * _DOT)
             corners = QRectF(self.rect()).adjusted(_LETTER_MARGIN, 0.0, -_LETTER_MARGIN, 0.0)
-            for letter, side, shown in (("L", "Left", colours.LEFT), ("R", "Right", colours.RIGHT)):
+            sides = ("L", Qt.AlignmentFlag.AlignLeft, colours.LEFT), ("R", Qt.AlignmentFlag.AlignRight, colours.RIGHT)
+            for letter, side, shown in sides:
                 painter.setPen(QColor(shown))
-                painter.drawText(corners, Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag[f"Align{side}"], letter)
+                painter.drawText(corners, Qt.AlignmentFlag.AlignTop | side, letter)

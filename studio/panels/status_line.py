@@ -23,27 +23,29 @@ MOTION_NAME_PX = 240
 
 @dataclass
 class Pace:
-    """Pace of a job since its first progress: what comes before, imports above all, is not repeated."""
+    """Pace of a job since its first progress: what comes before, imports above all, is not repeated.
 
-    seconds: float = 0.0
-    share: float = 0.0
-    """Monotonic seconds and progress of the first progress, or where the progress last went back."""
-    seconds_now: float = 0.0
-    share_now: float = 0.0
+    Monotonic seconds and progress (0 to 1), first and last; the first are counted anew where progress goes back.
+    """
+
+    first_seconds: float = 0.0
+    first_share: float = 0.0
+    last_seconds: float = 0.0
+    last_share: float = 0.0
 
     def update(self, seconds: float, share: float) -> None:
-        """Note the progress (0 to 1) at a monotonic time."""
-        if self.share == 0.0 or share < self.share_now:
-            self.seconds, self.share = seconds, share
-        self.seconds_now, self.share_now = seconds, share
+        """Take the progress (0 to 1) at a monotonic time."""
+        if self.first_share == 0.0 or share < self.last_share:
+            self.first_seconds, self.first_share = seconds, share
+        self.last_seconds, self.last_share = seconds, share
 
     @property
     def time_left(self) -> str:
         """Time left in words; empty until enough has been timed, and at the end."""
-        seconds, share = self.seconds_now - self.seconds, self.share_now - self.share
-        if seconds < LEAST_TIMED_SECONDS or share < LEAST_TIMED_SHARE or self.share_now >= 1.0:
+        seconds, share = self.last_seconds - self.first_seconds, self.last_share - self.first_share
+        if seconds < LEAST_TIMED_SECONDS or share < LEAST_TIMED_SHARE or self.last_share >= 1.0:
             return ""
-        left = (1.0 - self.share_now) * seconds / share
+        left = (1.0 - self.last_share) * seconds / share
         whole = f"{math.ceil(left)} s" if left < SECONDS_SHOWN_BELOW else f"{math.ceil(left / 60.0)} min"
         return f"{whole} left"
 

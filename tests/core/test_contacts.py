@@ -106,7 +106,7 @@ def test_heels_over_toes_that_stand_are_raised_however_long_a_body_sneaks(rise: 
     heels = np.full(480, rise)
     heels[:60] = 0.0
     soles = np.zeros((480, 2, 3, 3))
-    soles[..., 0, 2] = heels[:, None]
+    soles[..., 0, 2] = heels[:, None]  # (F, side, heel, ball and tip, xyz)
     soles[..., 1:, 0] = [0.18, 0.25]
     found = detect_contacts(soles, RATE)
     for side in ("left", "right"):

@@ -10,9 +10,6 @@ import numpy as np
 
 from studio.app.file_dialogs import ask_file
 from studio.app.workbench import Workbench
-from studio.core.constraints.base import Constraint
-from studio.core.constraints.follow import FollowProp
-from studio.core.constraints.target import follows_of
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
@@ -23,7 +20,7 @@ from studio.core.stage.mirrored_props import constraint_as_played
 from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape, quarter_turns
 from studio.document.document import Document
-from studio.document.grips import remove_grips
+from studio.document.grips import is_grip, remove_grips
 from studio.document.length_units import length_text, shown_unit
 from studio.engine.grasps import Grasp, captured_grasp, chest_heading, grasp_at, grasp_near
 from studio.engine.performance import PosedPerformer, motion_time, posed_performers
@@ -211,8 +208,14 @@ def put_down(bench: Workbench) -> None:
         )
     text = f"Put down {prop.name}"
     with document.group(text):
-        document.replace("props", prop_id, prop.with_hold(held[-1], replace(held[-1], end=now)), text)
-        _fade_grips(document, prop_id, held[-1].performer_id, now, text)
+        _release(document, prop_id, held[-1], now, text)
+
+
+def _release(document: Document, prop_id: str, hold: InHand | Carried, now: float, text: str) -> None:
+    """End a hold at second ``now`` of the stage, and fade out the hand constraints of its performer."""
+    prop = document.project.props[prop_id]
+    document.replace("props", prop_id, prop.with_hold(hold, replace(hold, end=now)), text)
+    _fade_grips(document, prop_id, hold.performer_id, now, text)
 
 
 def _fade_grips(document: Document, prop_id: str, performer_id: str, now: float, text: str) -> None:
@@ -220,17 +223,11 @@ def _fade_grips(document: Document, prop_id: str, performer_id: str, now: float,
     for clip in document.project.performers[performer_id].clips:
         time = motion_time(clip, document.project.frame_rate_of(clip), now)
         for key, each in document.project.constraints_of(clip.motion_id).items():
-            if _grips(each, prop_id, performer_id) and each.activation.at(time) > 0.0:
+            if is_grip(each, prop_id, performer_id) and each.activation.at(time) > 0.0:
                 curve = each.activation
                 full = min(curve.full, time)
                 left = curve.with_times(min(curve.start, full), full, time, time + HAND_REACH_SECONDS)
                 document.replace("constraints", key, replace(each, activation=left), text)
-
-
-def _grips(constraint: Constraint, prop_id: str, performer_id: str) -> bool:
-    """True if a constraint keeps a hand of the performer on a prop."""
-    follows = any(isinstance(each, FollowProp) and each.prop_id == prop_id for each in follows_of(constraint))
-    return follows and constraint.scope.performer_id == performer_id
 
 
 def _holding(bench: Workbench) -> tuple[Document, str, str]:
@@ -274,7 +271,7 @@ def _hold(bench: Workbench, begin: float | None) -> None:
         for motion_id, seconds in _stretches(document.project, performer, begin).items():
             others = document.project.constraints_of(motion_id)
             for key, each in others.items():
-                if _grips(each, prop_id, performer_id) and (begin is None or each.activation.end > seconds[0]):
+                if is_grip(each, prop_id, performer_id) and (begin is None or each.activation.end > seconds[0]):
                     document.remove("constraints", key, text)
             others = document.project.constraints_of(motion_id)
             last = max((each.priority for each in others.values()), default=-1) + 1
@@ -288,10 +285,8 @@ def _hold(bench: Workbench, begin: float | None) -> None:
             seen = [constraint_as_played(document.project, performer_id, clip, each) for each in made]
             document.add_all("constraints", seen, text)
         if begin is not None and grasp is not None and _leaves(document.project, performer, grasp):
-            taken = document.project.props[prop_id]
-            released = replace(next(each for each in taken.holds if each.begin == begin), end=grasp.end)
-            document.replace("props", prop_id, taken.with_holds([*taken.holds[:-1], released]), text)
-            _fade_grips(document, prop_id, performer_id, grasp.end, text)
+            picked_up = next(each for each in document.project.props[prop_id].holds if each.begin == begin)
+            _release(document, prop_id, picked_up, grasp.end, text)
             frame = round(grasp.end * document.playhead.frame_rate)
             moved = (
                 f"{moved} The actor's hands leave the object at frame {frame}: {prop.name} is put down there.".strip()

@@ -22,8 +22,8 @@ _SEEN_BEND = 0.1
 _MOST_LEAVES = 120
 _STRAIGHT, _PARTS = np.radians(3.0), 2.0
 """Bend of a joint that divides a bone, and the ratio of the parts, at most."""
-_UPPER_ARMS, _THIGHS, _ARMS = (0.8, 1.8), (0.7, 1.4), (0.45, 0.9)
-"""Ranges of an upper arm in forearms, a thigh in shanks and an arm in legs, of people and of their skeletons."""
+_UPPER_ARM_TO_FOREARM, _THIGH_TO_SHANK, _ARM_TO_LEG = (0.8, 1.8), (0.7, 1.4), (0.45, 0.9)
+"""Least and greatest ratios of lengths, of people and of their skeletons."""
 _LEAST_BENT = 3
 """Joints of a limb that bend, as its root, its middle and its end do, where others may only divide it."""
 _Pair = tuple[list[int], list[int]]
@@ -90,18 +90,21 @@ def moving_body_by_shape(skeleton: Skeleton, rest: FloatArray, points: FloatArra
 
 def has_human_limbs(skeleton: Skeleton, body: BodyMap) -> bool:
     """True if the bones of arms and legs of ``body`` have lengths like a person's beside one another."""
-    upper_arm, forearm, thigh, shank = (
-        sum(
-            float(np.linalg.norm(skeleton.offsets[joint]))
+
+    def length(part: str, end: str) -> float:
+        """Length of the bones of both sides from one part to another."""
+        paths = [
+            skeleton.path(body[BodyPart[f"{side}_{part}"]], body[BodyPart[f"{side}_{end}"]])
             for side in ("LEFT", "RIGHT")
-            for joint in skeleton.path(body[BodyPart[f"{side}_{part}"]], body[BodyPart[f"{side}_{end}"]])[1:]
-        )
-        for part, end in (("UPPER_ARM", "FOREARM"), ("FOREARM", "HAND"), ("THIGH", "SHANK"), ("SHANK", "FOOT"))
-    )
+        ]
+        return sum(float(np.linalg.norm(skeleton.offsets[joint])) for _, *below in paths for joint in below)
+
+    upper_arm, forearm = length("UPPER_ARM", "FOREARM"), length("FOREARM", "HAND")
+    thigh, shank = length("THIGH", "SHANK"), length("SHANK", "FOOT")
     ratios = (
-        (upper_arm, forearm, _UPPER_ARMS),
-        (thigh, shank, _THIGHS),
-        (upper_arm + forearm, thigh + shank, _ARMS),
+        (upper_arm, forearm, _UPPER_ARM_TO_FOREARM),
+        (thigh, shank, _THIGH_TO_SHANK),
+        (upper_arm + forearm, thigh + shank, _ARM_TO_LEG),
     )
     return all(least * whole <= bone <= most * whole for bone, whole, (least, most) in ratios)
 

@@ -242,7 +242,7 @@ class SolvedLevel:
 
     @property
     def within_activity(self) -> FloatArray:
-        """Weights (F,): 1 where constraints of this level or above are active, 0 in the first and last such frame."""
+        """Weights (F,): 1 where constraints of this level or above are active, fading over the frames at the ends."""
         return _mean(minimum_filter1d(self.acts.astype(np.float64), 3, mode="nearest"), 1)
 
 
