@@ -245,17 +245,16 @@ def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) 
     on_the_floor = lows < lows.min(axis=0) + ON_THE_FLOOR
     for side, name in enumerate(("left", "right")):
         heights, reach = tracks[:, side, :, 2], round(DRIFT_WINDOW * frame_rate)
-        rises = [_rise(heights[:, end], lows[side, end], reach) for end in range(3)]
-        limits = lows[side] + np.stack(rises, axis=1) + HEIGHT_MARGIN
-        near = ((heights < limits) & on_the_floor[side]).T
+        near = [_near(heights[:, end], lows[side, end], reach) & on_the_floor[side, end] for end in range(3)]
         speeds = np.array([point_speeds(tracks[:, side, end], near[end], frame_rate) for end in range(3)])
         down = [_come_down(heights[:, end], speeds[end], near[end], reach) for end in range(3)]
         down[1] = down[2] = down[1] | down[2]  # toes that roll over one end are not in the air
         stands = [
-            _stands(tracks[:, side, end], near[end] & down[end], *slow, frame_rate)
-            for end, slow in enumerate((HEEL_SPEEDS, TOE_SPEEDS, TOE_SPEEDS))
+            _stands(tracks[:, side, end], near[end] & down[end], *limits, frame_rate)
+            for end, limits in enumerate((HEEL_SPEEDS, TOE_SPEEDS, TOE_SPEEDS))
         ]
-        stands[0] &= heights[:, 0] < lows[side, 0] + np.maximum(rises[1], rises[2]) + HEIGHT_MARGIN  # else on tiptoe
+        over_lows = heights - lows[side]
+        stands[0] &= over_lows[:, 0] < over_lows[:, 1:].max(axis=1) + HEIGHT_MARGIN  # else the foot is on tiptoe
         rests = stands[0] & near[1] & (speeds[1:] < REST_SPEED).all(axis=0)
         heel, toe = _without_pivots(stands[0], stands[1] | stands[2] | rests, tracks[:, side], frame_rate)
         middle = tracks[:, side, :2].mean(axis=1)  # of heel and ball: a foot that turns on the spot goes nowhere
@@ -265,11 +264,11 @@ def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) 
     return found
 
 
-def _rise(heights: FloatArray, low: float, reach: int) -> FloatArray:
-    """(F,) metres by which the lowest height of a point in the ``reach`` frames around is above its usual ``low``,
-    because the floors of captures drift by centimetres.
+def _near(heights: FloatArray, low: float, reach: int) -> NDArray[np.bool_]:
+    """(F,) true where a point is within ``low`` of its lowest height in the ``reach`` frames around, because the floors
+    of captures drift by centimetres.
     """
-    return np.clip(lowest(heights, reach) - low, 0.0, GREATEST_DRIFT)
+    return np.asarray(heights < np.clip(lowest(heights, reach), low, low + GREATEST_DRIFT) + HEIGHT_MARGIN)
 
 
 def _come_down(heights: FloatArray, speeds: FloatArray, near: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:

@@ -41,6 +41,7 @@ from studio.core.solver.standing.blends import (
     averaged,
     interpolated_corrections,
     release_weight,
+    smoothstep_array,
 )
 from studio.core.solver.standing.footing import foot_states
 from studio.core.solver.standing.footprints import tilts_of
@@ -50,6 +51,8 @@ FloatArray = NDArray[np.float64]
 
 CONTACT_HEIGHTS = {"hand": 0.065, "knee": 0.065, "seat": 0.12}
 """Heights of wrist, knee and middle of the hips above their contact, in leg lengths."""
+LYING_KNEE_HEIGHT = 0.1
+"""Height of a knee above the ground, in leg lengths, up to which its leg lies; from twice that its foot bears."""
 CONTACT_RESIDUAL = 5e-4
 """Residual of a contact in metres from which it is moved."""
 SLOPE_RADIUS = 0.6
@@ -146,7 +149,8 @@ def find_support(
         for point in BODY_POINTS
     }
     standing = {point: contact_mask(spans[point], motion.frame_count) for point in BODY_POINTS if spans[point]}
-    fractions = _support_weights(standing, foot_states(contacts, motion.frame_count), motion.frame_rate)
+    bearing = _bearing(body, ground, positions)
+    fractions = _support_weights(standing, foot_states(contacts, motion.frame_count), bearing, motion.frame_rate)
     pose, upright = (positions, rotations), positions
     if not ground.is_level:
         leans = averaged(1.0 * np.any(list(standing.values()), axis=0)[:, None], GOES_ALONG, motion.frame_rate)
@@ -308,22 +312,36 @@ def _fingers(body: AnyMorphology, side: int) -> FloatArray:
     return np.asarray(body.rows[0, at.MEASURE_HAND + 3 * side : at.MEASURE_HAND + 3 * side + 3])
 
 
-def _support_weights(
-    standing: Mapping[ContactPoint, NDArray[np.bool_]], states: NDArray[np.int64], frame_rate: float
-) -> FloatArray:
-    """Weights (1 + H, F) of the feet and of each contact, smooth in time, with sum 1.
+def _bearing(body: AnyMorphology, ground: Ground, positions: FloatArray) -> FloatArray:
+    """Load weight (2, F) of each standing foot: small for a lying leg on level ground."""
+    knees = positions[:, [body.layout.hip_point(side) + 1 for side in range(2)], 2] - ground.height
+    bearing = smoothstep_array(np.clip(knees.T / (LYING_KNEE_HEIGHT * body.leg_length) - 1.0, 0.0, 1.0))
+    return bearing if ground.is_level else np.ones_like(bearing)
 
-    A foot whose knee is in contact carries no load.
+
+def _support_weights(
+    standing: Mapping[ContactPoint, NDArray[np.bool_]],
+    states: NDArray[np.int64],
+    bearing: FloatArray,
+    frame_rate: float,
+) -> FloatArray:
+    """Weights (1 + H, F) of the feet and of each contact, smooth in time.
+
+    They add up to 1 less the weight of feet without load, ``bearing`` (2, F), by which the body keeps its position. A
+    foot whose knee is in contact carries no load.
     """
-    weights = np.zeros((1 + len(standing), states.shape[1]))
+    weights = np.zeros((2 + len(standing), states.shape[1]))
     kneeling = {point.side: stands for point, stands in standing.items() if point.member == "knee"}
     for side in range(2):
-        weights[0] += (states[side] != 0) & ~kneeling.get(side, np.zeros(states.shape[1], dtype=np.bool_))
-    for row, stands in zip(weights[1:], standing.values(), strict=True):
+        stands = (states[side] != 0) & ~kneeling.get(side, np.zeros(states.shape[1], dtype=np.bool_))
+        weights[:2] += stands * [bearing[side], 1.0 - bearing[side]]
+    for row, stands in zip(weights[2:], standing.values(), strict=True):
         row += stands
     total = weights.sum(axis=0)
     frames, carried = np.arange(len(total)), np.flatnonzero(total > 0.0)
-    fractions = np.array([np.interp(frames, carried, row[carried] / total[carried]) for row in weights])
+    fractions = np.array(
+        [np.interp(frames, carried, row[carried] / total[carried]) for row in np.delete(weights, 1, 0)]
+    )
     return np.asarray(averaged(fractions.T, LET_GO, frame_rate).T)
 
 
