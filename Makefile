@@ -9,13 +9,12 @@ FAST = tests/architecture tests/document tests/panels tests/timeline
 
 # `make test` runs the tests in jobs of some minutes, one more at once than there are processors, because tests wait for
 # timers and other processes. Those that take longest come first, so that no processor is idle for long in the end.
-JOBS = gui monkey core rest files real live
+JOBS = gui files core rest live real
 tests_gui = tests/gui
-tests_monkey = tests/monkey
 tests_core = tests/core
 # With captures of people tests/real takes longer than all others together, hence two jobs.
 tests_real = $(wildcard tests/real/test_[a-p]*.py)
-tests_live = $(filter-out $(tests_real),$(wildcard tests/real/test_*.py)) tests/live tests/engine
+tests_live = $(filter-out $(tests_real),$(wildcard tests/real/test_*.py)) tests/live tests/engine tests/monkey
 tests_files = tests/io tests/library tests/examples tests/document
 tests_rest = $(filter-out tests/real $(foreach job,$(filter-out rest,$(JOBS)),$(tests_$(job))),$(FOLDERS))
 FOLDERS = $(patsubst %/,%,$(sort $(dir $(wildcard tests/*/test_*.py))))
