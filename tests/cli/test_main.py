@@ -164,20 +164,22 @@ def test_a_name_that_no_system_allows_is_a_sentence(arguments, capsys):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere every name of a file is text")
-def test_a_capture_whose_name_is_no_text_is_read_and_written_like_any_other(tmp_path):
+def test_a_capture_whose_name_is_no_text_is_read_and_written_like_any_other(tmp_path, capsys):
     folder = tmp_path / os.fsdecode(b"\xfcbungen")
     folder.mkdir()
     capture = folder / os.fsdecode(b"gr\xfc\xdfe.bvh")
     shutil.copyfile("examples/captures/reach_grasp.bvh", capture)
+    command = [sys.executable, "main.py", "info", str(capture)]
+    done = subprocess.run(command, capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr.decode(errors="replace")
+    sys.stderr.reconfigure(errors="backslashreplace")  # as that of a process is
     for arguments in (
-        ["info", capture],
         ["convert", capture, folder / "out.bvh"],
         ["convert", capture, folder / "out.s4d"],
         ["convert", capture, folder / "out.glb"],
         ["adapt", capture, "--character", "child", "--out", folder / "adapted"],
         ["batch", folder, "--character", "child", "--out", tmp_path / "many", "--workers", "1"],
     ):
-        done = subprocess.run([sys.executable, "main.py", *map(str, arguments)], capture_output=True, check=False)
-        assert done.returncode == 0, done.stderr.decode(errors="replace")
+        assert command_line.main([*map(str, arguments)]) == 0, capsys.readouterr().err
     report = json.loads((folder / "adapted" / "report.json").read_text(encoding="utf-8"))
     assert report["source"] == str(capture)
