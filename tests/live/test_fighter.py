@@ -99,7 +99,7 @@ def test_nothing_jumps_and_feet_that_stand_stay(library):
         assert np.linalg.norm(ankle[stays] - ankle[np.array(stays) - 1], axis=1).max() < 0.005
 
 
-FOUGHT_SECONDS = {"child": 60.0, "adult_woman": 60.0, "giant": 26.0}
+FOUGHT_SECONDS = {"child": 60.0, "adult_woman": 26.0, "giant": 26.0}
 
 
 class Fought(NamedTuple):
@@ -269,12 +269,12 @@ def test_ctrl_c_ends_a_fight_with_the_report_of_what_was_fought_until_then(libra
 
 
 @pytest.mark.parametrize("name", ["child", "adult_woman"])
-def test_the_bundled_fighter_strikes_for_a_minute_at_a_head_that_ducks(fought, name):
-    report = fought(name).report
-    assert len(report.hits) >= 35
+def test_the_bundled_fighter_strikes_again_and_again_at_a_head_that_ducks(fought, name):
+    report, minutes = fought(name).report, FOUGHT_SECONDS[name] / 60.0
+    assert len(report.hits) >= 35 * minutes
     assert {hit.limb for hit in report.hits} == set(Limb)
     in_reach = [hit.missed for hit in report.hits if hit.apart <= IN_REACH]
-    assert len(in_reach) >= 10
+    assert len(in_reach) >= 10 * minutes
     assert max(in_reach) < 1e-3
     assert sum(hit.missed < 1e-3 for hit in report.hits) >= 0.95 * len(report.hits)
     # Found in the time of so many frames, however fast the machine is.

@@ -59,9 +59,9 @@ def picked(count: int) -> list[tuple[list[Clip], str]]:
 
 @cache
 def by_chance() -> list[tuple[float, float]]:
-    """Acceleration of joints and slide of standing feet where clips take over at 96 frames."""
+    """Acceleration of joints and slide of standing feet where clips take over at 48 frames."""
     found = []
-    for clips, body in picked(96):
+    for clips, body in picked(48):
         shown = changed(*clips, body)
         found.append((jolt_of(shown, *clips, body), slide_of(shown)))
     return found
