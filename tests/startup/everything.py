@@ -140,8 +140,8 @@ def asking(request: AdaptRequest, sets: Sequence[Sequence[str]]) -> Iterator[Ada
 
 
 def solve(request: AdaptRequest) -> None:
-    """As a whole and a window of it, with and without limits and easing, and report of it."""
-    for limited, eased in product((True, False), repeat=2):
-        asked = replace(request, limited=limited, eased=eased)
+    """As a whole and a window of it, with limits and easing and without, and report of it."""
+    for kept in (True, False):
+        asked = replace(request, limited=kept, eased=kept)
         report_of(grounded_motion_of(asked), asked, adapt(asked))
     adapt(request, 5, 8)
