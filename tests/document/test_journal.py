@@ -28,7 +28,7 @@ from tests.document.test_undo import edit_at_random
 from tests.patience import SECONDS
 
 ROOT = Path(__file__).parents[2]
-KILLS = int(os.environ.get("MORPHO_KILLS", "30"))
+KILLS = int(os.environ.get("MORPHO_KILLS", "10"))
 
 
 def state(project: Project) -> bytes:
