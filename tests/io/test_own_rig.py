@@ -1,6 +1,7 @@
 """A character's own joints: what goes out drops on the file that came in, joint by joint and vertex by vertex."""
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -85,13 +86,25 @@ def take_on(character, capture):
     return take_of_adapted(character.name, adapt(request, capture.first_frame), character, request)
 
 
+@cache
+def figure_in(path):
+    """Character of a file."""
+    return load_character(path).character
+
+
+@cache
+def moved_figure(path):
+    """Take of the character of a file, moving."""
+    return take_on(figure_in(path), make_capture())
+
+
 def rest_world(take):
     return joint_world(take.skeleton, rest_poses(take.skeleton, take.rest_rotations))
 
 
 def test_joints_names_hierarchy_and_axes_are_those_of_the_file(original):
-    character, source = load_character(original).character, rigged_take(bundled_characters()["adult_woman"])
-    take = ExportOptions().applied_to(take_on(character, make_capture()), original)
+    source = rigged_take(bundled_characters()["adult_woman"])
+    take = ExportOptions().applied_to(moved_figure(original), original)
     names = take.skeleton.names
     assert set(names) == set(source.skeleton.names)
     assert {TWIST, PONYTAIL, "root"} <= set(names)
@@ -112,8 +125,8 @@ def test_joints_names_hierarchy_and_axes_are_those_of_the_file(original):
 
 
 def test_the_skin_goes_where_the_studio_shows_it(original):
-    character = load_character(original).character
-    adapted = take_on(character, make_capture())
+    character = figure_in(original)
+    adapted = moved_figure(original)
     take = ExportOptions().applied_to(adapted, original)
     positions, rotations = joint_world(take.skeleton, take.poses)
     for frame in (0, 13, 29):
@@ -128,9 +141,8 @@ def test_the_skin_goes_where_the_studio_shows_it(original):
 
 @pytest.mark.parametrize("suffix", [".fbx", ".glb", ".usd", ".bvh"])
 def test_its_file_read_back_has_the_same_motion_on_the_same_joints(original, tmp_path, suffix):
-    character = load_character(original).character
     path = tmp_path / f"out{suffix}"
-    take = ExportOptions().applied_to(take_on(character, make_capture()), path)
+    take = ExportOptions().applied_to(moved_figure(original), path)
     write_take(take, path)
     if suffix == ".usd":
         from tests.io.test_usd_take import joints_at, opened
@@ -148,7 +160,7 @@ def test_its_file_read_back_has_the_same_motion_on_the_same_joints(original, tmp
 
 
 def test_its_own_root_goes_on_the_floor_below_the_hips_and_nothing_else_moves(original):
-    adapted = take_on(load_character(original).character, make_capture())
+    adapted = moved_figure(original)
     usual = ExportOptions().applied_to(adapted, original)
     take = ExportOptions(root="floor").applied_to(adapted, original)
     assert take.skeleton.names == usual.skeleton.names
@@ -162,7 +174,7 @@ def test_its_own_root_goes_on_the_floor_below_the_hips_and_nothing_else_moves(or
 
 
 def test_a_character_file_and_a_project_keep_the_rig(original, tmp_path):
-    character = load_character(original).character
+    character = figure_in(original)
     write_character(character, tmp_path / "hero.json")
     project = make_project(characters=1).with_entity("characters", "character 0", character)
     write_project(tmp_path / "play.studio", project, new_document_id())
@@ -175,8 +187,7 @@ def test_a_character_file_and_a_project_keep_the_rig(original, tmp_path):
 
 
 def test_other_names_put_it_on_the_skeleton_of_the_studio(original):
-    character = load_character(original).character
-    take = ExportOptions(joint_names="humanik").applied_to(take_on(character, make_capture()), original)
+    take = ExportOptions(joint_names="humanik").applied_to(moved_figure(original), original)
     assert TWIST not in take.skeleton.names
     assert "LeftForeArm" in take.skeleton.names
 
@@ -207,8 +218,7 @@ def test_characters_of_others_go_out_on_their_own_joints(captures, tmp_path, nam
 
 
 def test_its_animation_drops_on_the_original_in_blender(original, tmp_path):
-    character = load_character(original).character
-    take = ExportOptions().applied_to(take_on(character, make_capture()), original)
+    take = ExportOptions().applied_to(moved_figure(original), original)
     take = replace(take, capture=replace(take.capture, frame_rate=30.0))
     exported = tmp_path / f"out{original.suffix}"
     write_take(take, exported)
@@ -261,9 +271,9 @@ def in_its_file(character):
 
 
 def test_joints_and_skin_rest_where_they_rest_in_the_file(carried_original, tmp_path):
-    character = load_character(carried_original).character
+    character = figure_in(carried_original)
     path = tmp_path / f"out{carried_original.suffix}"
-    take = ExportOptions().applied_to(take_on(character, make_capture()), path)
+    take = ExportOptions().applied_to(moved_figure(carried_original), path)
     write_take(take, path)
     expected, found = (in_its_file(each) for each in (character, load_character(path).character))
     assert set(found) == set(expected)
@@ -276,9 +286,7 @@ def test_joints_and_skin_rest_where_they_rest_in_the_file(carried_original, tmp_
 
 
 def test_its_animation_drops_on_an_original_that_a_scaled_node_carries_in_blender(carried_original, tmp_path):
-    take = ExportOptions().applied_to(
-        take_on(load_character(carried_original).character, make_capture()), carried_original
-    )
+    take = ExportOptions().applied_to(moved_figure(carried_original), carried_original)
     take = replace(take, capture=replace(take.capture, frame_rate=30.0))
     exported = tmp_path / f"out{carried_original.suffix}"
     write_take(take, exported)
@@ -293,7 +301,7 @@ def test_its_animation_drops_on_an_original_that_a_scaled_node_carries_in_blende
 
 
 def test_a_placement_on_the_stage_moves_the_body_and_not_what_is_above_its_hips(carried_original):
-    adapted = take_on(load_character(carried_original).character, make_capture())
+    adapted = moved_figure(carried_original)
     here = ExportOptions().applied_to(adapted, carried_original)
     placement = Placement((2.0, 1.0), 0.5)
     there = ExportOptions().applied_to(replace(adapted, place=placement), carried_original)
@@ -305,7 +313,7 @@ def test_a_placement_on_the_stage_moves_the_body_and_not_what_is_above_its_hips(
 
 
 def test_a_root_is_added_above_hips_that_only_a_node_carries(carried_original, tmp_path):
-    take = take_on(load_character(carried_original).character, make_capture())
+    take = moved_figure(carried_original)
     rig = take.character.skin.rig
     bones = np.arange(len(rig.names)) >= rig.names.index("Hips")
     rig = replace(rig, file=replace(rig.file, bones=bones))
@@ -322,7 +330,7 @@ def test_a_root_is_added_above_hips_that_only_a_node_carries(carried_original, t
 
 
 def test_in_place_its_hips_stay_and_its_root_rests(original):
-    adapted = take_on(load_character(original).character, make_capture())
+    adapted = moved_figure(original)
     usual, take = (ExportOptions(root=root).applied_to(adapted, original) for root in ("", "in-place"))
     (before, turned), (after, turns) = (joint_world(each.skeleton, each.poses) for each in (usual, take))
     root, hips = (take.skeleton.names.index(name) for name in ("root", "Hips"))

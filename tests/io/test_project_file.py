@@ -222,7 +222,7 @@ def test_a_save_is_whole_or_absent_at_every_size_limit(saved: Path) -> None:
     write_project(needed, other, ID)
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     failures = 0
-    for limit in range(0, len(needed.read_bytes()), 7):
+    for limit in range(0, len(needed.read_bytes()), 29):
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, hard))
         try:
             with pytest.raises(StudioError, match="no room"):
@@ -231,7 +231,7 @@ def test_a_save_is_whole_or_absent_at_every_size_limit(saved: Path) -> None:
             resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
         assert saved.read_bytes() == old
         failures += 1
-    assert failures > 1000
+    assert failures > 250
     assert sorted(item.name for item in saved.parent.iterdir()) == ["needed.studio", "walk.studio"]
 
 
@@ -293,7 +293,7 @@ def test_a_number_beyond_all_bounds_is_told(saved: Path, number: bytes) -> None:
 
 
 def test_any_value_of_project_json_may_be_anything_and_nothing_falls_over(saved: Path) -> None:
-    """300 files in which one value, somewhere, is something else; each opens with what makes sense."""
+    """100 files in which one value, somewhere, is something else; each opens with what makes sense."""
     chance, content = Random(9), saved.read_bytes()
     odd = [
         None,
@@ -324,7 +324,7 @@ def test_any_value_of_project_json_may_be_anything_and_nothing_falls_over(saved:
             place = place[key]
 
     opened = 0
-    for _ in range(300):
+    for _ in range(100):
         saved.write_bytes(content)
         repacked(saved, spoil)
         try:
@@ -333,7 +333,7 @@ def test_any_value_of_project_json_may_be_anything_and_nothing_falls_over(saved:
             continue
         write_project(saved.with_name("again.studio"), read.project, ID)
         opened += 1
-    assert opened > 200
+    assert opened > 66
 
 
 def test_constraints_that_contradict_each_other_are_opened_whole_and_remarked_on(tmp_path):
