@@ -32,7 +32,7 @@ if sys.platform.startswith("linux") and not has_display():
 
 # Time on a busy machine says nothing. The same examples are tried every time, on every machine; others are tried by
 # pytest --hypothesis-profile=random, and many more by make soak.
-settings.register_profile("studio", deadline=None, derandomize=True, max_examples=50)
+settings.register_profile("studio", deadline=None, derandomize=True, max_examples=25)
 settings.register_profile("random", deadline=None)
 settings.register_profile("deep", deadline=None, max_examples=2000)
 settings.load_profile("studio")

@@ -203,7 +203,6 @@ def _recoil(seed: int) -> tuple[float, float]:
 
 @given(seeds)
 @example(70896)
-@settings(max_examples=20)
 def test_a_lower_priority_on_the_arm_alone_leaves_the_higher_exactly_where_it_was(seed: int) -> None:
     wrist, elbow = _recoil(seed)
     assert wrist <= 2e-4
@@ -262,7 +261,6 @@ def _wild_constraints(random: np.random.Generator) -> tuple[PositionConstraint, 
 
 @given(seeds)
 @example(60116)  # a shoulder's place beside a hand's that fades
-@settings(max_examples=300)
 def test_whatever_is_asked_the_answer_is_a_body(seed: int) -> None:
     random = np.random.default_rng(seed)
     body = list(BODIES.values())[random.integers(len(BODIES))]

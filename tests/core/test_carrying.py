@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.optimize import least_squares
@@ -168,7 +168,6 @@ def test_on_feet_alone_nothing_else_is_asked() -> None:
 
 
 @given(seeds)
-@settings(max_examples=20)
 def test_who_leans_with_a_slope_stands_on_it_as_on_the_floor(seed: int) -> None:
     """Places on the floor under the root stay, what stood upright stands along the normal, and nothing is stretched."""
     random = np.random.default_rng(seed)
@@ -270,7 +269,6 @@ class _Links:
 
 
 @given(seeds)
-@settings(max_examples=60)
 def test_a_body_settles_where_all_that_stands_is_nearly_or_wholly_in_reach(seed: int) -> None:
     links = _Links(seed)
     spread = np.linalg.svd(links.starts[:, 0], compute_uv=False)
@@ -297,7 +295,6 @@ def test_it_misses_hardly_more_than_an_optimum_does() -> None:
 
 
 @given(seeds)
-@settings(max_examples=30)
 def test_an_arm_is_placed_as_its_twin(seed: int) -> None:
     random = np.random.default_rng(seed)
     side, row = int(random.integers(2)), WALK.channels[random.integers(WALK.frame_count)]
@@ -342,7 +339,6 @@ def _frame_along(direction: np.ndarray) -> np.ndarray:
 
 
 @given(seeds)
-@settings(max_examples=40)
 def test_a_held_knee_is_where_it_is_to_be_and_its_ankle_too(seed: int) -> None:
     random = np.random.default_rng(seed)
     side, layout = int(random.integers(2)), BODY.layout
@@ -365,7 +361,6 @@ def test_a_held_knee_is_where_it_is_to_be_and_its_ankle_too(seed: int) -> None:
 
 
 @given(seeds)
-@settings(max_examples=25, deadline=None)
 def test_contacts_of_any_kind_anywhere_leave_a_whole_body(seed: int) -> None:
     """No number that is not finite, no bone of another length, whatever is said to stand, on whatever ground."""
     random = np.random.default_rng(seed)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyPart
@@ -121,7 +121,6 @@ def step(volume: BodyVolume, body: Morphology, pose: tuple, wanted: float | np.n
 
 
 @given(seed=seeds)
-@settings(max_examples=200, deadline=None)
 def test_any_capsules_leave_the_arm_an_arm(seed: int) -> None:
     volume, body, *posed = wild(seed)
     pose = Pose(*posed)
@@ -144,7 +143,6 @@ def test_any_capsules_leave_the_arm_an_arm(seed: int) -> None:
 
 
 @given(seed=seeds)
-@settings(max_examples=100, deadline=None)
 def test_an_arm_with_room_enough_is_not_touched(seed: int) -> None:
     volume, body, *posed = wild(seed)
     pose = Pose(*posed)

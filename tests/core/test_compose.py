@@ -6,7 +6,7 @@ from itertools import pairwise, permutations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as some
 
 from studio.core.captures.contacts import ContactInterval, ContactPoint
@@ -273,7 +273,6 @@ def test_a_split_clip_plays_as_it_did(name: str, mirrored: bool) -> None:
     assert np.abs(parts.motion.channels - whole.motion.channels).max() < 1e-6  # leg lengths: a micron
 
 
-@settings(max_examples=200, deadline=None)
 @given(
     some.integers(0, 50), some.integers(2, 80), some.integers(1, 5), some.floats(0.1, 10.0), some.floats(-5.0, 5.0),
     some.floats(0.0, 1.0),
@@ -340,7 +339,6 @@ def keyed_speeds(draw):
     return KeyedNumber(tuple((start + np.cumsum(gaps)).tolist()), tuple(values), tangents=tangents)
 
 
-@settings(max_examples=150, deadline=None)
 @given(keyed_speeds())
 def test_time_of_the_stage_and_of_the_motion_are_each_others_inverse_at_the_speed_that_is_keyed(speed):
     seconds = np.linspace(-2.0, 15.0, 800)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -68,7 +68,6 @@ def _planted(steps: _Steps, feet: np.ndarray, pitches: np.ndarray = LEVEL) -> np
 
 
 @given(seeds)
-@settings(max_examples=30)
 def test_the_kernels_agree_with_their_twins(seed: int) -> None:
     steps = _Steps(seed)
     feet = _levelled(steps)
@@ -92,7 +91,6 @@ def test_a_standing_toe_turns_little_by_little_while_its_foot_is_pitched_past_st
 
 
 @given(seeds)
-@settings(max_examples=20)
 def test_a_flat_foot_is_level_and_looks_one_way(seed: int) -> None:
     steps = _Steps(seed)
     feet = _levelled(steps)
@@ -102,7 +100,6 @@ def test_a_flat_foot_is_level_and_looks_one_way(seed: int) -> None:
 
 
 @given(seeds)
-@settings(max_examples=20)
 def test_what_stands_stays_where_it_is(seed: int) -> None:
     steps = _Steps(seed)
     feet = _levelled(steps)
@@ -116,7 +113,6 @@ def test_what_stands_stays_where_it_is(seed: int) -> None:
 
 
 @given(seeds)
-@settings(max_examples=20)
 def test_the_lowest_of_heel_and_ball_lies_on_the_ground(seed: int) -> None:
     steps = _Steps(seed)
     feet = _levelled(steps)
@@ -127,7 +123,6 @@ def test_the_lowest_of_heel_and_ball_lies_on_the_ground(seed: int) -> None:
 
 
 @given(seeds)
-@settings(max_examples=20)
 def test_toes_that_roll_and_turn_have_a_still_point_between_ball_and_tip_at_last_the_tip(seed: int) -> None:
     steps = _Steps(seed)
     steps.states = np.repeat([twin.FLAT, twin.TOE, 0], 20)
@@ -153,7 +148,6 @@ def test_toes_that_roll_and_turn_have_a_still_point_between_ball_and_tip_at_last
 
 
 @given(seeds)
-@settings(max_examples=20)
 def test_a_foot_tilted_the_wrong_way_is_put_down_and_a_right_one_left_alone(seed: int) -> None:
     steps = _Steps(seed)
     feet = _levelled(steps)

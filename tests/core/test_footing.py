@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -80,7 +80,6 @@ def test_a_standing_leg_stretches_as_far_as_the_motions_own_or_nearly_straight()
 
 
 @given(seeds)
-@settings(max_examples=25)
 def test_how_far_the_root_comes_down_is_what_the_twin_says(seed: int) -> None:
     random, frames = np.random.default_rng(seed), 6
     rotations = random_rotations(random, frames, BODY.layout.segment_count)
@@ -117,7 +116,6 @@ class _Leg:
 
 
 @given(seeds)
-@settings(max_examples=30)
 def test_a_leg_is_placed_as_its_twin_and_nothing_else_moves(seed: int) -> None:
     leg = _Leg(seed)
     root, pelvis = leg.before[0][0], leg.before[1][0]

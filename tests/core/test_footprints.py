@@ -5,7 +5,7 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -129,7 +129,6 @@ soles = st.integers(0, 2**32 - 1)
 
 
 @given(soles)
-@settings(max_examples=40)
 def test_heel_and_ball_lie_on_smooth_ground_under_their_plane(seed: int) -> None:
     random = np.random.default_rng(seed)
     ground = Bumps(0.1, random.uniform(0.0, 0.08), 1.2, seed % 1000)

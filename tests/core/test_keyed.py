@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -195,26 +195,22 @@ def plain(keyed, times):
     return begin + share[:, None] * (end - begin)
 
 
-@settings(max_examples=20)
 @given(keyed_places())
 def test_keys_without_tangents_are_to_the_bit_what_they_always_were(keyed):
     times = np.linspace(keyed.times[0] - 0.5, keyed.times[-1] + 0.5, 200)
     assert np.array_equal(keyed.at(times), plain(keyed, times))
 
 
-@settings(max_examples=20)
 @given(bent(keyed_places(), tuple(TangentMode)[:5]))
 def test_every_key_is_passed_whatever_its_tangents(keyed):
     assert keyed.at(keyed.times) == pytest.approx(np.array(keyed.values), abs=1e-9)
 
 
-@settings(max_examples=20)
 @given(bent(keyed_turns()))
 def test_every_rotation_key_is_passed_whatever_its_tangents(keyed):
     assert keyed.at(keyed.times) == pytest.approx(to_matrix(np.array(keyed.values)), abs=1e-9)
 
 
-@settings(max_examples=20)
 @given(bent(keyed_places()))
 def test_places_pass_a_key_at_one_rate_where_its_tangents_are_not_broken(keyed):
     arriving, leaving = keyed.rates()
@@ -225,7 +221,6 @@ def test_places_pass_a_key_at_one_rate_where_its_tangents_are_not_broken(keyed):
         assert (after - at) / SMALL == pytest.approx(rate, abs=0.02)
 
 
-@settings(max_examples=20)
 @given(bent(keyed_turns()))
 def test_rotations_pass_a_key_at_one_rate_where_its_tangents_are_not_broken(keyed):
     _, leaving = keyed.rates()
@@ -235,7 +230,6 @@ def test_rotations_pass_a_key_at_one_rate_where_its_tangents_are_not_broken(keye
         assert steps[1] == pytest.approx(rate, abs=0.02)
 
 
-@settings(max_examples=20)
 @given(bent(keyed_turns()))
 def test_rotations_never_flip(keyed):
     """However steep the tangents are, a short time is a small rotation."""
@@ -256,7 +250,6 @@ def test_a_rotation_whose_tangents_lead_past_half_a_turn_does_not_flip():
     assert angles.max() < 0.05
 
 
-@settings(max_examples=20)
 @given(keyed_places())
 def test_linear_tangents_are_straight_lines(keyed):
     straight = replace(keyed, tangents=(tangents_of(TangentMode.LINEAR),) * len(keyed.times))
@@ -270,7 +263,6 @@ def test_stepped_keys_hold_until_the_next_one():
     assert keyed.at([0.0, 0.999, 1.0, 1.999, 2.0, 3.0])[:, 0].tolist() == [1.0, 1.0, 2.0, 2.0, 3.0, 3.0]
 
 
-@settings(max_examples=20)
 @given(bent(keyed_places()), st.floats(0.3, 3.0))
 def test_keys_that_are_scaled_in_time_keep_their_curve(keyed, factor):
     times = {place: time * factor for place, time in enumerate(keyed.times)}
@@ -310,7 +302,6 @@ def test_rotations_continue_about_their_axis():
     assert rotation_vectors(keyed.at([0.0, 3.0]))[0] == pytest.approx([0.0, 0.0, 1.5])
 
 
-@settings(max_examples=20)
 @given(st.lists(weights, min_size=4, max_size=4), st.sampled_from(EaseShape), gaps)
 def test_a_weighted_activation_stays_in_its_range_and_rises_once(four, shape, lengths):
     start, full, full_end, end = np.cumsum([0.0, *(lengths * 3)[:3]]).tolist()
@@ -333,7 +324,6 @@ def test_an_activation_without_weights_is_to_the_bit_what_it_was():
     assert np.array_equal(curve.at(times), ease(np.minimum(rise, fall), EaseShape.QUINTIC))
 
 
-@settings(max_examples=20)
 @given(bent(keyed_turns()))
 def test_a_mirrored_rotation_curve_is_the_mirror_image_and_twice_the_curve_itself(keyed):
     base = make_constraint()
@@ -345,7 +335,6 @@ def test_a_mirrored_rotation_curve_is_the_mirror_image_and_twice_the_curve_itsel
     assert mirrored_constraint(once).target.at(times) == pytest.approx(keyed.at(times), abs=1e-9)
 
 
-@settings(max_examples=20)
 @given(bent(keyed_places()), numbers)
 def test_moving_adding_and_deleting_keys_keeps_the_tangents_of_the_others(keyed, seconds):
     assert keyed.moved(seconds).tangents == keyed.tangents

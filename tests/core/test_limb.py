@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyPart
@@ -202,7 +202,6 @@ class _Reach:
 
 
 @given(seeds, limbs)
-@settings(max_examples=40)
 def test_bending_brings_the_point_to_the_distance_or_as_near_as_can_be(seed: int, limb: int) -> None:
     reach = _Reach(seed, limb)
     wanted = np.random.default_rng(seed + 1).uniform(0.0, 1.0)
@@ -220,7 +219,6 @@ def test_bending_brings_the_point_to_the_distance_or_as_near_as_can_be(seed: int
 
 
 @given(seeds, limbs)
-@settings(max_examples=40)
 def test_the_longest_reach_is_the_longest_of_all_bends(seed: int, limb: int) -> None:
     reach = _Reach(seed, limb)
     found = reach_kernel.distance_range(reach.shoulder, reach.elbow, reach.hinge, reach.point)[1]
@@ -251,7 +249,6 @@ def test_elbows_and_knees_do_not_bend_backwards(seed: int, limb: int) -> None:
 
 
 @given(seeds, limbs)
-@settings(max_examples=40)
 def test_aiming_points_at_the_target_by_the_least_turn(seed: int, limb: int) -> None:
     reach = _Reach(seed, limb)
     before = reach.point - reach.shoulder
@@ -266,7 +263,6 @@ def test_aiming_points_at_the_target_by_the_least_turn(seed: int, limb: int) -> 
 
 
 @given(seeds, limbs)
-@settings(max_examples=40)
 def test_reaching_is_to_bend_and_then_to_aim(seed: int, limb: int) -> None:
     both, one = _Reach(seed, limb), _Reach(seed, limb)
     distance = np.random.default_rng(seed + 1).uniform(0.0, 1.0)
@@ -278,7 +274,6 @@ def test_reaching_is_to_bend_and_then_to_aim(seed: int, limb: int) -> None:
 
 
 @given(seeds, st.integers(0, 1))
-@settings(max_examples=40)
 def test_a_swivel_is_the_best_turn_that_leaves_the_held_point_alone(seed: int, limb: int) -> None:
     reach = _Reach(seed, limb)
     held = reach.positions[reach.root + 2].copy()
@@ -451,7 +446,6 @@ def test_stiffer_turns_less_and_alone_takes_just_its_part(name: str, offset: lis
 @given(
     st.sampled_from(sorted(BODIES)), st.sampled_from(OFFSETS), st.floats(0.0, 1.0), st.floats(0.0, 1.0)
 )  # fmt: skip
-@settings(max_examples=60)
 def test_what_a_stiff_arm_leaves_the_rest_of_the_chain_does(
     name: str, offset: list[float], upper: float, lower: float
 ) -> None:

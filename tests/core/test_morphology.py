@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyLayout, BodyPart
@@ -208,7 +208,6 @@ def test_other_programs_get_every_joint_where_it_is() -> None:
 
 
 @given(st.floats(0.0, 1.0), st.integers(2, 5))
-@settings(max_examples=20)
 def test_between_two_bodies_lie_their_measures(share: float, spine_count: int) -> None:
     small, large = (make_morphology(scale, spine_count=spine_count) for scale in (0.7, 1.3))
     body = AnimatedMorphology.from_bodies(small, large, np.array([0.0, share, 1.0]))

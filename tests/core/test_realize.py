@@ -170,7 +170,6 @@ def test_hips_whose_feet_lie_on_their_sides_turn_as_they_are_meant() -> None:
 
 
 @given(st.floats(0.35, 0.65), st.floats(0.15, 0.98))
-@settings(max_examples=20)
 def test_bones_that_share_their_limb_otherwise_lie_nearly_as_the_actors_however_it_is_folded(part: float, reach: float):
     """A knee that is drawn up is drawn up on a long thigh too; the limb's line gives way, not the posture."""
     body = make_morphology()
@@ -209,7 +208,6 @@ def _assert_comes_back(capture: Capture) -> None:
 
 
 @given(seeds, st.floats(0.1, 1.5))
-@settings(max_examples=25)
 def test_a_capture_comes_back_from_its_normalised_motion(seed: int, amplitude: float) -> None:
     _assert_comes_back(swaying(seed, amplitude=amplitude))
 
@@ -409,7 +407,6 @@ def test_the_motion_begins_over_the_origin_of_its_space() -> None:
 
 
 @given(st.floats(-10, 10), seeds)
-@settings(max_examples=20)
 def test_the_heading_follows_the_pelvis_through_whole_turns(speed: float, seed: int) -> None:
     times = np.arange(90) / 60.0
     pelvis = to_matrix(about((0, 0, 1), speed * times))

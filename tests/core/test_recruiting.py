@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyPart
@@ -119,7 +119,6 @@ def _turned(solved: AdaptedMotion, standing: GroundedMotion) -> np.ndarray:
 
 
 @given(st.sampled_from(sorted(BODIES)), st.integers(0, 89), st.floats(-np.pi, np.pi), st.floats(0.0, 0.003))
-@settings(max_examples=40)
 def test_free_arms_alone_meet_a_small_shift_and_nothing_else_moves(
     name: str, frame: int, heading: float, shift: float
 ) -> None:

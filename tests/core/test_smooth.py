@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -145,7 +145,6 @@ def _is_a_body(adapted: AdaptedMotion, before: AdaptedMotion) -> bool:
 
 
 @given(st.lists(anything, min_size=1, max_size=5), st.sampled_from(range(len(BODIES))), st.booleans())
-@settings(max_examples=150)
 def test_whatever_finite_is_asked_the_answer_is_a_body(asked: list[Constraint | None], body: int, stands: bool) -> None:
     constraints = tuple(each for each in asked if each is not None)
     request = AdaptRequest(WALK, BODIES[body], CONTACTS if stands else (), constraints)
@@ -153,7 +152,6 @@ def test_whatever_finite_is_asked_the_answer_is_a_body(asked: list[Constraint | 
 
 
 @given(anything, st.sampled_from(range(len(BODIES))))
-@settings(max_examples=40)
 def test_the_same_asked_twice_or_at_two_priorities_is_no_trouble(asked: Constraint | None, body: int) -> None:
     if asked is None:
         return
@@ -384,7 +382,6 @@ def test_a_report_says_what_was_missed_for_easing() -> None:
     assert (report_of(standing, request, adapted).winners == BLOCKED_BY_SMOOTHING).any()
 
 
-@settings(max_examples=30, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), limited=st.booleans())
 def test_charts_of_limbs_give_back_what_they_were_given(seed: int, limited: bool) -> None:
     random = np.random.default_rng(seed)
@@ -395,7 +392,6 @@ def test_charts_of_limbs_give_back_what_they_were_given(seed: int, limited: bool
     assert charts.rotations(charts.coordinates(turns)) == pytest.approx(turns, abs=1e-7)
 
 
-@settings(max_examples=30, deadline=None)
 @given(hertz=st.floats(0.2, 2.0), metres=st.floats(0.01, 0.08))
 def test_a_wish_that_sways_brings_what_a_lever_needs_to_follow_it(hertz: float, metres: float) -> None:
     rate, count = 120.0, 600

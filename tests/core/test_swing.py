@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -72,7 +72,6 @@ class _Foot:
 
 
 @given(st.integers(0, 2**32 - 1), states)
-@settings(max_examples=40)
 def test_nothing_of_a_foot_in_the_air_is_below_the_floor(seed: int, stands: np.ndarray) -> None:
     foot = _Foot(seed, stands)
     upright = foot.feet[:, 2, 2] > 0.0
@@ -81,7 +80,6 @@ def test_nothing_of_a_foot_in_the_air_is_below_the_floor(seed: int, stands: np.n
 
 
 @given(st.integers(0, 2**32 - 1), states)
-@settings(max_examples=40)
 def test_what_stands_or_is_clear_stays_as_it_is(seed: int, stands: np.ndarray) -> None:
     foot = _Foot(seed, stands)
     ankles, toes = foot.before

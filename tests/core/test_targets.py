@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -393,7 +393,6 @@ def any_constraint(draw: st.DrawFn, priority: int) -> Constraint:
     return ask(kind, point, draw(st.sampled_from([ALL, HEAD, Chain()])), priority, **more)
 
 
-@settings(max_examples=60, deadline=None)
 @given(st.data())
 def test_whatever_is_asked_nothing_is_ever_not_a_number(data: st.DataObject) -> None:
     asked = [data.draw(any_constraint(priority)) for priority in range(data.draw(st.integers(1, 4)))]

@@ -148,7 +148,7 @@ def edit_at_random(document: Document, chance: Random, gesture: int) -> None:
                 edit_at_random(document, chance, gesture)
 
 
-@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(seed=st.integers(0, 2**32))
 def test_undoing_all_gives_the_first_bytes_and_redoing_all_the_last(qapp: Any, seed: int) -> None:
     document, chance = Document(PROJECT), Random(seed)

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from studio.core.kernels import pose_search as at
@@ -12,7 +12,6 @@ from studio.library.clusters import LEAST_CLUSTER_DISTANCE, map_of, rotation_fre
 from tests.core.test_retrieval import made_table
 
 
-@settings(max_examples=20)
 @given(st.integers(0, 1000), st.integers(1, 40))
 def test_every_pose_is_in_a_group_and_each_group_has_a_pose_of_its_own(seed, count):
     table = made_table(seed)

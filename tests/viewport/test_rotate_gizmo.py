@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from studio.viewport.camera import OrbitCamera
@@ -46,7 +46,6 @@ def test_a_ring_seen_edge_on_turns_as_far_as_the_mouse_goes_along_it(camera, axe
     assert angle == pytest.approx(4.0 * np.pi / RING_SIDES, rel=0.15)
 
 
-@settings(max_examples=20)
 @given(cameras, rotations)
 def test_rings_are_found_where_their_near_halves_are_drawn_and_the_trackball_between_them(camera, axes):
     gizmo = RotateGizmo(ORIGIN, axes, camera, SIZE)
