@@ -107,6 +107,7 @@ class TopBar(QWidget):
                 break
         self._search.setFixedWidth(min(max(room, LEAST_SEARCH), SEARCH_WIDTH))
         self._keys.setVisible(room >= KEYS_FROM)
+        self._row.activate()  # now: the next event may be seconds away as the 3D view starts
 
     def _room(self) -> int:
         """Pixels that everything else leaves to the search."""
