@@ -147,7 +147,8 @@ def test_a_pose_is_dragged_onto_a_body_which_takes_it_as_one_undo_step(window, p
         event.ignore()
         QApplication.sendEvent(bench.viewport, event)
         assert event.isAccepted()
-    assert bench.document.history == ("Apply pose Pose 1",)
+    assert bench.document.history == ("Apply pose 'Pose 1'",)
+    assert [each.name for each in bench.document.project.corrections.values()] == ["Pose 1"]
     assert degrees_apart(shown_pose(window, APPLIED_AT), saved, POSE_REGIONS["Arms"]).max() < 1.0
 
 
