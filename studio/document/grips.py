@@ -11,7 +11,7 @@ from studio.core.stage.held_grips import SAME_STAGE_TIME, gripped_prop
 from studio.core.stage.holding import HAND_REACH_SECONDS, grip_constraints
 from studio.core.stage.mirrored_props import constraint_as_played
 from studio.core.stage.project import Performer, Project
-from studio.core.stage.prop import Carried, Prop, quarter_turns
+from studio.core.stage.prop import Carried, InHand, Prop, quarter_turns
 from studio.document.edited_project import EditedProject
 
 
@@ -77,7 +77,28 @@ def fade_grips(document: EditedProject, prop_id: str, performer_id: str, time: f
 
 def remove_grips(document: EditedProject, prop_id: str, hold: Carried, text: str) -> None:
     """Remove the constraints that keep the hands of its performer on a prop during ``hold``, with undo ``text``."""
-    project = document.project
+    for key in _grips_of(document.project, prop_id, hold):
+        document.remove("constraints", key, text)
+
+
+def retimed_grips(project: Project, prop_id: str, after: Prop) -> dict[str, Constraint]:
+    """Hand constraints of a prop, by id, at the times of the holds that it has in ``after``, which has as many."""
+    found: dict[str, Constraint] = {}
+    for hold, new in zip(project.props[prop_id].holds, after.holds, strict=True):
+        for key, clip in _grips_of(project, prop_id, hold).items():
+            rate, each = project.frame_rate_of(clip), project.constraints[key]
+            delays = [
+                0.0 if old is None or time is None else float(np.subtract(*clip.motion_seconds((time, old), rate)))
+                for old, time in ((hold.begin, new.begin), (hold.end, new.end))
+            ]
+            times = np.maximum.accumulate(np.array(each.activation.times) + np.repeat(delays, 2))
+            found[key] = replace(each, activation=each.activation.with_times(*times.tolist()))
+    return found
+
+
+def _grips_of(project: Project, prop_id: str, hold: InHand | Carried) -> dict[str, Clip]:
+    """Clips of the hand constraints of a hold, by their ids."""
+    found = {}
     for clip in project.performers[hold.performer_id].clips:
         rate = project.frame_rate_of(clip)
         first, last = (
@@ -86,10 +107,11 @@ def remove_grips(document: EditedProject, prop_id: str, hold: Carried, text: str
             else float(np.clip(clip.motion_seconds(time, rate), clip.first / rate, clip.last / rate))
             for time, open_end in ((hold.begin, -math.inf), (hold.end, math.inf))
         )
-        for key, each in document.project.constraints_of(clip.motion_id).items():
+        for key, each in project.constraints_of(clip.motion_id).items():
             during = first - SAME_STAGE_TIME <= each.activation.full <= last + SAME_STAGE_TIME
             if during and is_grip(each, prop_id, hold.performer_id):
-                document.remove("constraints", key, text)
+                found[key] = clip
+    return found
 
 
 def _holds_by_begin(prop: Prop) -> dict[tuple[str, float | None], Carried]:
