@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 
-from PySide6.QtCore import QObject, QTimer
+from PySide6.QtCore import QObject, QTimer, Signal
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QMenu, QMenuBar
 
@@ -46,6 +46,9 @@ def with_mnemonics(names: Sequence[str], shortcuts: Iterable[str] = ()) -> list[
 
 class ActionSet(QObject):
     """All QActions by id."""
+
+    keys_changed = Signal()
+    """The actions have the keys of another key map, or others of the user's own."""
 
     def __init__(self, bench: Workbench, parent: QObject) -> None:
         super().__init__(parent)
@@ -98,6 +101,7 @@ class ActionSet(QObject):
             action.setShortcuts([QKeySequence(key) for key in keys[row.id]])
             action.setToolTip(_tooltip(row, keys[row.id]))
         self._mark_menus()
+        self.keys_changed.emit()
 
     def keys_now(self) -> dict[str, tuple[str, ...]]:
         """Shortcuts of each action by its id."""

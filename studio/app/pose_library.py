@@ -9,9 +9,11 @@ from studio.app.workbench import Workbench
 from studio.cli.arguments import library_folder
 from studio.core.errors import StudioError
 from studio.core.names import free_name
+from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.correction import PoseOffsets
 from studio.core.stage.local_pose import POSE_REGIONS, local_pose, turns_to
 from studio.document.correction_edits import correction_at, set_pose
+from studio.engine.correction_range import fitted_range
 from studio.engine.performance import PosedPerformer, pose_of
 from studio.library.saved_poses import SavedPose, delete_pose, read_poses, rename_pose, write_pose
 from studio.panels.pose_list import PosePanel
@@ -60,7 +62,10 @@ class PoseLibrary:
         wanted = PoseOffsets(tuple(turns.items()), (x, y, z + rise)).scaled(1.0 / weight)
         keyed = {part: wanted.turn(part) for part in turns}
         hips = wanted.hips if region in HIPS_REGIONS else None
-        set_pose(document, performer_id, time, keyed, hips, text=f"Apply pose {saved.name}")
+        motion = self._bench.live.result(performer_id) or shown.motion
+        fitted = fitted_range(timing_of(document.project, shown.performer), motion, wanted, time)
+        text = f"Apply pose '{saved.name}'"
+        set_pose(document, performer_id, time, keyed, hips, text=text, name=saved.name, activation=fitted)
 
     def apply_to(self, row: int, performer_id: str) -> None:
         """Select a performer and apply a pose to it."""

@@ -20,15 +20,16 @@ PRODUCT_FROM = 1100
 
 @dataclass(frozen=True)
 class ToolButton:
-    """Tool in the bar: ``Q select``, or its key alone if space is short."""
+    """Tool in the bar: its present key and its name, such as ``Q select``, or the key alone if space is short."""
 
     button: QToolButton
     action: QAction
-    words: str
+    name: str
 
     def shorten(self, short: bool) -> None:
-        """Show the key alone, or the whole text."""
-        words = self.words.partition(" ")[0] if short else self.words
+        """Show the key alone, or the whole text; a tool without a key always has its name."""
+        key = self.action.shortcut().toString()
+        words = key if short and key else f"{key} {self.name}".strip()
         if self.action.iconText() != words:
             self.action.setIconText(words)
             self.button.setText(words)  # now, and not with the next event: its width is asked at once
@@ -76,6 +77,7 @@ class TopBar(QWidget):
         row.addSpacing(8)
         self._search, self._keys = _search_button(actions)
         row.addWidget(self._search)
+        actions.keys_changed.connect(self._fit)
 
     def refresh(self, name: str, state: str) -> None:
         """Show the name of the project and if it is saved."""
@@ -107,6 +109,7 @@ class TopBar(QWidget):
                 break
         self._search.setFixedWidth(min(max(room, LEAST_SEARCH), SEARCH_WIDTH))
         self._keys.setVisible(room >= KEYS_FROM)
+        self._row.activate()  # now: the next event may be seconds away as the 3D view starts
 
     def _room(self) -> int:
         """Pixels that everything else leaves to the search."""

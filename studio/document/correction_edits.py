@@ -5,9 +5,10 @@ from dataclasses import replace
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import Vector
+from studio.core.curves.activation import ActivationCurve
 from studio.core.errors import StudioError
 from studio.core.names import free_name
-from studio.core.stage.correction import new_correction
+from studio.core.stage.correction import new_correction, range_around
 from studio.document.edited_project import EditedProject
 
 
@@ -27,14 +28,20 @@ def set_pose(
     hips: Vector | None = None,
     gesture: int | None = None,
     text: str = "Correct pose",
+    *,
+    name: str = "",
+    activation: ActivationCurve | None = None,
 ) -> str:
     """Set rotation vectors of some parts, and the displacement of the hips, at ``time``; the id of their correction.
 
-    Without a correction at that time a new one is added and selected.
+    Without a correction at that time a new one is added and selected, with ``name`` and ``activation``; by default with
+    the object of ``text``, in the usual range.
     """
-    name = text.removeprefix("Correct ").removeprefix("Apply ")
+    name = name or text.removeprefix("Correct ")
     with document.group(text, gesture):
-        key = correction_at(document, performer_id, time) or _add(document, performer_id, time, name)
+        key = correction_at(document, performer_id, time) or _add(
+            document, performer_id, name, time, activation or range_around(time)
+        )
         correction = document.project.corrections[key]
         pose = correction.pose_at(time).with_turns(turns)
         pose = pose if hips is None else replace(pose, hips=hips)
@@ -60,13 +67,13 @@ def mirror_correction(document: EditedProject, correction_id: str) -> None:
     document.replace("corrections", correction_id, correction.mirrored(), f"Mirror {correction.name}")
 
 
-def _add(document: EditedProject, performer_id: str, time: float, name: str) -> str:
+def _add(document: EditedProject, performer_id: str, name: str, time: float, activation: ActivationCurve) -> str:
     performer = document.project.performers.get(performer_id)
     if performer is None or not performer.clips:
         raise StudioError("There is no clip to correct. Add a clip to the character first.")
     taken = {each.name for each in document.project.corrections_of(performer_id).values()}
     made = new_correction(free_name(name[:1].upper() + name[1:], taken), performer_id, time)
-    return document.add("corrections", made, f"Correct {name}")
+    return document.add("corrections", replace(made, activation=activation), f"Correct {name}")
 
 
 def _with_body(document: EditedProject, performer_id: str) -> tuple[tuple[str, str], ...]:

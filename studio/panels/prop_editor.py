@@ -11,15 +11,17 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.curves.keyed import KeyedPlace, Keys
 from studio.core.rotations import from_matrix, to_matrix
+from studio.core.stage.holding import HAND_REACH_SECONDS, reaching_time
 from studio.core.stage.prop import Carried, Hold, InHand, Prop, PropShape
 from studio.document.document import Document
-from studio.document.grips import remove_ended_grips
+from studio.document.grips import update_grips
 from studio.document.obstacles import obstacles_of, set_obstacle
 from studio.engine.live_interface import Live
 from studio.engine.performance import posed_performers
 from studio.engine.point_names import POINT_NAMES, point_words
 from studio.engine.prop_places import (
     PropPose,
+    heading_of,
     hold_between_hands,
     hold_in_hand,
     moved_prop,
@@ -27,6 +29,7 @@ from studio.engine.prop_places import (
     resized_prop,
     turned_prop,
     with_fixed_position,
+    wrists_from,
 )
 from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled_position
 from studio.panels.constraint_editors.vector_row import VectorRow
@@ -167,13 +170,13 @@ class PropEditor(Editor[Prop]):
     def _set(self, verb: str, **values: object) -> None:
         self.change(f"{verb} {self.entity.name}", **values)
 
-    def _put_made(self, verb: str, make: Callable[[], Prop]) -> None:
-        """Replace the prop; hands that have carried it so far leave it."""
+    def _put_made(self, verb: str, make: Callable[[], Prop], *, reaching: float = HAND_REACH_SECONDS) -> None:
+        """Replace the prop: hands that carry it no longer leave it, others come to it in ``reaching`` seconds."""
         text, before = f"{verb} {self.entity.name}", self.document.project.props
         with self.document.group(text, self.gesture):
             self.replace_entity(make, text)
             for prop_id in self.edited_ids:
-                remove_ended_grips(self.document, prop_id, before[prop_id], text)
+                update_grips(self.document, prop_id, before[prop_id], text, reaching=reaching)
 
     def _move(self, position: tuple[float, ...]) -> None:
         self._put_made("Move", lambda: moved_prop(self.pose, np.array(position)))
@@ -200,15 +203,22 @@ class PropEditor(Editor[Prop]):
             self._hold(hold.kind, performer_id)
 
     def _hold(self, where: str, performer_id: str, point: BodyPoint = RIGHT_HAND) -> None:
-        project = self.document.project
-        holder = posed_performers(project, self.live.result, self.document.playhead.time).get(performer_id)
+        document, now = self.document, self._hold_now
+        begin = now.begin if now else None
+        time = document.playhead.time if begin is None or where == InHand.kind else begin
+        posed = posed_performers(document.project, self.live.result, time)
+        holder = posed.get(performer_id)
         if holder is None:
-            self.document.problem_reported.emit("No character can carry it yet. Show one that has a clip first.")
+            document.problem_reported.emit("No character can carry it yet. Show one that has a clip first.")
             self.refresh()
-        elif where == Carried.kind:
+        elif where == InHand.kind:
+            self._put_made("Carry", lambda: self._meanwhile(hold_in_hand(self.pose, performer_id, point, holder)))
+        elif begin is None:
             self._put_made("Carry", lambda: self._meanwhile(hold_between_hands(self.entity, performer_id, holder)))
         else:
-            self._put_made("Carry", lambda: self._meanwhile(hold_in_hand(self.pose, performer_id, point, holder)))
+            pose = prop_at(document.project, posed, self.entity_id, begin)
+            hold = hold_between_hands(pose.prop, performer_id, holder, heading=heading_of(pose))
+            self._put_made("Carry", lambda: self._meanwhile(hold), reaching=reaching_time(wrists_from(pose, holder)))
 
     def _meanwhile(self, hold: InHand | Carried) -> Prop:
         """Prop whose current hold is replaced by ``hold``, with the same begin and end."""

@@ -2,8 +2,9 @@
 
 import math
 import time
+from bisect import bisect_left
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QStatusBar, QWidget
@@ -15,6 +16,8 @@ from studio.panels.fields import ElidedText, press_button
 STATUS_BAR_WIDTH = 120
 LEAST_TIMED_SECONDS, LEAST_TIMED_SHARE = 3.0, 0.02
 """Seconds, and part of a job, that must have been timed before the time left is shown."""
+STEADY_PACE = 1.5
+"""Factor by which the pace of the second half of the time may differ from that of the whole."""
 SECONDS_SHOWN_BELOW = 120
 """Seconds from which the time left is shown in minutes."""
 MOTION_NAME_PX = 240
@@ -23,31 +26,35 @@ MOTION_NAME_PX = 240
 
 @dataclass
 class Pace:
-    """Pace of a job since its first progress: what comes before, imports above all, is not repeated.
+    """Progress of a job over time from its first progress on: what comes before, imports above all, is not repeated."""
 
-    Monotonic seconds and progress (0 to 1), first and last; the first are counted anew where progress goes back.
-    """
-
-    first_seconds: float = 0.0
-    first_share: float = 0.0
-    last_seconds: float = 0.0
-    last_share: float = 0.0
+    _timed: list[tuple[float, float]] = field(default_factory=list)
+    """Monotonic seconds and progress (0 to 1); begun anew where progress goes back."""
 
     def update(self, seconds: float, share: float) -> None:
         """Take the progress (0 to 1) at a monotonic time."""
-        if self.first_share == 0.0 or share < self.last_share:
-            self.first_seconds, self.first_share = seconds, share
-        self.last_seconds, self.last_share = seconds, share
+        if self._timed and share < self._timed[-1][1]:
+            self._timed.clear()
+        if share > 0.0:
+            self._timed.append((seconds, share))
 
     @property
     def time_left(self) -> str:
-        """Time left in words; empty until enough has been timed, and at the end."""
-        seconds, share = self.last_seconds - self.first_seconds, self.last_share - self.first_share
-        if seconds < LEAST_TIMED_SECONDS or share < LEAST_TIMED_SHARE or self.last_share >= 1.0:
+        """Approximate time left in words; empty at the end, and until the pace is known: until enough has been timed,
+        and while the second half of that time has another pace than the whole.
+        """
+        if not self._timed:
             return ""
-        left = (1.0 - self.last_share) * seconds / share
-        whole = f"{math.ceil(left)} s" if left < SECONDS_SHOWN_BELOW else f"{math.ceil(left / 60.0)} min"
-        return f"{whole} left"
+        (begin, first), (now, last) = self._timed[0], self._timed[-1]
+        if now - begin < LEAST_TIMED_SECONDS or last - first < LEAST_TIMED_SHARE or last >= 1.0:
+            return ""
+        middle, reached = self._timed[bisect_left(self._timed, ((begin + now) / 2.0,)) - 1]
+        pace, recent = (last - first) / (now - begin), (last - reached) / (now - middle)
+        if not 1.0 / STEADY_PACE <= recent / pace <= STEADY_PACE:
+            return ""
+        left = (1.0 - last) / min(pace, recent)
+        tens = 10 * math.ceil(left / 10.0)
+        return f"about {f'{tens} s' if left < SECONDS_SHOWN_BELOW else f'{math.ceil(left / 60.0)} min'} left"
 
 
 class ProgressLine(QWidget):

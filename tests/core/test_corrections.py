@@ -14,6 +14,7 @@ from studio.core.curves.keyed import KeyedPlace
 from studio.core.quality.report import BLOCKED_BY_CORRECTIONS, BLOCKED_BY_NOTHING, fully_active, report_of
 from studio.core.rotations import from_matrix, from_rotation_vector, to_matrix, to_rotation_vector
 from studio.core.solver.adapt import adapt, body_point_positions, grounded_motion
+from studio.core.solver.correction_layer import FREED_FOOT_SPEED
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.correction import Correction, KeyedPoses, PoseOffsets, range_around
 from tests.builders import make_morphology
@@ -21,6 +22,7 @@ from tests.core.motions import walk
 
 WALK, CONTACTS = walk()
 BODY = make_morphology()
+ALWAYS = ActivationCurve(0.0, 0.0, 100.0, 100.0)
 RANGE = ActivationCurve(0.8, 1.0, 1.2, 1.4)
 ELBOW = ((BodyPart.LEFT_FOREARM, (0.5, 0.0, 0.0)),)
 
@@ -73,6 +75,17 @@ def test_planted_feet_stay_under_moved_hips_and_turned_legs(hips: tuple) -> None
         off = posed.positions[:, BODY.layout.ankle_point(side)] - plain.positions[:, BODY.layout.ankle_point(side)]
         assert np.linalg.norm(off[stands], axis=1).max() < 1e-4
     assert np.linalg.norm(posed.positions[66, 0] - plain.positions[66, 0]) > 0.02 or hips[2] > 0.0
+
+
+@pytest.mark.parametrize("angle", [0.4, 0.8, 1.2])
+def test_a_foot_never_leaves_the_motion_for_a_correction_much_faster_than_a_step(angle: float) -> None:
+    """A foot that had just been lifted reached a pose of the other step within four frames, at 8 m/s."""
+    turned = replace(correction(((BodyPart.LEFT_THIGH, (0.0, angle, 0.0)),), time=1.1), activation=ALWAYS)
+    plain, posed = adapt(request()), adapt(request(turned))
+    ankle = BODY.layout.ankle_point(0)
+    off = posed.positions[:, ankle] - plain.positions[:, ankle]
+    assert np.linalg.norm(off, axis=1).max() > 0.05
+    assert np.linalg.norm(np.diff(off, axis=0), axis=1).max() * WALK.frame_rate < 1.2 * FREED_FOOT_SPEED
 
 
 def test_a_leg_in_the_air_goes_with_its_correction_without_a_jump() -> None:

@@ -490,3 +490,13 @@ def test_one_more_performer_on_an_arranged_stage_stands_on_the_right_of_all():
     moved = ROW | {"body 1": replace(ROW["body 1"], position=(0.5, -3.0))}
     assert end_of_row(moved, dict.fromkeys(moved, 1.0)) == pytest.approx((0.5, -3.0 - SPACING))
     assert end_of_row({}, {}) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "begins"), [("walk_turn", "handstand", 1.6), ("handstand", "walk_turn", 2.0)]
+)
+def test_no_contact_of_the_clip_that_ends_flashes_in_the_middle_of_an_overlap(first, second, begins) -> None:
+    """A foot that had just been released was at another place for one frame, and moved there at 13 m/s."""
+    composite = compose_pieces((example(first), cut(example(second), start=begins)))
+    assert not composite.motion.changes  # hands support the body: channels are blended
+    assert [each for each in composite.contacts if each.first == each.last] == []

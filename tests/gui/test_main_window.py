@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QLabel, QScrollArea
+from PySide6.QtWidgets import QApplication, QLabel, QPushButton, QScrollArea
 
 from studio.app import recovery_offer
 from studio.app.application import import_views, make_application, make_window, show_views
@@ -435,6 +435,19 @@ def test_a_new_window_shows_every_menu(window):
     window.resize(1400, 900)
     window.show()
     assert window.top_bar.menus.width() >= window.top_bar.menus.sizeHint().width()
+
+
+@pytest.mark.parametrize("width", [1280, 1400, 1600])
+def test_the_search_stays_in_the_window_at_once_where_the_name_of_the_project_changes(window, width):
+    """The search was cut at the window's edge for as long as the 3D view was being started."""
+    window.resize(width, 720)
+    window.show()
+    QApplication.processEvents()
+    bar = window.top_bar
+    for name in ("a", "a much longer name of a project" * 4, "b"):
+        bar.refresh(name, "saved")
+        search = bar.findChild(QPushButton, "search")
+        assert search.geometry().right() <= bar.width()
 
 
 def test_a_key_is_set_before_the_3d_view_is_there(window):

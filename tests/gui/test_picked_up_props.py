@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from PySide6.QtWidgets import QPushButton
 
 from studio.app.verbs.props import add_box
 from studio.core.body.canonical import BodyPart
@@ -19,7 +20,7 @@ from studio.core.stage.mirrored_props import constraint_as_played
 from studio.core.stage.prop import Carried, InHand, Prop
 from studio.document.clip_edits import mirror_clip
 from studio.engine.performance import posed_performers
-from studio.engine.prop_places import prop_at
+from studio.engine.prop_places import prop_at, wrists_from
 from studio.panels.fields import Choice
 from tests.gui.viewport_use import drag, on_arrow, settle
 from tests.patience import PATIENCE, SECONDS
@@ -314,6 +315,61 @@ def test_hands_leave_a_box_whose_carrying_is_ended_in_its_form_in_one_step(playe
     assert document.project == before
 
 
+def wrists_off(window, performer_id, prop_id, time):
+    """Distance in metres of both wrists from the surface of a prop at a time of the stage."""
+    assert window.bench.live.wait_until_solved(SECONDS)
+    project = window.bench.document.project
+    posed = posed_performers(project, window.bench.live.result, time)
+    return wrists_from(prop_at(project, posed, prop_id, time), posed[performer_id])
+
+
+def test_a_box_that_is_carried_by_its_form_is_in_both_hands_in_one_step(played):
+    """It floated between hands that did not touch it."""
+    document = played.bench.document
+    document.remove("constraints", "constraint 0", "Delete target")
+    prop_id = document.add("props", Prop("Box", position=(0.5, 0.0, 0.9)), "Add box")
+    document.selection.set(("performers", FIRST), ("props", prop_id))
+    before, steps = document.project, document.undo_stack.count()
+    choose(played, "Placement", "Carried in both hands")
+    assert len(grips(document, FIRST)) == 4
+    assert max(wrists_off(played, FIRST, prop_id, time) for time in (0.1, 0.3, 0.45)) < 0.01
+    choose(played, "Placement", "Fixed")
+    assert document.undo_stack.count() == steps + 2
+    assert not grips(document, FIRST)
+    played.actions_by_id.by_id["undo"].trigger()
+    played.actions_by_id.by_id["undo"].trigger()
+    assert document.project == before
+
+
+def test_hands_grip_a_box_for_the_time_for_which_a_form_lets_them_carry_it(played):
+    document = played.bench.document
+    held = InHand(FIRST, BodyPoint(BodyPart.RIGHT_HAND), begin=0.2, end=0.4)
+    prop_id = document.add("props", Prop("Box", position=(0.5, 0.0, 0.9), held=held), "Add box")
+    document.selection.set(("performers", FIRST), ("props", prop_id))
+    choose(played, "Placement", "Carried in both hands")
+    begin = document.project.performers[FIRST].clips[0].start
+    for each in grips(document, FIRST):
+        assert (each.activation.full, each.activation.full_end) == pytest.approx((0.2 - begin, 0.4 - begin))
+    [always] = [each for each in played.inspector.current_form().findChildren(QPushButton) if each.text() == "Always"]
+    always.click()
+    assert len(grips(document, FIRST)) == 4
+    assert all(each.activation.full == 0.0 and each.activation.full_end > 0.45 for each in grips(document, FIRST))
+
+
+def test_who_carried_a_box_leaves_it_where_another_carries_it_throughout(played, qtbot):
+    document = played.bench.document
+    giver = document.project.performers[FIRST]
+    x, y = giver.position
+    other = document.add("performers", replace(giver, name="Other", position=(x + 1.1, y), heading=math.pi), "Add")
+    prop_id = document.add("props", Prop("Box", position=(x + 0.5, y, 0.9)), "Add box")
+    for performer_id in (FIRST, other):
+        assert played.bench.live.wait_until_solved(SECONDS)
+        document.selection.set(("performers", performer_id), ("props", prop_id))
+        played.actions_by_id.by_id["hold_prop"].trigger()
+    assert not grips(document, FIRST)
+    assert len(grips(document, other)) == 4
+
+
 def test_a_box_given_to_another_in_its_form_keeps_no_grip_of_who_carried_it(played, qtbot):
     document = played.bench.document
     giver = document.project.performers[FIRST]
@@ -326,6 +382,7 @@ def test_a_box_given_to_another_in_its_form_keeps_no_grip_of_who_carried_it(play
     choose(played, "Carried by", "Other")
     assert document.project.props[prop_id].held.performer_id == other
     assert not grips(document, FIRST)
+    assert len(grips(document, other)) == 4
 
 
 def test_a_box_that_the_capture_holds_to_the_end_of_its_clip_is_carried_into_the_next_one(played):

@@ -15,6 +15,7 @@ from studio.core.stage.local_pose import POSE_REGIONS, local_pose
 from studio.engine.performance import pose_of
 from studio.library.saved_poses import read_pose
 from studio.viewport import picking
+from tests.patience import PATIENCE
 
 HANDSTAND = api.example_captures_folder() / "handstand.bvh"
 SAVED_AT, APPLIED_AT = 2.5, 0.5
@@ -106,12 +107,11 @@ def test_a_pose_applied_again_changes_the_same_correction_and_stays(window, pose
     assert degrees_apart(after, saved, POSE_REGIONS["Arms"]).max() < 1.0
 
 
-def test_the_name_is_typed_in_the_list_and_the_file_has_it(window, poses, tmp_path):
+def test_the_name_is_typed_in_the_list_and_the_file_has_it(qtbot, window, poses, tmp_path):
     editor = poses.panel.poses.findChild(QLineEdit)
     QTest.keyClicks(editor, "Bow")
     QTest.keyClick(editor, Qt.Key.Key_Return)
-    QTest.qWait(50)
-    assert [path.name for path in (tmp_path / "poses").iterdir()] == ["bow.json"]
+    qtbot.waitUntil(lambda: [path.name for path in (tmp_path / "poses").iterdir()] == ["bow.json"], timeout=PATIENCE)
     assert poses.panel.poses.item(0).text() == "Bow"
     assert not window.bench.document.project.corrections
     QTest.mouseClick(poses.panel.delete, Qt.MouseButton.LeftButton)
@@ -147,7 +147,8 @@ def test_a_pose_is_dragged_onto_a_body_which_takes_it_as_one_undo_step(window, p
         event.ignore()
         QApplication.sendEvent(bench.viewport, event)
         assert event.isAccepted()
-    assert bench.document.history == ("Apply pose Pose 1",)
+    assert bench.document.history == ("Apply pose 'Pose 1'",)
+    assert [each.name for each in bench.document.project.corrections.values()] == ["Pose 1"]
     assert degrees_apart(shown_pose(window, APPLIED_AT), saved, POSE_REGIONS["Arms"]).max() < 1.0
 
 

@@ -7,6 +7,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QDesktopServices, QKeySequence
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QToolButton
 
 from studio.app.actions import ACTIONS
 from studio.app.application import show_views
@@ -97,6 +98,18 @@ CAMERA_BUTTONS = {
     "motionbuilder": ((LEFT, CTRL | SHIFT), (LEFT, SHIFT), (LEFT, CTRL)),
 }
 """Buttons and keys that orbit, pan and zoom in each program."""
+
+
+@pytest.mark.parametrize("width", [1600, 1280])
+def test_tools_in_the_bar_show_the_keys_of_the_map(window, width):
+    """With Blender's keys the bar said ``R scale``, and R rotated."""
+    window.resize(width, 800)
+    dialog = PreferencesDialog(window.bench)
+    dialog.map.value_chosen.emit("blender")
+    QApplication.processEvents()
+    texts = {button.text() for button in window.top_bar.findChildren(QToolButton) if button.defaultAction()}
+    assert texts in ({"W select", "G move", "R rotate", "S scale"}, {"W", "G", "R", "S"})
+    dialog.close()
 
 
 def test_the_camera_is_moved_by_the_buttons_of_the_map_and_the_gizmo_keeps_its_own(window, qtbot):

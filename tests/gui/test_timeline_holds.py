@@ -3,10 +3,13 @@
 from dataclasses import replace
 
 import pytest
-from PySide6.QtCore import QPoint, QPointF
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtTest import QTest
 
 from studio.core.curves.activation import ActivationCurve
+from studio.core.stage.held_grips import gripped_prop
 from studio.core.stage.prop import Carried, Prop
+from studio.document.grips import add_grips
 from studio.timeline.hover import hover_text
 from tests.gui.hand import RATE, pixels
 
@@ -42,6 +45,39 @@ def test_the_bar_of_a_hold_is_moved_and_its_ends_dragged(document, timeline, han
     words = hover_text(timeline.tracks.sheet, timeline.tracks.picture.plot, QPointF(place(timeline, box, 50)))
     assert words.startswith("Box: carried by")
     assert ("props", box) in document.selection
+
+
+def grip_spans(document):
+    return {(round(each.activation.full * RATE), round(each.activation.full_end * RATE)) for each in grips_of(document)}
+
+
+def grips_of(document):
+    return [each for each in document.project.constraints.values() if gripped_prop(each) is not None]
+
+
+def test_hands_go_with_the_bar_of_a_hold_in_the_same_step(document, timeline, hand, box):
+    """They came to the box and left it at the old times: it floated."""
+    add_grips(document, box, document.project.props[box].held, "Grip")
+    document.undo_stack.clear()
+    before = document.project
+    assert grip_spans(document) == {(20, 80)}
+    reach = [each.activation.full - each.activation.start for each in grips_of(document)]
+    hand.drag(place(timeline, box, 80) - QPoint(1, 0), pixels(timeline, 7))
+    assert span(document, box) == pytest.approx((20, 87))
+    assert grip_spans(document) == {(20, 87)}
+    hand.drag(place(timeline, box, 20) + QPoint(1, 0), pixels(timeline, -7))
+    assert grip_spans(document) == {(13, 87)}
+    hand.drag(place(timeline, box, 50), pixels(timeline, 5))
+    assert grip_spans(document) == {(18, 92)}
+    assert [each.activation.full - each.activation.start for each in grips_of(document)] == pytest.approx(reach)
+    assert document.undo_stack.count() == 3
+    hand.press(place(timeline, box, 50))
+    hand.move(pixels(timeline, 5))
+    QTest.keyClick(timeline.tracks, Qt.Key.Key_Escape)
+    assert grip_spans(document) == {(18, 92)}
+    for _ in range(3):
+        document.undo_stack.undo()
+    assert document.project == before
 
 
 def test_a_prop_is_picked_up_and_put_down_at_the_playhead_from_the_menu(window):

@@ -17,7 +17,6 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.solver.performers.stage import constraints_of_performer
-from studio.core.stage.holding import grip_constraints
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.document.obstacles import obstacles_of, set_obstacle
@@ -122,9 +121,8 @@ def test_a_prop_in_a_hand_moves_with_it_and_is_let_go_where_it_is(document, form
 def test_hands_leave_a_box_that_they_carry_no_longer_in_one_step(document, form, placement):
     choose(form, "Placement", "Carried in both hands")
     held = document.project.props["box"].held
-    motion_id = document.project.performers[held.performer_id].clips[0].motion_id
-    grips = grip_constraints(motion_id, held.performer_id, "box", document.project.props["box"], (0.0, 0.5), 0)
-    document.add_all("constraints", grips, "Grip")
+    grips = tuple(document.project.constraints.values())
+    assert len(grips) == 4
     steps = document.undo_stack.count()
     choose(form, "Carried by", document.project.performers[held.performer_id].name)
     assert tuple(document.project.constraints.values()) == grips  # the same hands carry it

@@ -14,16 +14,14 @@ from studio.core.curves.keyed import KeyedPlace
 from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.names import free_name, readable_name
-from studio.core.stage.clip import Clip
-from studio.core.stage.holding import HAND_REACH_SECONDS, THIN, grip_constraints, reaching_time
-from studio.core.stage.mirrored_props import constraint_as_played
+from studio.core.stage.holding import HAND_REACH_SECONDS, THIN, reaching_time
 from studio.core.stage.project import Performer, Project
-from studio.core.stage.prop import Carried, InHand, Prop, PropShape, quarter_turns
+from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
-from studio.document.grips import is_grip, remove_grips
+from studio.document.grips import add_grips, fade_grips, remove_grips
 from studio.document.length_units import length_text, shown_unit
 from studio.engine.grasps import Grasp, captured_grasp, chest_heading, grasp_at, grasp_near
-from studio.engine.performance import PosedPerformer, motion_time, posed_performers
+from studio.engine.performance import PosedPerformer, posed_performers
 from studio.engine.prop_places import (
     heading_of,
     hold_between_hands,
@@ -215,19 +213,7 @@ def _release(document: Document, prop_id: str, hold: InHand | Carried, now: floa
     """End a hold at second ``now`` of the stage, and fade out the hand constraints of its performer."""
     prop = document.project.props[prop_id]
     document.replace("props", prop_id, prop.with_hold(hold, replace(hold, end=now)), text)
-    _fade_grips(document, prop_id, hold.performer_id, now, text)
-
-
-def _fade_grips(document: Document, prop_id: str, performer_id: str, now: float, text: str) -> None:
-    """Fade out the hand constraints of a performer that releases a prop."""
-    for clip in document.project.performers[performer_id].clips:
-        time = motion_time(clip, document.project.frame_rate_of(clip), now)
-        for key, each in document.project.constraints_of(clip.motion_id).items():
-            if is_grip(each, prop_id, performer_id) and each.activation.at(time) > 0.0:
-                curve = each.activation
-                full = min(curve.full, time)
-                left = curve.with_times(min(curve.start, full), full, time, time + HAND_REACH_SECONDS)
-                document.replace("constraints", key, replace(each, activation=left), text)
+    fade_grips(document, prop_id, hold.performer_id, now, text)
 
 
 def _holding(bench: Workbench) -> tuple[Document, str, str]:
@@ -261,29 +247,16 @@ def _hold(bench: Workbench, begin: float | None) -> None:
         if begin is not None:
             document.replace("props", prop_id, prop.taken(hold, begin), text)
             if giver is not None and giver.performer_id != performer_id:
-                _fade_grips(document, prop_id, giver.performer_id, begin, text)
-            for later in prop.holds:
-                is_lost = later.begin is not None and later.begin >= begin and later.performer_id != performer_id
-                if is_lost and isinstance(later, Carried):
-                    remove_grips(document, prop_id, later, text)
-        elif not isinstance(prop.held, Carried) or prop.holders != {performer_id}:
+                fade_grips(document, prop_id, giver.performer_id, begin, text)
+        else:
+            own = prop.held if isinstance(prop.held, Carried) and prop.holders == {performer_id} else hold
+            hold = replace(own, begin=None, end=None)
             document.replace("props", prop_id, prop.with_holds([hold]), text)
-        for motion_id, seconds in _stretches(document.project, performer, begin).items():
-            others = document.project.constraints_of(motion_id)
-            for key, each in others.items():
-                if is_grip(each, prop_id, performer_id) and (begin is None or each.activation.end > seconds[0]):
-                    document.remove("constraints", key, text)
-            others = document.project.constraints_of(motion_id)
-            last = max((each.priority for each in others.values()), default=-1) + 1
-            made = grip_constraints(
-                motion_id, performer_id, prop_id, prop, seconds, last,
-                turned=quarter_turns(hold.heading), lower=lower, reaching=reaching,
-            )  # fmt: skip
-            clip = next(
-                each for each in _clips_after(document.project, performer, begin) if each.motion_id == motion_id
-            )
-            seen = [constraint_as_played(document.project, performer_id, clip, each) for each in made]
-            document.add_all("constraints", seen, text)
+        for ended in prop.holds:
+            is_lost = begin is None or (ended.begin is not None and ended.begin >= begin)
+            if is_lost and isinstance(ended, Carried):
+                remove_grips(document, prop_id, ended, text)
+        add_grips(document, prop_id, replace(hold, begin=begin), text, lower=lower, reaching=reaching)
         if begin is not None and grasp is not None and _leaves(document.project, performer, grasp):
             picked_up = next(each for each in document.project.props[prop_id].holds if each.begin == begin)
             _release(document, prop_id, picked_up, grasp.end, text)
@@ -330,36 +303,3 @@ def _in_reach(
         return prop, f"{prop.name} is {far} away: the hands do not reach it. Move it closer."
     words = f"{prop.name} was {far} away, out of reach: it was moved in front of {holder.performer.name}."
     return nearer, words
-
-
-def _clips_after(project: Project, performer: Performer, begin: float | None) -> list[Clip]:
-    """Clips that a performer plays after ``begin``, or all."""
-    return [
-        clip
-        for clip in performer.clips
-        if begin is None or clip.start + clip.length(project.frame_rate_of(clip)) > begin
-    ]
-
-
-def _stretches(project: Project, performer: Performer, begin: float | None) -> dict[str, tuple[float, float]]:
-    """Range in seconds of each motion that a performer plays after ``begin``, without motions of which it has played
-    the same range before, where the constraints would apply too.
-    """
-    stretches: dict[str, tuple[float, float]] = {}
-    for clip in _clips_after(project, performer, begin):
-        rate = project.frame_rate_of(clip)
-        first = clip.first / rate if begin is None else _looped_motion_time(clip, rate, begin)
-        known = stretches.get(clip.motion_id, (first, first))
-        stretches[clip.motion_id] = min(first, known[0]), max(clip.last / rate, known[1])
-    for clip in performer.clips:
-        rate = project.frame_rate_of(clip)
-        over = begin is not None and clip.start + clip.length(rate) <= begin
-        if over and clip.motion_id in stretches and clip.last / rate > stretches[clip.motion_id][0]:
-            del stretches[clip.motion_id]
-    return stretches
-
-
-def _looped_motion_time(clip: Clip, frame_rate: float, time: float) -> float:
-    """Seconds of the clip's motion that its repeats play at a time of the stage, clamped to the clip."""
-    once = clip.length(frame_rate) / clip.repeats
-    return motion_time(clip, frame_rate, time - clip.repeat_at(time, frame_rate) * once)

@@ -138,7 +138,7 @@ class BlendedRow(AssembledRow):
             for a, b in olds:
                 meets = any(c <= b + 1 and d >= a for c, d in news)
                 until = leaves if flight and meets else min(b, leaves)
-                self.contact_mask[row, a : (b if meets and not flight else max(until, a)) + 1] = True
+                self.contact_mask[row, a : (b if meets and not flight else until) + 1] = True
             for c, d in news:
                 meets = not flight and any(c <= b + 1 and d >= a for a, b in olds)
                 self.contact_mask[row, (c if meets else max(c, lands)) : d + 1] = True

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.body.morphology import AnimatedMorphology, at_frames
-from studio.core.curves.activation import FULLY_ACTIVE
+from studio.core.curves.activation import EASE_PEAK, FULLY_ACTIVE
 from studio.core.kernels import layout as at
 from studio.core.kernels.limbs.legs import required_root_lowering
 from studio.core.kernels.solve_clip import place_frames
@@ -43,6 +43,10 @@ class PosedFrames(NamedTuple):
     rotations: FloatArray
 
 
+FREED_FOOT_SPEED = 2.0
+"""Highest speed, metres a second and relative to the motion, at which a foot leaves its contact for a corrected pose
+and comes back: about that of a step.
+"""
 LIMB_CHANNELS = slice(at.CLAVICLE, at.HEAD_SHIFT)
 """Channels of arms and legs: what places limbs on their ends reads them."""
 
@@ -201,13 +205,30 @@ def _release_feet(
     layout = standing.morphology.layout
     for side, foot in enumerate((BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT)):
         planted = standing.limb_freedoms[2 + side] == 0.0
-        free = release_weight(planted, standing.motion.frame_rate, LET_GO)[window, None]
         ankle, segment = layout.ankle_point(side), layout.segment_of_part(foot)
-        footing.ankles[side, window, :3] += free * (posed.positions[:, ankle] - before.positions[:, ankle])
+        moved_by = posed.positions[:, ankle] - before.positions[:, ankle]
+        free = _foot_release(planted, window, moved_by, standing.motion.frame_rate)[:, None]
+        footing.ankles[side, window, :3] += free * moved_by
         for targets, moved in ((footing.feet, segment), (footing.toes, segment + 1)):
             own = from_matrix(np.asarray(targets[side, window]))
             delta = multiply(inverse(from_matrix(before.rotations[:, moved])), from_matrix(posed.rotations[:, moved]))
             targets[side, window] = to_matrix(multiply(own, from_rotation_vector(free * to_rotation_vector(delta))))
+
+
+def _foot_release(planted: NDArray[np.bool_], window: slice, moved_by: FloatArray, frame_rate: float) -> FloatArray:
+    """Part (N,) by which contacts release a foot, ``planted`` in some frames (F,), in each frame of ``window`` for a
+    displacement ``moved_by`` (N, 3) that it never follows faster than ``FREED_FOOT_SPEED``: in a short swing it goes
+    only a part of the way.
+    """
+    free, distances = np.zeros(len(planted)), np.zeros(len(planted))
+    distances[window] = np.linalg.norm(moved_by, axis=1)
+    for first, end in runs_of(~planted):
+        needed = EASE_PEAK * float(distances[first:end].max()) / FREED_FOOT_SPEED
+        is_swing = first > 0 and end < len(planted)
+        seconds = max(LET_GO, min(needed, (end - first) / (2.0 * frame_rate) if is_swing else needed))
+        weight = release_weight(planted, frame_rate, seconds)[first:end]
+        free[first:end] = weight * min(seconds / needed, 1.0) if needed > 0.0 else weight
+    return free[window]
 
 
 def _lowering(

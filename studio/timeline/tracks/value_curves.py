@@ -30,7 +30,7 @@ FloatArray = NDArray[np.float64]
 
 CURVE_KEY_REACH = 7.0
 """Pixels within which a key or a handle is taken hold of."""
-NO_KEYS_HINT = "Select an animated item, or press S to set a key"
+NO_KEYS_HINT = "Select an animated item, or use Edit > Set key"
 SAMPLE = 2.0
 """Pixels between the points of a curve."""
 CURVE_FRAME_MARGIN = 0.12

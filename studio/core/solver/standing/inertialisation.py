@@ -359,13 +359,13 @@ class _Change:
         parents, proximal = layout.parent_segments(), layout.proximal_points()
         gaps = self.seen.positions[:, 0] - self.own.positions[:, 0] - goes[0]
         goes = goes + self.left(gaps, self.root_peak, self.leg, self.root_seconds)
-        near = slice(self.first, self.first + int(np.searchsorted(self.times, self.seconds, "right")) + 1)
+        seconds = np.full(len(self.peaks), self.seconds)  # a leg in the air has until it lands
+        for legs, flight in zip(self.leg_segments, self.flights, strict=True):
+            seconds[legs] = self.seconds if flight.held else flight.seconds
+        near = slice(self.first, self.first + int(np.searchsorted(self.times, seconds.max(), "right")) + 1)
         led = _InertialisedFrames(positions[near].copy(), rotations[near].copy(), positions[near], rotations[near])
         count = len(led.places)
         led.places[:, 0] += goes[:count]
-        seconds = np.zeros(len(self.peaks))  # a leg in the air has until it lands
-        for legs, flight in zip(self.leg_segments, self.flights, strict=True):
-            seconds[legs] = 0.0 if flight.held else flight.seconds
         for segment in range(len(self.peaks)):
             left = self.left(self.turns[:, segment], float(self.peaks[segment]), 1.0, seconds[segment])[:count]
             if segment == 0:
