@@ -176,8 +176,8 @@ EDIT = (
         tooltip="Show what the source file of this clip contains and what was assumed", enabled=_performing,
     ),
     Action(
-        "markers", "Edit", "Markers…", open_markers, tooltip="Markers of an optical capture, and its signals",
-        enabled=has_markers,
+        "markers", "Edit", "Markers…", open_markers,
+        tooltip="Map and clean the markers of an optical capture, and plot signals", enabled=has_markers,
     ),
     Action("ground", "Edit", "Edit ground", editing.select_ground, tooltip="Select the ground and show its settings"),
 )  # fmt: skip
@@ -186,7 +186,7 @@ CHARACTER = (
     Action("hide", "Character", "Toggle visibility", editing.hide, ("H",), "Show or hide the selected characters",
            _with_bodies),
     Action("solo", "Character", "Solo", editing.solo, ("Ctrl+H",),
-           "Show only the selected characters; again, show all", _with_bodies),
+           "Show only the selected characters; press again to show all", _with_bodies),
     Action("make_character", "Character", "Create character from actor", character_import.make_active_actor_character,
            tooltip="Create a character with the proportions of the captured actor", enabled=_performing),
     Action("line_up", "Character", "Arrange side by side", editing.line_up,
@@ -224,8 +224,8 @@ CONSTRAINT = (
     Action("pick_skin", "Constraint", "Pick point on skin", pick_skin, ("Ctrl+Shift+J",),
            "Pick any point of a character's skin with the next click, to constrain it", _ready, ends_group=True),
     *(_adding(kind, each.value.shown) for kind, each in CONSTRAINT_KINDS.items() if each.make),
-    Action("area_mesh", "Constraint", "Load mesh for area…", load_area_mesh,
-           tooltip="Load a mesh (OBJ, STL, PLY) as the shape of the selected area",
+    Action("area_mesh", "Constraint", "Load mesh for volume…", load_area_mesh,
+           tooltip="Load a mesh (OBJ, STL, PLY) as the shape of the selected volume constraint",
            enabled=lambda bench: selected_area(bench) is not None, ends_group=True),
     Action("raise_priority", "Constraint", "Raise priority", priority_shifter(-1), ("Alt+Up",),
            "Raise the priority of the selected constraints",
@@ -234,7 +234,7 @@ CONSTRAINT = (
            "Lower the priority of the selected constraints",
            lambda bench: selected_constraint(bench) is not None, ends_group=True),
     Action("duplicate", "Constraint", "Duplicate", editing.duplicate, ("Ctrl+D",),
-           "Copy the selected constraints, the clip, or the states of a behaviour", _copyable),
+           "Duplicate the selected constraints, the clip, or the states of a behaviour", _copyable),
 )  # fmt: skip
 
 PROP = (
@@ -264,7 +264,7 @@ LIBRARY = (
 
 BEHAVIOUR = (
     Action("behaviour", "Behaviour", "Edit behaviour", behaviours.show_behaviour, ("Shift+B",),
-           "Edit the states of the active character during live play", ends_group=True),
+           "Edit the state machine that drives the active character during live play", ends_group=True),
     *(
         Action(key, "Behaviour", text, run, tooltip=tip, enabled=_with_bodies)
         for key, (text, tip, run) in behaviours.READY_MADE.items()
@@ -312,7 +312,7 @@ PLAY = (
 
 LIVE_ACTIONS = (
     Action("live_panel", "Play", "Live input and output…", show_live, ("Ctrl+Shift+L",),
-           "VMC bodies and trackers received, what they drive, and the outgoing stream"),
+           "VMC input, the characters and props that it drives, and VMC output"),
     Action("stream", "Play", "Stream characters as VMC", toggle_streaming,
            tooltip="Stream to the address set in the Live panel",
            checked=is_streaming, ends_group=True),
@@ -324,8 +324,8 @@ VIEW = (
     Action("move_tool", "View", "Move tool", view.move_tool, ("W",), "Drag targets by their arrows", _viewing,
            _tool_is("move"), tool="W move"),
     Action("rotate_tool", "View", "Rotate tool", view.rotate_tool, ("E",),
-           "Rotate targets, areas, props and characters by their rings", _viewing, _tool_is("rotate"), tool="E rotate"),
-    Action("scale_tool", "View", "Scale tool", view.scale_tool, ("R",), "Resize areas and props", _viewing,
+           "Rotate targets, volumes, props and characters by rings", _viewing, _tool_is("rotate"), tool="E rotate"),
+    Action("scale_tool", "View", "Scale tool", view.scale_tool, ("R",), "Resize volumes and props", _viewing,
            _tool_is("scale"), tool="R scale"),
     Action("correct_pose", "View", "Pose correction", view.toggle_correcting, ("P",),
            "Pose on a correction layer over the clip: E rotates joints, W moves hands, feet, hips and head", _ready,
@@ -338,7 +338,7 @@ VIEW = (
     Action("front", "View", "Front", view.front, ("1",), enabled=_viewing),
     Action("side", "View", "Side", view.side, ("3",), enabled=_viewing),
     Action("top", "View", "Top", view.top, ("7",), enabled=_viewing),
-    Action("perspective", "View", "Perspective", view.perspective, ("0",), "Three-quarter view", _viewing,
+    Action("perspective", "View", "Three-quarter", view.perspective, ("0",), "From ahead, aside and above", _viewing,
            ends_group=True),
     *(
         Action(f"camera_{slot}", "View", f"Look through camera {slot}", cameras.slot_recaller(slot), (f"F{slot + 4}",),
@@ -350,7 +350,8 @@ VIEW = (
                (f"Shift+F{slot + 4}", f"Ctrl+F{slot + 4}"), "Store the current view in this slot", _viewing)
         for slot in CAMERA_SLOTS
     ),
-    Action("add_camera", "View", "Add camera", cameras.add, (), "Save the view with a name", _viewing),
+    Action("add_camera", "View", "Add camera", cameras.add, (), "Save the current view as a new, named camera",
+           _viewing),
     Action("cameras", "View", "Cameras…", cameras.choose, ("Alt+C",), "Look through a saved camera, by its name",
            _viewing),
     Action("turntable", "View", "Turntable", cameras.toggle_turntable, ("Alt+T",),

@@ -34,7 +34,7 @@ def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | No
         each_share = (1.0 - ADAPTING_SHARE) / len(paths)
         for place, (key, path) in enumerate(paths.items()):
             if key not in made.performances:
-                reason = made.failures.get(key, "It has no animation.")
+                reason = made.failures.get(key, "Add a clip to it first.")
                 raise StudioError(f"{project.performers[key].name} cannot be exported. {reason}")
             take = take_of_performer(project, key, made.performances[key], along=chosen.carries(path))
             begun = ADAPTING_SHARE + place * each_share
@@ -66,7 +66,7 @@ def export_motion(bench: Workbench, path: Path) -> int:
     """Write the active motion as captured, with its contacts and constraints; returns the task."""
     project, motion_id = bench.document.project, bench.document.active_motion_id
     if motion_id is None:
-        raise StudioError("No character has a clip: there is nothing to export.")
+        raise StudioError("There is no motion to export. Add a clip to a character first.")
     capture = project.captures[project.motions[motion_id].capture_id]
     contacts = tuple(each for each in project.contacts_of(motion_id).values() if not each.scope.is_narrow)
     constraints = tuple(each for each in project.constraints_of(motion_id).values() if not each.scope.is_narrow)

@@ -37,7 +37,9 @@ def render_film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate:
     becomes a folder of pictures. Raises StudioError without a 3D view, and for far too long a range.
     """
     if not bench.has_viewport:
-        raise StudioError("There is no 3D view to render.")
+        raise StudioError(
+            "A video needs the 3D view, which could not be started. Update the driver of the graphics card."
+        )
     playhead = bench.document.playhead
     begin, end = playhead.first / playhead.frame_rate, playhead.last / playhead.frame_rate
     count = int((end - begin) * frame_rate + 1e-6) + 1

@@ -52,9 +52,9 @@ class FootagePlayback(QObject):
             return
         path, index = self._path_of(footage), footage.frame_at(self._bench.document.playhead.time)
         if path is None:
-            self._show_nothing(f"{Path(footage.source).name} cannot be shown.")
+            self._show_nothing(f"{Path(footage.source).name} cannot be shown: the file is missing or unreadable.")
         elif index is None:
-            self._show_nothing(f"{footage.name} has no frame at this time.")
+            self._show_nothing(f"{footage.name} has no frame here. Move the playhead, or the footage on the timeline.")
         elif (frame := FootageFrame(path, footage.file_rate, footage.frames, index)) != self._shown:
             picture = self.frames.picture(frame)
             if picture is None:  # the one of a moment before stays until it is read

@@ -78,7 +78,9 @@ def with_corrections(
         corrected = ImportOptions(**wanted)
         return read.interpret(corrected, progress), replace(read_as, options=corrected)
     except (StudioError, TypeError) as error:
-        sentence = f"{capture.source}: the corrections of an earlier file of its kind do not fit it. {error}"
+        sentence = (
+            f"{capture.source}: import settings that you corrected for a similar file could not be applied. {error}"
+        )
         return replace(capture, repairs=(*capture.repairs, sentence)), read_as
 
 

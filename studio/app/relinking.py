@@ -79,7 +79,7 @@ def ask_source(bench: Workbench, capture_id: str, then: Callable[[], object] = l
 
         bench.runner.run(f"Relinking {capture.name}", lambda _: SourceFile(path, digest_of(path)), linked)
 
-    ask_file(bench, f"Source file of {capture.name}", motions("capture_reader"), chosen)
+    ask_file(bench, f"Locate the source file of {capture.name}", motions("capture_reader"), chosen)
 
 
 def link_source(bench: Workbench, capture_id: str, source: SourceFile) -> bool:
@@ -114,7 +114,7 @@ def ask_media(bench: Workbench, collection: str, source: str) -> None:
                 bench.document.replace(collection, key, each, f"Relink {each.name}")
         bench.media_relinked.emit(str(path))
 
-    ask_file(bench, f"File {Path(source).name}", MEDIA_FILTERS[collection], chosen)
+    ask_file(bench, f"Locate {Path(source).name}", MEDIA_FILTERS[collection], chosen)
 
 
 def _report(bench: Workbench, capture_id: str, source: SourceFile, is_other: bool = False) -> None:

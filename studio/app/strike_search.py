@@ -200,7 +200,8 @@ class StrikeSearchController:
         asked = self._strike_query(performer_id, time)
         if asked is None or self.library is None:
             raise StudioError(
-                f"{name} has no clip yet, or the target is hidden. Wait until both are solved, then try again."
+                f"{name} or the target is hidden, has no clip or is not solved yet. Show both, wait until they are"
+                " adapted, then search again."
             )
         found = search_strikes(self.library, replace(asked, limbs=(), kinds=(), numbers=(clip.number,)), 1)
         if not found:
@@ -284,7 +285,7 @@ class StrikeSearchController:
                 self.found = found
                 self._show(READY if found else NO_MATCH_HINT)
 
-        number = self._trial = self.bench.runner.run("Trying strikes", work, done)
+        number = self._trial = self.bench.runner.run("Evaluating strikes", work, done)
 
     def _end_trial(self) -> None:
         """Cancel the trial that runs, and drop the strikes that were found."""

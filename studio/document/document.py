@@ -132,7 +132,7 @@ class Document(EditedProject):
         """Show the result of ``read_project``; its problems and remarks are reported one by one."""
         reason = ""
         if opened.read_only or opened.problems:
-            reason = f"Parts of '{opened.path.name}' could not be read. It was opened read-only; use Save As."
+            reason = f"Parts of '{opened.path.name}' could not be read. It was opened read-only: use File > Save as…"
         self._become(opened.project, opened.path, opened.document_id, opened.stamp, reason)
         self.opened = opened
         for problem in (*opened.problems, *opened.remarks):
@@ -249,12 +249,14 @@ class Document(EditedProject):
         except OSError as error:
             self._lock = None
             self.problem_reported.emit(
-                f"'{self._folder}' cannot be written ({error}): edits are not kept for recovery."
+                f"'{self._folder}' cannot be written ({error}). Save often: edits are not backed up."
             )
             return
         if self._lock is None:
             name = self._path.name if self._path else "This project"
-            self._read_only = f"'{name}' is open in another window of Morpho Studio. Use Save As to keep changes."
+            self._read_only = (
+                f"'{name}' is open in another window of Morpho Studio. Use File > Save as… to keep changes."
+            )
             self.problem_reported.emit(self._read_only)
 
     def _recorded(self, edits: tuple[Edit, ...], verb: str, text: str, gesture: int | None) -> None:

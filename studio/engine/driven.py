@@ -75,7 +75,7 @@ class DrivenPerformers:
         known = results.get(key)
         wanted = body_request_of(project, key, (key,), results.get)
         if wanted is None or known is None:
-            raise StudioError(f"{performer.name} follows a character that is not solved yet.")
+            raise StudioError(f"{performer.name} follows a character that is not adapted yet. Wait until it is.")
         if key not in self._requests or self._requests[key][0] != wanted:
             self._requests[key] = wanted, player_of(project, key, wanted, self._prepare).request
         row = round(timing_of(project, performer).frame_at(seconds))

@@ -350,7 +350,8 @@ class LiveStage:
         own = self._unasked(key) if holds else None
         followed = tracks_followed_by(self._staged, key, solved.get, circle, constraints, own)
         if followed is None:
-            raise StudioError(f"'{self._staged.performers[key].name}' follows a character that cannot be adapted.")
+            name = self._staged.performers[key].name
+            raise StudioError(f"'{name}' follows a character that cannot be adapted. Choose another target.")
         part.tracks = with_expected_positions(tracks_of(followed, playing.composite.at(frame)), expected)
         standing = playing.standing
         request = AdaptRequest(

@@ -81,7 +81,7 @@ class BodyMapSection(Section):
         find: Callable[[], MappedBody | None],
         put: Callable[[Mapping[str, str], str], None],
     ) -> None:
-        super().__init__("Body map")
+        super().__init__("Body map (characterization)")
         self._editor, self._find, self._put = editor, find, put
         self._choices: dict[str, Choice] = {}
         self._part = BodyPart.PELVIS

@@ -59,7 +59,7 @@ class CaptureEditor(Editor[Capture]):
         open_markers.setAccessibleName("Open markers")
         self._marker_section = Section("Markers")
         self._marker_section.head.addWidget(open_markers)
-        self._marker_section.add_row("Map", self._markers)
+        self._marker_section.add_row("Marker map", self._markers)
         self.column.addWidget(self._marker_section)
         self._report: QWidget | None = None
         self._body_map = capture_section(self)
@@ -90,7 +90,7 @@ class CaptureEditor(Editor[Capture]):
         for label, field in (
             ("Unit", self._unit),
             ("Up axis", self._axis),
-            ("Reference", self._reference),
+            ("Reference pose", self._reference),
             ("Frame rate", self._rate),
             ("Floor", self._floor),
             ("First frame", self._first),

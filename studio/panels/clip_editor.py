@@ -73,7 +73,7 @@ class ClipEditor(Editor[Clip]):
         section.add_row("Mirror", self._mirrored)
         self._grip = Choice("Hands", GRIP_CHOICES)
         self._grip.setToolTip(
-            "Pose of the hands while the clip plays. From character: as captured where both have fingers, else its own"
+            "Pose of the hands while the clip plays. From character: the captured fingers, else those of the character"
         )
         self._grip.value_chosen.connect(lambda grip: self._set("Set hands of", grip=grip))
         section.add_row("Hands", self._grip)
@@ -95,7 +95,7 @@ class ClipEditor(Editor[Clip]):
         ]
         for field in self._offset:
             field.setToolTip("In leg lengths, so that it scales with each character. Drag sideways to change.")
-        section.add_row("Offset (× leg)", *self._offset)
+        section.add_row("Offset (leg lengths)", *self._offset)
         self._ease = self._number(NumberField("Blend time", "s", 0.0, 60.0, 0.05), "Set blend time of", ease=1.0)
         self._ease.setSpecialValueText("automatic")
         section.add_row("Blend", self._ease)

@@ -161,10 +161,10 @@ class Chips:
             self.fit(self._view.width())
 
     def show_work(self, bodies: int, pace: str, eased: bool) -> None:
-        """Show the number of visible bodies and, during motion, the frame rate, and if they are smoothed."""
+        """Show the number of visible bodies and, during motion, the frame rate, and if they are anti-aliased."""
         text = f"{bodies} character{'' if bodies == 1 else 's'}"
         if pace:
-            text += f" · {pace}" + ("" if eased else " · smoothing when idle")
+            text += f" · {pace}" + ("" if eased else " · anti-aliased when idle")
         if text != self.work.text():
             self.work.setText(text)
         self.work.setVisible(bodies > 0 and self._wide)

@@ -294,7 +294,7 @@ def new_rail(here: NewConstraintContext) -> Constraint:
 
 def new_clear(here: NewConstraintContext) -> Constraint:
     """Constraint that keeps the arms out of the body."""
-    return ClearConstraint(**here.common("Arm self-collision", BodyPoint(BodyPart.THORAX), Chain()))
+    return ClearConstraint(**here.common("Arm clearance", BodyPoint(BodyPart.THORAX), Chain()))
 
 
 def turned_part(point: BodyPoint) -> BodyPart:

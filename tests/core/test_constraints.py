@@ -139,7 +139,7 @@ REACH = constraint_of("Reach", target=(0.1, 0.2, 1.0))
 def test_two_targets_for_one_point_at_once_and_of_one_priority_are_a_contradiction() -> None:
     other = constraint_of("Grasp", target=(0.3, 0.2, 1.0))
     assert objection(other, [REACH]) == (
-        "'Grasp' contradicts 'Reach': both ask for the same point at the same time with the same priority."
+        "'Grasp' conflicts with 'Reach': both constrain the same point at the same time with the same priority."
         " Give one of them another priority, other times or a keyed weight."
     )
     assert objection(replace(other, weight=KeyedNumber((1.0, 2.0), (0.0, 1.0))), [REACH]) is None
@@ -148,7 +148,7 @@ def test_two_targets_for_one_point_at_once_and_of_one_priority_are_a_contradicti
 
 def test_the_same_twice_is_one_too_many() -> None:
     assert objection(replace(REACH, name="Again"), [REACH]) == (
-        "'Again' asks the same as 'Reach' at the same time and with the same priority. Keep one of them."
+        "'Again' duplicates 'Reach': same settings, time and priority. Delete one of them."
     )
 
 
@@ -178,7 +178,7 @@ def test_kinds_are_compared_by_what_they_are_about() -> None:
     assert "contradicts" in objection(replace(ropes[0], distance=2.0), ropes[:1])
     table, wall = constraint_of("Table", AreaConstraint), constraint_of("Wall", AreaConstraint, centre=(1.0, 0.0, 0.0))
     assert objection(wall, [table]) is None
-    assert "asks the same" in objection(replace(table, name="Desk"), [table])
+    assert "duplicates" in objection(replace(table, name="Desk"), [table])
 
 
 @pytest.mark.parametrize(
@@ -203,9 +203,7 @@ def test_points_that_follow_each_other_in_a_circle_are_refused() -> None:
     second = constraint_of("Second", point=RIGHT, target=FollowBody(HEAD))
     third = constraint_of("Third", point=HEAD, target=FollowBody(BodyPoint(BodyPart.LEFT_HAND, (0.0, 0.1, 0.0))))
     assert objection(second, [first]) is None
-    sentence = (
-        "'Third' would follow itself in a circle, by 'Third', 'First', 'Second'. Let one of them stay where it is."
-    )
+    sentence = "'Third' would follow itself: 'Third', 'First', 'Second' form a cycle. Give one of them a fixed target."
     assert objection(third, [first, second]) == sentence
     later = replace(third, activation=ActivationCurve(2.0, 2.5, 3.0, 3.5))
     assert objection(later, [first, second]) is None

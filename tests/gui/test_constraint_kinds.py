@@ -217,7 +217,7 @@ def test_a_point_has_no_distance_from_itself_and_the_form_says_so(studio, qtbot)
     before = add(studio, "distance")
     with qtbot.waitSignal(document.problem_reported) as told:
         choose(inspector, "Distance from", "Right wrist")
-    assert "no distance from itself" in told.args[0]
+    assert "of a point from itself" in told.args[0]
     assert current(document) is before
 
 

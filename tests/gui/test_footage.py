@@ -172,7 +172,7 @@ def test_the_panel_shows_the_frame_of_the_playhead_with_its_offset_and_rate(qtbo
     seen(qtbot, view, 6)
     document.playhead.set_time(0.1)
     assert view.image.isNull()
-    assert "no frame at this time" in view.words
+    assert "no frame here" in view.words
     for _ in range(2):
         document.undo_stack.undo()
     assert document.project.footage[key] == footage
@@ -210,7 +210,7 @@ def test_footage_is_shown_once_its_file_is_back_where_it_was_and_relinked_there(
     write_project(project_file, document.project, new_document_id())
     away = path.rename(tmp_path / "away")
     document.show_opened(read_project(project_file))
-    assert view.words == "walk.mp4 cannot be shown."
+    assert view.words == "walk.mp4 cannot be shown: the file is missing or unreadable."
     away.rename(path)
     monkeypatch.setattr(relinking, "ask_file", lambda bench, title, kind, then: then(path))
     window.strip.press("Relink…")

@@ -174,7 +174,7 @@ def test_a_split_beside_the_clip_is_refused_in_a_sentence(document, timeline, qt
     document.playhead.set_frame(0)
     with qtbot.waitSignal(document.problem_reported) as said:
         choose(timeline, place(timeline, SECOND, 100), "Split at playhead")
-    assert "Move the playhead into it" in said.args[0]
+    assert "Move it between" in said.args[0]
     assert document.undo_stack.count() == 0
 
 

@@ -151,9 +151,9 @@ def test_a_file_that_is_not_there_is_named(tmp_path):
 
 def test_contradictions_and_doubles_are_named_with_their_place_in_the_file(tmp_path):
     other = {**WRIST, "name": "Other wrist", "target": [0.0, 0.0, 1.0]}
-    with pytest.raises(StudioError, match=r"constraints\[1\]: 'Other wrist' contradicts 'Right wrist'"):
+    with pytest.raises(StudioError, match=r"constraints\[1\]: 'Other wrist' conflicts with 'Right wrist'"):
         read_constraints(written(tmp_path, {"constraints": [WRIST, other]}), "motion")
-    with pytest.raises(StudioError, match=r"constraints\[1\]: 'Again' asks the same as 'Right wrist'"):
+    with pytest.raises(StudioError, match=r"constraints\[1\]: 'Again' duplicates 'Right wrist'"):
         read_constraints(written(tmp_path, {"constraints": [WRIST, {**WRIST, "name": "Again"}]}), "motion")
     assert (
         len(read_constraints(written(tmp_path, {"constraints": [WRIST, {**other, "priority": 1}]}), "m").constraints)

@@ -37,7 +37,7 @@ def keep_distance(bench: Workbench) -> None:
 def add_ward_off(bench: Workbench) -> None:
     """Add a parry of attacks, with a motion of the project."""
     _with_motion(
-        bench, "Block with clip", WARD_WORDS,
+        bench, "Choose the clip to block with", WARD_WORDS,
         lambda clip: _make(
             bench, "Block when attacked", lambda old: ready_made.with_parry(old, clip, _when_hit(bench, clip))
         ),
@@ -52,23 +52,24 @@ def add_lean_away(bench: Workbench) -> None:
 def add_strike(bench: Workbench) -> None:
     """Add a strike on a key, with a motion of the project."""
     _with_motion(
-        bench, "Strike with clip", STRIKES,
+        bench, "Choose the clip to strike with", STRIKES,
         lambda clip: _make(bench, "Strike on key press", lambda old: ready_made.with_strike(old, clip, STRIKE_KEY)),
     )  # fmt: skip
 
 
 READY_MADE: dict[str, tuple[str, str, Callable[[Workbench], None]]] = {
     "keep_distance": (
-        "Keep striking distance", "Steps towards and away from its partner, and faces it", keep_distance,
+        "Keep striking distance", "Step towards or away from the partner, and face it", keep_distance,
     ),
     "ward_off": (
-        "Block when attacked", "The forearm meets the fist of a partner that strikes", add_ward_off,
+        "Block when attacked", "Meet the fist of an attacking partner with the forearm", add_ward_off,
     ),
     "lean_away": (
-        "Lean away from the fist", "The torso leans back while the partner's fist is near the head", add_lean_away,
+        "Lean away from the fist", "Lean the torso back while the partner's fist is near the head", add_lean_away,
     ),
     "strike_on_key": (
-        "Strike on key press", f"During live play, {STRIKE_KEY} strikes and sends an event to the partner", add_strike,
+        "Strike on key press", f"Strike when {STRIKE_KEY} is pressed in live play, and send an event to the partner",
+        add_strike,
     ),
 }  # fmt: skip
 """By their id: text, tooltip, and what makes it."""

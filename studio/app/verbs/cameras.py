@@ -40,7 +40,7 @@ def choose(bench: Workbench) -> None:
     """Let the user choose a saved camera, look through it, and show its form."""
     cameras = bench.document.project.cameras
     if not cameras:
-        raise StudioError("No camera is saved yet. Save the view by View > Add camera.")
+        raise StudioError("No camera is saved yet. Save the view with View > Add camera.")
 
     def looker(camera_id: str) -> Callable[[], None]:
         def look() -> None:

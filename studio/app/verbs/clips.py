@@ -20,13 +20,19 @@ def chosen_clip(bench: Workbench) -> str | None:
 
 def add(bench: Workbench) -> None:
     """Let the user choose a capture, and append it to the rows of the selected bodies, or of all visible ones."""
-    _choose(bench, "Add clip from", lambda keys, motion_id: clip_edits.add_clip(bench.document, keys, motion_id))
+    _choose(
+        bench, "Choose the motion to add", lambda keys, motion_id: clip_edits.add_clip(bench.document, keys, motion_id)
+    )
 
 
 def add_layer(bench: Workbench) -> None:
     """Let the user choose a capture, and add it as a layer over the upper body from the playhead on."""
     now = bench.document.playhead.time
-    _choose(bench, "Add layer from", lambda keys, motion_id: clip_edits.add_layer(bench.document, keys, motion_id, now))
+    _choose(
+        bench,
+        "Choose the motion to add as a layer",
+        lambda keys, motion_id: clip_edits.add_layer(bench.document, keys, motion_id, now),
+    )
 
 
 def _choose(bench: Workbench, text: str, put: Callable[[list[str], str], str]) -> None:

@@ -51,14 +51,14 @@ def pick_skin(bench: Workbench) -> None:
 def load_area_mesh(bench: Workbench) -> None:
     """Ask for the file of a mesh as the shape of the selected area."""
     kinds = f"Meshes ({' '.join(f'*{suffix}' for suffix in SUFFIXES)})"
-    ask_file(bench, "Load mesh for area", kinds, lambda path: put_area_mesh(bench, path))
+    ask_file(bench, "Load mesh for volume", kinds, lambda path: put_area_mesh(bench, path))
 
 
 def put_area_mesh(bench: Workbench, path: Path) -> None:
     """Read a mesh in the background, then set it on the selected area; one undo step."""
     area_id = selected_area(bench)
     if area_id is None:
-        raise StudioError("Select an area constraint first: the mesh becomes its shape.")
+        raise StudioError("Select a volume constraint first: the mesh becomes its shape.")
 
     def done(file: MeshFile) -> None:
         area = bench.document.project.constraints.get(area_id)

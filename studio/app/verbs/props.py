@@ -64,7 +64,9 @@ def add_box(bench: Workbench) -> None:
 def choose(bench: Workbench) -> None:
     """Let the user choose a shape, and add a prop of it."""
     shapes = [((shape.value.capitalize(), _words(shape)), partial(add_shape, bench, shape)) for shape in NEW_PROP_SIZES]
-    bench.window.choose("Add a prop", [*shapes, (("Mesh file…", "OBJ, STL or PLY"), partial(ask_mesh, bench))])
+    bench.window.choose(
+        "Choose the prop to add", [*shapes, (("Mesh file…", "OBJ, STL or PLY"), partial(ask_mesh, bench))]
+    )
 
 
 def _words(shape: PropShape) -> str:
@@ -235,7 +237,7 @@ def _holding(bench: Workbench) -> tuple[Document, str, str]:
     document, prop_id = bench.document, selected_prop(bench)
     performer_id = document.active_performer_id
     if prop_id is None or performer_id is None or document.active_clip is None:
-        raise StudioError("Select a prop, and a visible character that has a clip.")
+        raise StudioError("Select a prop and a visible character that has a clip first.")
     return document, prop_id, performer_id
 
 
@@ -322,7 +324,7 @@ def _in_reach(
     far = length_text(beyond, "m", 1)
     if prop.holds:
         whom = holder.performer.name
-        return prop, f"{prop.name} is {far} away: the hands of {whom} do not reach it. Bring {whom} closer."
+        return prop, f"{prop.name} is {far} away: the hands of {whom} do not reach it. Move {whom} closer."
     nearer = _ahead(document, prop, holder)
     if isinstance(prop.position, KeyedPlace) and isinstance(nearer.position, tuple):
         nearer = replace(prop, position=prop.position.with_key(begin, nearer.position))

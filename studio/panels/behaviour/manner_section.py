@@ -89,7 +89,7 @@ class MannerSection(Section):
                 for name in names
             ]
             for field, name in zip(fields, names, strict=True):
-                field.setToolTip("Seconds of the motion. Drag sideways to change.")
+                field.setToolTip("Seconds of the clip. Drag sideways to change.")
                 self._editor.bind(field, partial(self._set_time, name))
             self._times += fields
             self.add_row(label, *fields)

@@ -68,7 +68,7 @@ class TargetChoiceRows:
         self._choice = Choice(label, ())
         self._choice.value_chosen.connect(self._chosen)
         section.add_row(label, self._choice)
-        self._point = PointChoice("Point followed", lambda point: put(_at(self._whom, point)))
+        self._point = PointChoice("Followed point", lambda point: put(_at(self._whom, point)))
         self._caption = section.add_row("Point followed", self._point)
 
     def show_whom(self, whom: BehaviourTarget, project: Project, with_point: bool = True) -> None:

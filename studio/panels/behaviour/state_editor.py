@@ -57,7 +57,9 @@ class StateEditor(PartEditor[State]):
         section.add_row("Start", self._starts)
         self._event = TextField()
         self._event.setPlaceholderText("none")
-        self._event.setToolTip("Event sent to the partner when this state begins; its transitions may wait for it")
+        self._event.setToolTip(
+            "Event sent to the partner when this state begins; the partner's transitions can wait for it"
+        )
         self._event.editingFinished.connect(self._set_event)
         section.add_row("Send event", self._event)
         return section

@@ -39,7 +39,7 @@ class ActivationSection(Section):
         start, full, full_end, end = map(self._on_stage, (curve.start, curve.full, curve.full_end, curve.end))
         for field, stage, own in ((self._start, start, curve.start), (self._end, end, curve.end)):
             field.show_value(stage)
-            field.setToolTip(f"{field.accessibleName()} ({own:.3f} s of the motion)" if stage != own else "")
+            field.setToolTip(f"{field.accessibleName()} ({own:.3f} s of the clip)" if stage != own else "")
         self._ease_in.show_value(full - start)
         self._ease_out.show_value(end - full_end)
         self._shape.show_value(curve.shape)

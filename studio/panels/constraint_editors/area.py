@@ -14,7 +14,7 @@ from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.fields import Choice, NumberField, Section, Segments, check_box
 
 SHAPE_CHOICES = (
-    (AreaShape.TABLE, "Table"),
+    (AreaShape.TABLE, "Table top"),
     (AreaShape.BOX, "Box"),
     (AreaShape.SPHERE, "Sphere"),
     (AreaShape.CYLINDER, "Cylinder"),
@@ -37,6 +37,8 @@ AREA_UP, METRE_SIZE = (0.0, 0.0, 1.0), (1.0, 1.0, 1.0)
 
 class AreaEditor(ConstraintEditor[AreaConstraint]):
     """Form of an area; only the numbers of its shape are shown."""
+
+    kind_words = "volume"
 
     def add_kind_rows(self, section: Section) -> None:
         """Add the rows of shape, side, centre, size, margin, heading and tilt."""

@@ -21,7 +21,7 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
         """Add the rows of the target, its position, the margin of a support, and the height."""
         self._mode = Segments(
             "Centre of mass",
-            [(OWN_BALANCE, "Source"), (PLACE_BALANCE, "Target"), (SUPPORT_BALANCE, "Support")],
+            [(OWN_BALANCE, "As captured"), (PLACE_BALANCE, "Position"), (SUPPORT_BALANCE, "Support polygon")],
         )
         self._mode.value_chosen.connect(self._set_mode)
         section.add_row("Balance over", self._mode)

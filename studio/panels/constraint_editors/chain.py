@@ -24,7 +24,7 @@ def link_words(point: BodyPart) -> dict[str, str]:
     elif bone in ("thigh", "shank", "foot", "toe"):
         names = (f"{side.capitalize()} leg", f"{side.capitalize()} foot", "Clavicle")
     else:
-        names = ("Neck, head", "End effector", "Clavicle")
+        names = ("Neck, head", "End segment", "Clavicle")
     return dict(zip(CHAIN_LINKS, (*names, "Torso", "Pelvis, root", "Other arms", "Other legs"), strict=True))
 
 

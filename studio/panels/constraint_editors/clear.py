@@ -13,7 +13,7 @@ class ClearEditor(ConstraintEditor[ClearConstraint]):
     """Form without point and chain, since whole arms are constrained and nothing else moves."""
 
     has_point = has_chain = False
-    kind_words = "arm self-collision"
+    kind_words = "arm clearance"
 
     def add_kind_rows(self, section: Section) -> None:
         """Add the rows of arms, margin and the parts that may move."""
@@ -22,7 +22,7 @@ class ClearEditor(ConstraintEditor[ClearConstraint]):
         section.add_row("Arms", self._arms)
         self._margin = self.bind(NumberField("Margin", "cm", 0.0, 50.0, 0.5, 1), self._set_margin)
         self._margin.setToolTip(
-            "Minimum distance of arms and body, also at self-contacts; for example for thick clothes"
+            "Minimum distance between arms and body, for example for thick clothing; applies at self-contacts too"
         )
         section.add_row("Margin", self._margin)
         self._gives = Segments("May move", [(True, "Wrist, elbow"), (False, "Elbow")])

@@ -271,7 +271,7 @@ class TargetRows:
     def _known_moment(self) -> TargetContext:
         moment = current_context(self._editor)
         if moment is None:
-            raise ValueError("No character has a clip yet, so there is no time for a key.")
+            raise ValueError("A key needs a clip: add one to a character first.")
         return moment
 
     def _own_place(self, now: tuple[float, ...]) -> OwnPlace:
@@ -290,7 +290,7 @@ class TargetRows:
             point, seconds = target.point, moment.pose.seconds
         own = moment.own_place(point, _full(now), seconds)
         if own is None:
-            raise ValueError("Its position on each character is not known yet. Wait until the characters are adapted.")
+            raise ValueError("The position on each character is not solved yet. Wait until the characters are adapted.")
         return own
 
     def _attached(self, follow: FollowProp, now: Any, moment: TargetContext | None) -> Place | Turn:

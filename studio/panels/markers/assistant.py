@@ -53,14 +53,14 @@ class MarkerAssistant(QWidget):
         self.choose_role(next((role.id for role in ROLES if role.id not in self.marker_map.markers), ROLES[0].id))
 
     def _make_maps(self) -> Section:
-        section = Section("Map")
-        self._maps = Choice("Map", [])
+        section = Section("Marker map")
+        self._maps = Choice("Marker map", [])
         self._maps.setPlaceholderText("Load another map…")
         self._maps.value_chosen.connect(self._take_map)
         self.name = QLineEdit(self.marker_map.name)
-        self.name.setAccessibleName("Name of the map")
+        self.name.setAccessibleName("Name of the marker map")
         self._save = press_button("Save map", self.save)
-        self._save.setToolTip("Save it as default for files with these markers")
+        self._save.setToolTip("Save as the default marker map of files with these markers")
         subjects = sorted({subject_of(label) for label in self._trial.markers} - {""})
         self._subjects = Choice("Subject", [("", "All markers"), *((name, name) for name in subjects)])
         self._subjects.show_value(self.subject)
@@ -73,7 +73,7 @@ class MarkerAssistant(QWidget):
         return section
 
     def _make_place(self) -> Section:
-        section = Section("Position")
+        section = Section("Body location")
         self._place, self._hint = styled_label("", "title"), styled_label("", "hint")
         self._clear = press_button("Clear", self.clear_role, "link")
         self._clear.setToolTip("Unassign the marker")
@@ -87,10 +87,10 @@ class MarkerAssistant(QWidget):
         column = QVBoxLayout(box)
         column.setContentsMargins(FIELD_ICON_PX, 8, FIELD_ICON_PX, 0)
         self.list = QTreeWidget()
-        self.list.setHeaderLabels(["Marker", "Position", "Visible"])
+        self.list.setHeaderLabels(["Marker", "Body location", "Visible"])
         self.list.setRootIsDecorated(False)
         self.list.setUniformRowHeights(True)
-        self.list.setAccessibleName("Markers of the trial; click one to assign it to the selected position")
+        self.list.setAccessibleName("Markers of the trial; click one to assign it to the selected body location")
         self.list.itemClicked.connect(lambda item, _: self.put_marker(item.text(0)))
         column.addWidget(self.list)
         return box
@@ -104,7 +104,7 @@ class MarkerAssistant(QWidget):
             return "Legs and arms can be solved."
         if parts:
             other = "arms" if parts == ["legs"] else "legs"
-            return f"The {parts[0]} can be solved; the {other} stay in rest pose."
+            return f"The {parts[0]} can be solved; the {other} will stay in the rest pose."
         lacking, more = there.missing_positions()[:4], len(there.missing_positions()) > 4
         return f"The skeleton cannot be solved yet. Still missing: {', '.join(lacking)}{' and others' if more else ''}."
 
@@ -136,7 +136,7 @@ class MarkerAssistant(QWidget):
         self.marker_map = MarkerMap(name, self.marker_map.markers, self.marker_map.centres)
         path = save_map(self.marker_map)
         self._fill_maps()
-        self._hint.setText(f"Saved as {path.name}; it is used for every file with these markers.")
+        self._hint.setText(f"Saved as {path.name}; it will be used for every file with these markers.")
 
     def _set(self, marker_map: MarkerMap) -> None:
         self.marker_map = marker_map

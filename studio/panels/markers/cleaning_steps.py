@@ -66,7 +66,7 @@ class StepList(QWidget):
         for place, step in enumerate(self.steps):
             self._rows.addWidget(self._make_row(place, step))
         if not self.steps:
-            note = styled_label("No filtering: recorded data is used.", "hint")
+            note = styled_label("No cleaning: the recorded data is used.", "hint")
             note.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)
             self._rows.addWidget(note)
 

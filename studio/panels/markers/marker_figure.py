@@ -34,7 +34,7 @@ class MarkerFigure(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.setAccessibleName("Marker positions on the body; filled ones are assigned")
+        self.setAccessibleName("Body locations of markers; filled ones are assigned")
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMouseTracking(True)

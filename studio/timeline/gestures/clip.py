@@ -130,7 +130,7 @@ class TrimClip(ClipGesture):
         trimmed = self._trimmed(clip, seconds)
         place = caught.time if caught.magnet is not None else grabbed + self.moved(position)
         self.mark = DragHint(
-            place, f"{self.part} {trimmed.first if first else trimmed.last} of the motion", caught.magnet
+            place, f"{self.part} {trimmed.first if first else trimmed.last} of the clip", caught.magnet
         )
 
     def _trimmed(self, clip: Clip, seconds: float) -> Clip:
