@@ -1,4 +1,4 @@
-"""One table of actions, behind menus, toolbar, command palette and shortcut sheet."""
+"""Table of all actions, from which menus, toolbar, command palette and the list of shortcuts are made."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -100,7 +100,10 @@ def _clip_shared(bench: Workbench) -> bool:
 
 @dataclass(frozen=True)
 class Action:
-    """Action of the user. ``checked`` makes it a switch; ``tool`` adds it to the toolbar."""
+    """Command of the user: its menu, text and shortcuts, and the function that runs it. ``checked`` makes it a toggle,
+    ``tool`` is its text in the toolbar, ``repeats`` lets a held key repeat it, ``ends_group`` puts a separator after it
+    in the menu.
+    """
 
     id: str
     menu: str
@@ -213,7 +216,7 @@ CLIP = (
 
 
 def _adding(kind: str, shown: KindInfo) -> Action:
-    """Action that adds a constraint of a kind; C adds a position."""
+    """Action that adds a constraint of a kind; for position constraints it has the shortcut C."""
     name, keys = ("add_constraint", ("C",)) if kind == "position" else (f"add_{kind}", ())
     return Action(name, "Constraint", shown.action, constraint_adder(kind), keys, shown.hint, _ready)
 

@@ -1,4 +1,4 @@
-"""Export of motions in the background: adapted ones, and the captured motion without a body."""
+"""Export in the background: of adapted motions, and of the captured motion on its own skeleton."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -17,7 +17,7 @@ ADAPTING_SHARE = 0.3
 
 
 def chosen_performers(bench: Workbench) -> list[str]:
-    """Selected performers that are visible and have clips, else all such."""
+    """Ids of the selected performers that are visible and have clips; of all such performers if none is selected."""
     performers = bench.document.project.performers
     ready = [key for key, each in performers.items() if each.visible and each.clips]
     selected = [key for key in bench.document.selection.of("performers") if key in ready]
@@ -25,7 +25,7 @@ def chosen_performers(bench: Workbench) -> list[str]:
 
 
 def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | None = None) -> int:
-    """Adapt the present project for these performers and write their clips; returns the task."""
+    """Adapt the project and write the motion of each performer in ``paths`` to its file. Returns the id of the task."""
     project, chosen = bench.document.project, options or ExportOptions()
 
     def work(progress: Progress) -> list[Path]:
@@ -46,7 +46,7 @@ def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | No
 
 
 def export_stage(bench: Workbench, path: Path, options: ExportOptions | None = None) -> int:
-    """Adapt the present project and write all visible performers and the props in one file; returns the task."""
+    """Adapt the project and write all visible performers and the props to one file. Returns the id of the task."""
     project, chosen = bench.document.project, options or ExportOptions()
 
     def work(progress: Progress) -> list[Path]:
@@ -63,7 +63,7 @@ def export_stage(bench: Workbench, path: Path, options: ExportOptions | None = N
 
 
 def export_motion(bench: Workbench, path: Path) -> int:
-    """Write the active motion as captured, with its contacts and constraints; returns the task."""
+    """Write the active motion as captured, with its contacts and constraints. Returns the id of the task."""
     project, motion_id = bench.document.project, bench.document.active_motion_id
     if motion_id is None:
         raise StudioError("There is no motion to export. Add a clip to a character first.")
@@ -84,12 +84,14 @@ def export_motion(bench: Workbench, path: Path) -> int:
 
 
 def partial_progress(progress: Progress, begun: float, share: float) -> Progress:
-    """Progress of a part of the job, which begins at ``begun`` and is the fraction ``share`` of the whole."""
+    """Function for the progress of a part of the job, which begins at the fraction ``begun`` and has the length
+    ``share``.
+    """
     return lambda done, text: progress(begun + share * done, text)
 
 
 def exported_text(written: list[Path]) -> str:
-    """``Exported kick.bvh to /home/…``."""
+    """Message about an export, for example ``Exported kick.bvh to /home/...``."""
     if len(written) == 1:
         return f"Exported {written[0].name} to {written[0].parent}."
     return f"Exported {len(written)} files to {written[0].parent}."

@@ -1,4 +1,4 @@
-"""Dialog of preferences: every change is applied at once."""
+"""Preferences dialog: every change is applied at once."""
 
 from collections.abc import Sequence
 
@@ -39,7 +39,9 @@ ACTION_ID = Qt.ItemDataRole.UserRole
 
 
 class PreferencesDialog(QDialog):
-    """Snapping steps, onion skins, activation, autosave, theme, and keys in an editable table."""
+    """Dialog with snapping steps, onion skins, activation, autosave, theme, units, and a table of editable
+    shortcuts.
+    """
 
     def __init__(self, bench: Workbench) -> None:
         super().__init__(bench.window)
@@ -121,7 +123,7 @@ class PreferencesDialog(QDialog):
         )
 
     def _typed(self, item: QTableWidgetItem) -> None:
-        """Assign other keys to an action, or report why they are invalid."""
+        """Assign the typed shortcuts to the action in the row of ``item``, or report why they are invalid."""
         try:
             keys = keys_in(item.text())
         except ValueError as error:
@@ -132,6 +134,6 @@ class PreferencesDialog(QDialog):
 
 
 def navigation_words(navigation: Navigation) -> str:
-    """``Orbit: Alt+Left  ·  Pan: Middle  ·  Zoom: Alt+Right``."""
+    """Mouse buttons of the camera as text, for example ``Orbit: Alt+Left  ·  Pan: Middle  ·  Zoom: Alt+Right``."""
     strokes = {drag: [stroke for stroke, kind in navigation.items() if kind == drag] for drag in CAMERA_DRAGS}
     return "  ·  ".join(f"{drag.capitalize()}: {' or '.join(each)}" for drag, each in strokes.items())

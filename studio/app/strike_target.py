@@ -19,22 +19,22 @@ FACE = BodyPoint(BodyPart.HEAD, (0.1, 0.0, 0.05))
 
 @dataclass(frozen=True)
 class StrikeTarget:
-    """Entity of the project in ``props`` or ``performers``."""
+    """Target of a strike: an entity of the project in ``props`` or ``performers``."""
 
     collection: str
     id: str
 
     def name(self, project: Project) -> str:
-        """Name of the prop or performer."""
+        """Name of the target for the user."""
         return str(project.get(self.collection, self.id).name)
 
     @property
     def follow(self) -> Follow:
-        """Target value of a constraint that follows this prop or performer."""
+        """Constraint target that follows the prop, or the face of the performer."""
         return FollowProp(self.id) if self.collection == "props" else FollowPerformer(self.id, FACE)
 
     def place(self, project: Project, result_of: Results, time: float) -> FloatArray | None:
-        """(3,) position on the stage at a time; None if it is unknown."""
+        """(3,) position of the target on the stage at ``time``; None if it is not solved."""
         posed = posed_performers(project, result_of, time)
         if project.get(self.collection, self.id) is None:
             return None
@@ -51,7 +51,7 @@ class StrikeTarget:
 
 
 def targets_of(project: Project) -> list[tuple[StrikeTarget, str]]:
-    """All targets with their names: props, then the faces of performers."""
+    """All possible targets with their names: props, then the faces of performers."""
     props = [(StrikeTarget("props", key), prop.name) for key, prop in project.props.items()]
     performers = {key: one for key, one in project.performers.items() if one.visible}
     return props + [(StrikeTarget("performers", key), f"{one.name}, face") for key, one in performers.items()]

@@ -1,4 +1,4 @@
-"""Theme of the application: Fusion, four greys, one font, defined once for every widget."""
+"""Theme of the application: Fusion style, one font and a few greys, defined once for all widgets."""
 
 from string import Template
 
@@ -24,7 +24,7 @@ def apply_theme(application: QApplication) -> None:
 
 
 def make_font() -> QFont:
-    """Inter if present, else the system's sans, with tabular figures."""
+    """Inter if it is installed, else the system's sans serif font, with tabular figures."""
     present = set(QFontDatabase.families())
     font = QFont(next((family for family in FAMILIES if family in present), QFont().defaultFamily()))
     if font.family() not in present and FALLBACK_FAMILY in present:
@@ -35,7 +35,7 @@ def make_font() -> QFont:
 
 
 def make_palette() -> QPalette:
-    """Greys as Qt's roles, for widgets without style sheet rules."""
+    """Qt palette with the greys of the theme, for widgets without style sheet rules."""
     roles = QPalette.ColorRole
     palette = QPalette()
     for role, colour in (

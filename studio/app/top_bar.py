@@ -1,4 +1,4 @@
-"""Top bar: name, menus, tools, the document, the search for actions."""
+"""Top bar: program name, menus, tools, project name, and the search for actions."""
 
 from dataclasses import dataclass
 
@@ -14,20 +14,20 @@ from studio.document.document import Document
 TOP_BAR_HEIGHT = 34
 SEARCH_WIDTH, LEAST_SEARCH = 232, 64
 KEYS_FROM = 180
-"""Pixels of the search beside whose words its keys have room."""
+"""Width in pixels of the search field from which its shortcut is shown beside its text."""
 PRODUCT_FROM = 1100
 
 
 @dataclass(frozen=True)
 class ToolButton:
-    """Tool in the bar: ``Q select``, or its key alone if space is short."""
+    """Button of a tool in the bar, with the text ``Q select``, or only the key if space is short."""
 
     button: QToolButton
     action: QAction
     words: str
 
     def shorten(self, short: bool) -> None:
-        """Show the key alone, or the whole text."""
+        """Show only the key, or the whole text."""
         words = self.words.partition(" ")[0] if short else self.words
         if self.action.iconText() != words:
             self.action.setIconText(words)
@@ -35,7 +35,7 @@ class ToolButton:
 
 
 class TopBar(QWidget):
-    """Row with the open project, menus and tools."""
+    """Bar with the project name, menus and tools."""
 
     def __init__(self, document: Document, actions: ActionSet) -> None:
         super().__init__()
@@ -85,14 +85,14 @@ class TopBar(QWidget):
             self._fit()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Hide parts of a narrow bar in this order: the program's name, the search, texts of tools, document, tools;
-        never menus.
+        """Hide parts of a narrow bar in this order: program name, search, texts of tools, project name, tools; never
+        the menus.
         """
         super().resizeEvent(event)
         self._fit()
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Fit again: texts have the sizes of the theme only from the moment they are shown."""
+        """Fit the parts again, since texts get the theme's sizes only when they are shown."""
         super().showEvent(event)
         self._fit()
 
@@ -109,7 +109,7 @@ class TopBar(QWidget):
         self._keys.setVisible(room >= KEYS_FROM)
 
     def _room(self) -> int:
-        """Pixels that everything else leaves to the search."""
+        """Pixels that remain for the search field."""
         others = (self._row.itemAt(place) for place in range(self._row.count() - 1))
         taken = sum(item.sizeHint().width() + self._row.spacing() for item in others if item is not None)
         margins = self._row.contentsMargins()

@@ -1,4 +1,4 @@
-"""Data of drags between views: a row of the library by its entity, strikes and poses by their index in a list."""
+"""MIME data of drags between views: a library row by its entity, strikes and poses by their index in a list."""
 
 import json
 
@@ -7,20 +7,22 @@ from PySide6.QtCore import QMimeData
 CAPTURE = "application/x-morpho-studio-capture"
 LIBRARY_ITEM = "application/x-morpho-studio-library-item"
 STRIKE = "application/x-morpho-studio-strike"
-"""Kind of a drag of a strike that a search has found."""
+"""MIME type of a dragged strike from the list of results."""
 POSE = "application/x-morpho-studio-pose"
-"""Kind of a drag of a saved pose."""
+"""MIME type of a dragged saved pose."""
 
 
 def carried_capture(capture_id: str) -> QMimeData:
-    """Data of a drag of a capture."""
+    """MIME data of a dragged capture."""
     content = QMimeData()
     content.setData(CAPTURE, capture_id.encode())
     return content
 
 
 def carried_item(item: tuple[str, str]) -> QMimeData:
-    """Data of a drag of a library row, the (collection, id) of its entity; a capture also has that of a capture."""
+    """MIME data of a dragged library row, the (collection, id) of its entity; for a capture also those of
+    ``carried_capture``.
+    """
     collection, entity_id = item
     content = carried_capture(entity_id) if collection == "captures" else QMimeData()
     content.setData(LIBRARY_ITEM, json.dumps(item).encode())
@@ -41,12 +43,12 @@ def capture_in(content: QMimeData) -> str | None:
 
 
 def carried_row(kind: str, row: int) -> QMimeData:
-    """Data for dragging an item of a list of this kind."""
+    """MIME data of type ``kind`` for the list item at the index ``row``."""
     content = QMimeData()
     content.setData(kind, str(row).encode())
     return content
 
 
 def row_in(kind: str, content: QMimeData) -> int | None:
-    """Index in the list of the dragged item, or None for another kind."""
+    """Index of the list item dragged with the MIME type ``kind``; None for other data."""
     return int(bytes(content.data(kind).data())) if content.hasFormat(kind) else None

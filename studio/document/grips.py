@@ -1,4 +1,4 @@
-"""Hand constraints of performers that carry props, removed with the holds for which they were made."""
+"""Hand constraints of performers that carry props, and their removal together with the hold."""
 
 import math
 
@@ -11,12 +11,14 @@ from studio.document.edited_project import EditedProject
 
 
 def is_grip(constraint: Constraint, prop_id: str, performer_id: str) -> bool:
-    """True if a constraint keeps a hand of the performer on a prop."""
+    """True if a constraint holds a hand of the performer on a prop."""
     return gripped_prop(constraint) == prop_id and constraint.scope.performer_id == performer_id
 
 
 def remove_grips(document: EditedProject, prop_id: str, hold: Carried, text: str) -> None:
-    """Remove the constraints that keep the hands of its performer on a prop during ``hold``, with undo ``text``."""
+    """Remove the constraints that hold the hands of its performer on a prop during ``hold``; ``text`` names the undo
+    step.
+    """
     project = document.project
     for clip in project.performers[hold.performer_id].clips:
         rate = project.frame_rate_of(clip)
@@ -33,7 +35,9 @@ def remove_grips(document: EditedProject, prop_id: str, hold: Carried, text: str
 
 
 def remove_ended_grips(document: EditedProject, prop_id: str, before: Prop, text: str) -> None:
-    """Remove the hand constraints of the holds that a prop has no longer, with undo ``text``."""
+    """Remove the hand constraints of those holds of ``before`` that the prop no longer has; ``text`` names the undo
+    step.
+    """
     kept = [each for each in document.project.props[prop_id].holds if isinstance(each, Carried)]
     for hold in before.holds:
         begin = -math.inf if hold.begin is None else hold.begin

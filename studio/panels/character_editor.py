@@ -1,4 +1,4 @@
-"""Form of a character's body: sliders for stature and every part, presets, reset to the build."""
+"""Form of a character: sliders for stature and proportions, presets, skinning and finger curl."""
 
 from collections.abc import Callable
 from dataclasses import fields, replace
@@ -35,7 +35,7 @@ SLIDER_NAMES = {"trunk": "Torso", "shanks": "Lower legs"}
 
 
 def measure_of(name: str, body: Morphology) -> float:
-    """Length in metres that is scaled by a proportion's slider."""
+    """Length in metres on a body that the slider of a proportion scales."""
     lengths: dict[str, Callable[[], float]] = {
         "stature": lambda: body.stature,
         "trunk": lambda: body.spine_length,
@@ -53,12 +53,12 @@ def measure_of(name: str, body: Morphology) -> float:
 
 
 def grip_words(grip: float) -> str:
-    """Word for a grip."""
+    """Finger curl as text."""
     return "open" if grip < -0.5 else "relaxed" if grip < 0.25 else "half closed" if grip < 0.75 else "fists"
 
 
 class BodySection(Section):
-    """All proportions of one character; every view follows a moving slider."""
+    """Form section of all proportions of a character; every view follows a dragged slider."""
 
     def __init__(self, editor: Editor[Character | Performer], character_id: Callable[[], str]) -> None:
         super().__init__("Proportions")
@@ -115,7 +115,7 @@ class BodySection(Section):
         self._odd.setVisible(bool(self._odd.text()))
 
     def refresh_now(self) -> None:
-        """Update the proportions of a growing body to those at the playhead."""
+        """Update the sliders of a character with keyed proportions to those at the playhead."""
         character = self._character
         held = character.proportions_at(self._growth.now)
         body = held.applied_to(character.build)
@@ -153,7 +153,7 @@ class BodySection(Section):
             self._editor.put_other("characters", self._character_id(), make, text)
 
     def _put(self, held: Proportions, text: str) -> None:
-        """Set these proportions: constant, or as a key at the playhead if they are keyed."""
+        """Set proportions: constant, or as a key at the playhead if they are keyed."""
         keyed = self._character.proportions
         new = keyed.with_key(self._growth.now, held) if isinstance(keyed, KeyedProportions) else held
         make = lambda: replace(self._character, proportions=new)  # noqa: E731
@@ -161,10 +161,12 @@ class BodySection(Section):
 
 
 class CharacterEditor(Editor[Character]):
-    """Form of a character without a performer."""
+    """Form of a character that no performer uses."""
 
     remap_requested = Signal(str, object, str)
-    """Character id, {part: joint}, text of the undo step."""
+    """Emitted with the character's id, {part: joint} and the text of the undo step, to bind the character with another
+    body map.
+    """
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -179,7 +181,7 @@ class CharacterEditor(Editor[Character]):
         self.finish()
 
     def refresh(self) -> None:
-        """Update name and lengths."""
+        """Update name and proportions."""
         if self.entity is not None:
             self._name.show_name()
             self._body.refresh()

@@ -1,4 +1,4 @@
-"""Form to confirm or correct a library clip's label, on a small timeline with the clip's pose at each mark."""
+"""Form for the strike label of a library clip, with a small timeline and the pose at each mark."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -23,7 +23,9 @@ SAID = "Confirmed (kept on re-indexing)"
 
 
 class ClipForm(QScrollArea):
-    """Form of a clip's label. ``confirmed`` carries the user's label; ``left`` requests the list of results again."""
+    """Form for the strike label of a library clip. ``confirmed`` carries the label as edited by the user; ``closed``
+    requests the list of strikes again.
+    """
 
     confirmed = Signal(object)
     closed = Signal()
@@ -50,11 +52,11 @@ class ClipForm(QScrollArea):
 
     @property
     def label(self) -> ClipLabel:
-        """Label in the present state of the form."""
+        """Label with the current values of the form."""
         return self._steps[-1]
 
     def open(self, opened: "OpenedClip") -> None:
-        """Show a clip, and discard the undo steps of the previous one."""
+        """Show a library clip, and discard the undo steps of the previous one."""
         self._opened, self._steps = opened, [opened.clip.label]
         self.title.setText(opened.clip.take.motion.name)
         self.line.open(opened.speeds, opened.frame_rate, opened.clip.label)
@@ -63,19 +65,19 @@ class ClipForm(QScrollArea):
         self._show()
 
     def tell_confirmed(self) -> None:
-        """Show that the catalogue has stored the label."""
+        """Show that the label was stored in the library."""
         self.hint.setText(SAID)
         self.confirm.setEnabled(False)
 
     def event(self, event: QEvent) -> bool:
-        """Reserve undo for the label while the form has the keyboard, instead of the project."""
+        """Reserve the undo shortcuts for edits of the label while the form has the focus."""
         if event.type() == QEvent.Type.ShortcutOverride and _undoes(event):
             event.accept()
             return True
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Undo the last step with Ctrl+Z."""
+        """Undo or redo edits of the label."""
         if _undoes(event):
             self._undo()
         else:
@@ -183,7 +185,7 @@ def _undoes(event: QEvent) -> bool:
 
 
 class HitFigures(QWidget):
-    """Body at the beginning of the cut, at the hit and at the end, seen so that the limb moves to the right."""
+    """Stick figures at the first frame, the hit and the last frame, turned so that the strike goes to the right."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -202,7 +204,7 @@ class HitFigures(QWidget):
         self.update()
 
     def emphasise(self, mark: ClipMark | None) -> None:
-        """Emphasise one of the figures; None for none."""
+        """Emphasise the figure of one mark; None emphasises none."""
         self._stressed = mark
         self.update()
 

@@ -1,4 +1,4 @@
-"""Form of a contact: the point of the body on the ground or touch of the hands, and its frames."""
+"""Form of a contact: the body point on the ground or the touching hands, and the frame range."""
 
 from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval, ContactPoint, Touch
 from studio.core.constraints.scope import Scope
@@ -11,7 +11,7 @@ from studio.panels.scope_row import ScopeRow
 
 
 def contact_words(point: ContactPoint | Touch) -> str:
-    """Label of a contact point: ``Left heel``."""
+    """Name of a contact point as label, for example ``Left heel``."""
     return point.words.capitalize()
 
 
@@ -21,11 +21,11 @@ KEPT = {
     "thing": "The size of the object between the hands is kept",
     **dict.fromkeys(("head", "trunk", "hips", "thigh"), ON_BODY_SENTENCE),
 }
-"""Sentence on the property kept by a contact that is not with the ground, by the member of its point."""
+"""Sentence about the kept property of a contact of the hands, by the kind of contact."""
 
 
 class ContactEditor(Editor[ContactInterval]):
-    """Form of a contact: point, first and last frame."""
+    """Form of a contact: point, scope, first and last frame."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -62,7 +62,7 @@ class ContactEditor(Editor[ContactInterval]):
         return "" if contact.scope.is_narrow else ", on every character"
 
     def depends_on(self, collection: str, entity_id: str) -> bool:
-        """True also for performers, which the scope names."""
+        """True for contacts, and for performers, which the scope names."""
         return super().depends_on(collection, entity_id) or collection == "performers"
 
     def _ask(self, scope: Scope) -> None:

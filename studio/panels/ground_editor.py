@@ -1,4 +1,4 @@
-"""Form of the ground: its kind and its measures; every body follows a moving slider."""
+"""Form of the ground: type and parameters; all characters follow a dragged slider."""
 
 import math
 from dataclasses import dataclass, fields
@@ -21,12 +21,14 @@ GROUND_CHOICES: tuple[tuple[type[Ground], str], ...] = (
     (SurfaceMesh, "Mesh"),
 )
 MADE_HERE = (Ground, Slope, Steps, Bumps)
-"""The kinds that need nothing but numbers; the others come from files and are offered where one is loaded."""
+"""Ground types defined by numbers; the other types come from files and are offered only if one is loaded."""
 
 
 @dataclass(frozen=True)
 class GroundSlider:
-    """Slider for a field, from ``low`` to ``high`` in the field's own unit; it shows ``scale`` times that."""
+    """Slider of a ground parameter: limits in the parameter's own unit, and the factor ``scale`` to the displayed
+    unit.
+    """
 
     name: str
     words: str
@@ -38,7 +40,7 @@ class GroundSlider:
     whole: bool = False
 
     def reading(self, value: float) -> str:
-        """Value as text."""
+        """Displayed text of a value."""
         if self.unit in PER_METRE:
             return length_text(value, self.unit, self.decimals)
         return f"{value * self.scale:.{self.decimals}f}{self.unit}"
@@ -71,7 +73,7 @@ GROUND_PLACES: dict[type[Ground], tuple[str, str]] = {
 
 
 class GroundEditor(Editor[Ground]):
-    """Kind and height of the ground, and below them the measures of that kind."""
+    """Form of the ground: type and height, and below them the parameters of the type."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -94,7 +96,7 @@ class GroundEditor(Editor[Ground]):
         self.finish()
 
     def refresh(self) -> None:
-        """Update kind, height and measures."""
+        """Update type, height and parameters."""
         ground = self.entity
         kind, words = next(pair for pair in GROUND_CHOICES if pair[0] is type(ground))
         if not self._kind.offers(kind):
@@ -107,7 +109,7 @@ class GroundEditor(Editor[Ground]):
                 form.refresh()
 
     def _choose(self, kind: type[Ground]) -> None:
-        """Set the kind of ground; measures of both kinds are kept."""
+        """Change the type of ground; parameters that both types have are kept."""
         if kind is type(self.entity):
             return
         words = dict(GROUND_CHOICES)[kind].lower()
@@ -119,7 +121,7 @@ class GroundEditor(Editor[Ground]):
 
 
 class _KindSection(Section):
-    """Sliders and position of one kind of ground."""
+    """Form section with the sliders and the position of one type of ground."""
 
     def __init__(self, editor: GroundEditor, kind: type[Ground]) -> None:
         self._words = dict(GROUND_CHOICES)[kind]
@@ -134,7 +136,7 @@ class _KindSection(Section):
             self.add_row(words, *self._fields)
 
     def refresh(self) -> None:
-        """Update every measure."""
+        """Update every parameter."""
         ground = self._editor.entity
         for measure, slider in self._sliders.items():
             value = getattr(ground, measure.name)

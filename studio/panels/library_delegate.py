@@ -1,4 +1,4 @@
-"""Drawing of a row of the library: picture, mark, name, detail, eye."""
+"""Painting of the rows of the library: thumbnail, mark, name, detail and eye."""
 
 from pathlib import Path
 
@@ -15,7 +15,7 @@ LIBRARY_ROW_ROLE = Qt.ItemDataRole.UserRole
 LIBRARY_ROW_HEIGHT = 26
 PICTURE_SIDE, PICTURE_ROW_HEIGHT = 36, 40
 PICTURED = ("captures", "characters", "performers", *OPENED)
-"""First members of the items whose rows have a picture."""
+"""Collections whose rows have a thumbnail."""
 HEAD_HEIGHT = 36
 LIBRARY_MARK_PX = 12
 MARK = 8
@@ -27,7 +27,7 @@ HINT_PIXELS = 12
 
 
 class LibraryDelegate(QStyledItemDelegate):
-    """Rows on a 4 px grid; only bodies and constraint kinds have colours."""
+    """Delegate that paints library rows; only characters and constraint kinds are coloured."""
 
     def __init__(self, view: QAbstractItemView, thumbnails: Thumbnails) -> None:
         super().__init__(view)

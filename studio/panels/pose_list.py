@@ -1,4 +1,4 @@
-"""Panel of the pose library: thumbnails of saved poses, the part to which they are applied, and the blend."""
+"""Panel of saved poses: thumbnails, the body region to which a pose is applied, and the blend."""
 
 from collections.abc import Iterable, Sequence
 
@@ -15,7 +15,7 @@ NO_POSES = "No pose is saved yet. Save pose stores the selected character's pose
 
 
 class PoseList(QListWidget):
-    """Thumbnails of poses with their names, to be dragged onto a body."""
+    """List of saved poses with thumbnails, which can be dragged onto a character."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -35,12 +35,12 @@ class PoseList(QListWidget):
         return [POSE]
 
     def mimeData(self, items: Sequence[QListWidgetItem]) -> QMimeData:
-        """Index of the dragged pose."""
+        """MIME data with the index of the dragged pose."""
         return carried_row(POSE, self.row(items[0]))
 
 
 class PosePanel(QWidget):
-    """Panel whose signals carry the row of a pose in the list."""
+    """Panel of saved poses; its signals carry the row of a pose in the list."""
 
     save_requested = Signal()
     apply_requested = Signal(int)
@@ -83,16 +83,16 @@ class PosePanel(QWidget):
 
     @property
     def fraction(self) -> float:
-        """Weight of the pose in the blend, from 0 to 1."""
+        """Blend weight of the pose, from 0 to 1."""
         return self._fraction
 
     def set_blend(self, fraction: float) -> None:
-        """Set the slider."""
+        """Set the slider of the blend weight, from 0 to 1."""
         self._fraction = fraction
         self.blend.show_value(fraction, f"{PER_CENT * fraction:.0f} %")
 
     def show_poses(self, poses: Sequence[tuple[str, QIcon]], problems: Sequence[str], current: int = -1) -> None:
-        """List the names and thumbnails of poses, and the sentences about unreadable files."""
+        """List poses by name and thumbnail, and messages about unreadable files; ``current`` is the row to select."""
         with QSignalBlocker(self.poses):
             self.poses.clear()
             for name, picture in poses:
@@ -106,12 +106,12 @@ class PosePanel(QWidget):
         self._row_changed(current)
 
     def edit_name(self, row: int) -> None:
-        """Let the user type the name of a pose in the list."""
+        """Let the user edit the name of a pose in the list."""
         self.poses.setFocus()
         self.poses.editItem(self.poses.item(row))
 
     def _item_changed(self, item: QListWidgetItem) -> None:
-        """Report a name once its editor is closed, as the list may be filled anew."""
+        """Emit the new name after its editor is closed, because the list may be refilled then."""
         row, name = self.poses.row(item), item.text().strip()
         QTimer.singleShot(0, self, lambda: self.pose_renamed.emit(row, name))
 

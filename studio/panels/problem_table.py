@@ -1,4 +1,4 @@
-"""Table of every constraint by body, and of whole motions: sorted by any column; a click goes to the worst frame."""
+"""Table of all constraints by character, and of foot sliding, penetration and pops; a click goes to the worst frame."""
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QColor, QHideEvent, QShowEvent
@@ -15,7 +15,7 @@ ROW, ASPECT, BADNESS_ROLE = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole +
 
 
 class _Cell(QTableWidgetItem):
-    """A cell that is sorted by its badness, or else by its text."""
+    """Table cell that is sorted by its badness if it has one, else by its text."""
 
     def __lt__(self, other: QTableWidgetItem) -> bool:
         own, theirs = self.data(BADNESS_ROLE), other.data(BADNESS_ROLE)
@@ -25,7 +25,7 @@ class _Cell(QTableWidgetItem):
 
 
 class ProblemTable(QWidget):
-    """Table; ``chosen`` is emitted with a row and the aspect of the clicked or entered cell."""
+    """Sortable problem table; ``problem_chosen`` is emitted with a row and the aspect of the clicked cell."""
 
     problem_chosen = Signal(object, str)
 
@@ -60,7 +60,7 @@ class ProblemTable(QWidget):
         self.refresh()
 
     def refresh(self) -> None:
-        """Show the rows that the search has found."""
+        """Show the newest rows of the problem search."""
         rows = self._search.rows
         self._hint.setVisible(not rows)
         self.table.setVisible(bool(rows))
@@ -91,7 +91,7 @@ class ProblemTable(QWidget):
             self.problem_chosen.emit(cell.data(ROW), cell.data(ASPECT))
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Resume updates now that the table is visible."""
+        """Resume updates while the table is visible."""
         super().showEvent(event)
         self._search.set_continuous(True)
 

@@ -1,4 +1,4 @@
-"""Form of a prop: shape, size, and its position on the stage or its holder."""
+"""Form of a prop: shape, size, and its placement on the stage or by a performer."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -47,7 +47,7 @@ RIGHT_HAND = BodyPoint(BodyPart.RIGHT_HAND)
 
 
 class PropEditor(Editor[Prop]):
-    """Shape, size, and position on the stage; numbers are those at the playhead."""
+    """Form of a prop; position and rotation are those at the playhead."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -110,11 +110,15 @@ class PropEditor(Editor[Prop]):
         self._refresh_moment()
 
     def depends_on(self, collection: str, entity_id: str) -> bool:
-        """True also for performers, which may hold the prop, and for constraints, which may make it an obstacle."""
+        """True for props, for performers, which may hold the prop, and for constraints, which may make it an
+        obstacle.
+        """
         return super().depends_on(collection, entity_id) or collection in ("performers", "constraints")
 
     def _resize(self, size: tuple[float, ...]) -> None:
-        """Resize the selected props in what was edited, and the constraints that make them obstacles."""
+        """Apply the edited components of ``size`` to all selected props, and to the constraints that make them
+        obstacles.
+        """
         text, before, ground = f"Resize {self.entity.name}", self.entity.size, self.document.project.ground
         with self._objections_told(), self.document.group(text, self.gesture):
             for prop_id in self.edited_ids:
@@ -131,7 +135,7 @@ class PropEditor(Editor[Prop]):
 
     @property
     def _hold_now(self) -> InHand | Carried | None:
-        """Hold of the prop at the playhead; without one, its first hold."""
+        """Hold of the prop at the playhead, else its first hold; None if it is never held."""
         prop: Prop = self.entity
         return prop.held_at(self.document.playhead.time) or prop.held
 
@@ -168,7 +172,7 @@ class PropEditor(Editor[Prop]):
         self.change(f"{verb} {self.entity.name}", **values)
 
     def _put_made(self, verb: str, make: Callable[[], Prop]) -> None:
-        """Replace the prop; hands that have carried it so far leave it."""
+        """Replace the prop by the result of ``make``; hand constraints of holds that have ended are removed."""
         text, before = f"{verb} {self.entity.name}", self.document.project.props
         with self.document.group(text, self.gesture):
             self.replace_entity(make, text)
@@ -211,7 +215,7 @@ class PropEditor(Editor[Prop]):
             self._put_made("Carry", lambda: self._meanwhile(hold_in_hand(self.pose, performer_id, point, holder)))
 
     def _meanwhile(self, hold: InHand | Carried) -> Prop:
-        """Prop whose current hold is replaced by ``hold``, with the same begin and end."""
+        """Prop whose hold at the playhead is replaced by ``hold``, with the same start and end."""
         prop: Prop = self.entity
         old = self._hold_now
         return prop.with_hold(old, replace(hold, begin=old.begin, end=old.end)) if old else prop.with_holds([hold])
@@ -251,7 +255,7 @@ def _span_words(hold: Hold) -> str:
 
 
 def placement_choice(prop: Prop) -> str:
-    """Key in ``PLACE_CHOICES`` of a prop's placement."""
+    """Key of a prop's placement in ``PLACE_CHOICES``."""
     if prop.held is not None:
         return prop.held.kind
     if isinstance(prop.position, ProceduralPlace):

@@ -1,4 +1,4 @@
-"""Status line: frame, frame rate, import guesses, running job, state of the journal."""
+"""Status line: frame, frame rate, import assumptions, running job, and state of the backup."""
 
 import math
 import time
@@ -14,18 +14,18 @@ from studio.panels.fields import ElidedText, press_button
 
 STATUS_BAR_WIDTH = 120
 LEAST_TIMED_SECONDS, LEAST_TIMED_SHARE = 3.0, 0.02
-"""Seconds, and part of a job, that must have been timed before the time left is shown."""
+"""Seconds, and fraction of a job, that must have been timed before the time left is shown."""
 SECONDS_SHOWN_BELOW = 120
-"""Seconds from which the time left is shown in minutes."""
+"""Time left in seconds from which it is shown in minutes."""
 MOTION_NAME_PX = 240
-"""Greatest width of the name of a motion, which is cut in its middle if it is longer."""
+"""Maximum width in pixels of the name of a motion; a longer one is elided in the middle."""
 
 
 @dataclass
 class Pace:
-    """Pace of a job since its first progress: what comes before, imports above all, is not repeated.
+    """Speed of a job since its first progress, which excludes imports and other preparation.
 
-    Monotonic seconds and progress (0 to 1), first and last; the first are counted anew where progress goes back.
+    Holds clock time in seconds and progress (0 to 1), first and last; restarted if the progress decreases.
     """
 
     first_seconds: float = 0.0
@@ -34,14 +34,14 @@ class Pace:
     last_share: float = 0.0
 
     def update(self, seconds: float, share: float) -> None:
-        """Take the progress (0 to 1) at a monotonic time."""
+        """Record the progress ``share`` (0 to 1) at the clock time ``seconds``."""
         if self.first_share == 0.0 or share < self.last_share:
             self.first_seconds, self.first_share = seconds, share
         self.last_seconds, self.last_share = seconds, share
 
     @property
     def time_left(self) -> str:
-        """Time left in words; empty until enough has been timed, and at the end."""
+        """Time left as text; empty until enough was timed, and at the end."""
         seconds, share = self.last_seconds - self.first_seconds, self.last_share - self.first_share
         if seconds < LEAST_TIMED_SECONDS or share < LEAST_TIMED_SHARE or self.last_share >= 1.0:
             return ""
@@ -51,11 +51,11 @@ class Pace:
 
 
 class ProgressLine(QWidget):
-    """Running job with its progress, and a button to stop it."""
+    """Progress of the running job, with a button to cancel it."""
 
     cancel_requested = Signal(int)
     message_posted = Signal(str, float)
-    """Words and share of the job that is shown; empty words when none runs."""
+    """Emitted with the text and progress (0 to 1) of the shown job; an empty text if none runs."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         super().__init__()
@@ -82,7 +82,7 @@ class ProgressLine(QWidget):
 
     @property
     def now(self) -> tuple[str, float]:
-        """Text and progress (0 to 1) of the newest running job; empty and 0 if there is none."""
+        """Text and progress (0 to 1) of the newest running job; empty and 0 if none runs."""
         return next(reversed(self._jobs.values()), ("", 0.0))
 
     def begin(self, task: int, title: str) -> None:
@@ -99,7 +99,7 @@ class ProgressLine(QWidget):
             self._show()
 
     def end(self, task: int) -> None:
-        """Remove a job that has ended, in whichever way."""
+        """Remove a job that has finished, failed or been cancelled."""
         self._titles.pop(task, None)
         self._paces.pop(task, None)
         self._jobs.pop(task, None)
@@ -119,10 +119,10 @@ class ProgressLine(QWidget):
 
 
 class StatusLine(QStatusBar):
-    """Frame, rate and guesses at the left; the journal at the right."""
+    """Status line: frame, frame rate and assumptions at the left, state of the backup at the right."""
 
     report_requested = Signal()
-    """The guesses were clicked."""
+    """Emitted when the number of assumptions is clicked."""
 
     def __init__(self, document: Document) -> None:
         super().__init__()
@@ -150,7 +150,7 @@ class StatusLine(QStatusBar):
         self._show_journal()
 
     def show_hint(self, words: str) -> None:
-        """Show a text about the item under the mouse, in one line."""
+        """Show a text about the item under the mouse, on one line."""
         self._told.setText(" · ".join(words.splitlines()))
 
     def _entity_changed(self, collection: str, _: str) -> None:
@@ -180,7 +180,7 @@ class StatusLine(QStatusBar):
 
 
 def journal_words(document: Document) -> str:
-    """State of the journal and number of undo steps; for a stopped journal the advice instead."""
+    """State of the backup and number of undo steps; if the backup has stopped, what to do."""
     count = document.undo_stack.index()
     edits = f"{count} edit" + ("" if count == 1 else "s")
     state, _, detail = document.journal_state.partition(" - ")

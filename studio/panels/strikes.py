@@ -1,4 +1,4 @@
-"""Strikes: a search of the motion library for clips that hit a prop, ranked with reasons."""
+"""Strikes panel: clips of the motion library that hit a target, ranked with reasons."""
 
 from collections.abc import Iterable, Sequence
 
@@ -24,10 +24,10 @@ NO_TARGET = "All strikes of the library. Choose a target, a box or a face, to ra
 
 
 class Strikes(QWidget):
-    """Content of the dock.
+    """Content of the Strikes panel.
 
-    ``wanted`` requests a search, ``chosen`` the use of a result by its index, ``opened`` its label; ``looked_at`` is
-    the result under the mouse or with the focus, -1 for none.
+    ``search_requested`` requests a search, ``strike_chosen`` the insertion of a result by its index, ``opened`` its
+    label; ``strike_highlighted`` carries the result under the mouse or with the focus, -1 for none.
     """
 
     folder_requested = Signal()
@@ -84,12 +84,14 @@ class Strikes(QWidget):
         column.addLayout(below)
 
     def offer_targets(self, targets: Sequence[tuple[object, str]], wanted: object) -> None:
-        """Offer the targets; select ``wanted`` if it is among them, else the entry ``ALL``."""
+        """Set the targets; select ``wanted`` if it is among them, else ``ALL``."""
         self.target.offer([(None, ALL), *targets])
         self.target.show_value(wanted if self.target.offers(wanted) else None)
 
     def show_results(self, results: Sequence[tuple[str, str]], hint: str, usable: bool = True) -> None:
-        """List (name, reasons), the best first; without a target none is ``usable``."""
+        """List (name, reasons) of each result, best first, with a ``hint``. ``usable`` is False if results cannot be
+        inserted, without a target.
+        """
         self._look(-1)
         self._usable = usable
         self.use.setToolTip(INSERT_TIP if usable else TARGET_NEEDED)
@@ -102,24 +104,24 @@ class Strikes(QWidget):
         self.hint.setText(hint)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Report that no result is under the mouse when it leaves the list."""
+        """Emit that no result is highlighted when the mouse leaves the list."""
         if event.type() == QEvent.Type.Leave:
             self._look(-1)
         return super().eventFilter(watched, event)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Report that the panel is visible."""
+        """Emit that the panel is visible."""
         super().showEvent(event)
         self.shown.emit()
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Report that no result is under the mouse."""
+        """Emit that no result is highlighted."""
         self._look(-1)
         super().hideEvent(event)
 
     @property
     def place(self) -> int | None:
-        """Index of the chosen result in the list; None if none is chosen."""
+        """Index of the selected result; None if none is selected."""
         row = self.results.currentRow()
         return None if row < 0 else row
 
@@ -162,7 +164,7 @@ class Strikes(QWidget):
 
 
 class ResultList(QListWidget):
-    """Rows that can be dragged to a body, or to its row of the timeline."""
+    """List of strikes, which can be dragged to a character or to its track on the timeline."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -172,5 +174,5 @@ class ResultList(QListWidget):
         return [STRIKE]
 
     def mimeData(self, items: Sequence[QListWidgetItem]) -> QMimeData:
-        """Index of the dragged result."""
+        """MIME data with the index of the dragged result."""
         return carried_row(STRIKE, self.row(items[0]))

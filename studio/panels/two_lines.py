@@ -1,4 +1,4 @@
-"""List row with a name, and below it more text in as many lines as it needs."""
+"""List row with a name, and below it wrapped text."""
 
 from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRect, QSize, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetrics, QPainter
@@ -13,14 +13,14 @@ Index = QModelIndex | QPersistentModelIndex
 
 
 class TwoLines(QStyledItemDelegate):
-    """Delegate; the first line of an item's text is the name."""
+    """Delegate that paints the first line of an item's text as name, and the rest wrapped below it."""
 
     def sizeHint(self, option: QStyleOptionViewItem, index: Index) -> QSize:
-        """Height of the text in the width of the list."""
+        """Size of the wrapped text in the width of the list."""
         return QSize(0, self._words(option, index, QRect(0, 0, option.rect.width(), 0)).bottom() + LINE_TOP_PX)
 
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
-        """Draw background, name, and text."""
+        """Paint background, name and text."""
         name, _, words = str(index.data()).partition("\n")
         hovered = option.state & QStyle.StateFlag.State_MouseOver
         if option.state & QStyle.StateFlag.State_Selected:

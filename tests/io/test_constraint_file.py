@@ -88,11 +88,11 @@ def test_the_example_in_the_guide_is_read(tmp_path):
         ({"constraints": [{**WRIST, "chain": {"arm": 1}}]}, r"'Right wrist'\): 'chain.arm' is not known"),
         ({"constraints": [{**WRIST, "chain": {"limb": 7}}]}, r"'Right wrist'\), chain: .*limb is 7"),
         ({"constraints": [{**WRIST, "chain": {"segments": [["thorax", 7]]}}]}, "chain: .*thorax is 7"),
-        ({"constraints": [{**WRIST, "chain": {"segments": [["left_hand", 0]]}}]}, "left hand has no weight of its own"),
+        ({"constraints": [{**WRIST, "chain": {"segments": [["left_hand", 0]]}}]}, "hand cannot have a weight override"),
         ({"constraints": [{**WRIST, "chain": {"segments": [["tail", 0]]}}]}, "chain: segments: one of pelvis"),
         (
             {"constraints": [{**WRIST, "weight": -1}]},
-            r"'Right wrist'\), a weight is a finite number of 0 or more, got -1",
+            r"'Right wrist'\), the weight must be a finite number of 0 or more, not -1",
         ),
         (
             {"constraints": [{**WRIST, "point": {"part": "tail"}}]},
@@ -105,16 +105,22 @@ def test_the_example_in_the_guide_is_read(tmp_path):
             {"constraints": [{**WRIST, "activation": {**WRIST["activation"], "full": 9}}]},
             r"'Right wrist'\), activation: .*in order",
         ),
-        ({"constraints": [{**WRIST, "priority": -1}]}, r"'Right wrist'\), a priority is 0 \(highest\) or more, got -1"),
+        (
+            {"constraints": [{**WRIST, "priority": -1}]},
+            r"'Right wrist'\), the priority must be 0 \(highest\) or more, not -1",
+        ),
         ({"constraints": [{**WRIST, "priority": 0.5}]}, r"'Right wrist'\), priority: a whole number expected"),
         ({"constraints": [{**WRIST, "priority": NAN}]}, r"'Right wrist'\), priority: a whole number expected"),
-        ({"constraints": [{**WRIST, "target": [0, NAN, 0]}]}, r"'Right wrist'\), a target is three finite numbers"),
-        ({"constraints": [{**WRIST, "target": [0, 0, -INFINITY]}]}, r"'Right wrist'\), a target is three finite"),
+        (
+            {"constraints": [{**WRIST, "target": [0, NAN, 0]}]},
+            r"'Right wrist'\), a target must be three finite numbers",
+        ),
+        ({"constraints": [{**WRIST, "target": [0, 0, -INFINITY]}]}, r"'Right wrist'\), a target must be three finite"),
         ({"constraints": [{**WRIST, "target": NAN}]}, r"'Right wrist'\), target: a list expected, not 'nan'"),
         ({"constraints": [{**WRIST, "chain": {"limb": NAN}}]}, r"'Right wrist'\), chain: .*limb is nan"),
         (
             {"constraints": [{**WRIST, "point": {"part": "head", "offset": [0, 0, NAN]}}]},
-            r"'Right wrist'\), point: A point's offset is three finite",
+            r"'Right wrist'\), point: A point's offset must be three finite",
         ),
         (
             {"constraints": [{**WRIST, "activation": {**WRIST["activation"], "end": INFINITY}}]},

@@ -203,7 +203,7 @@ TOLD: dict[str, tuple[Callable[[dict[str, bytes]], bytes], str]] = {
     "a behaviour that begins nowhere": (behaviour(start="Nap"), "does not exist"),
     "a transition to no state": (
         behaviour(transitions=[{"source": "Guard", "target": "Nap", "conditions": [{"kind": "clip_end"}]}]),
-        "needs a state called 'Nap', and there is none",
+        "refers to a missing state, 'Nap'",
     ),
     "a transition that waits for nothing": (
         behaviour(transitions=[{"source": "Guard", "target": "Guard", "conditions": []}]),

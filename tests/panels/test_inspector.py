@@ -287,7 +287,7 @@ def test_a_tie_that_would_double_a_constraint_is_refused_in_a_sentence(inspector
     tie = inspector.findChild(QCheckBox, "tie")
     with qtbot.waitSignal(document.problem_reported) as told:
         QTest.mouseClick(tie, LEFT, pos=QPoint(8, 8))
-    assert "asks the same as 'Target 0'" in told.args[0]
+    assert "duplicates 'Target 0'" in told.args[0]
     assert not tie.isChecked()
     assert document.history == ()
 

@@ -1,4 +1,4 @@
-"""Files: projects opened and saved, captures read, adapted motions written. Long work runs in the background."""
+"""Actions of the File menu: open, save, import and export. Long work runs in the background."""
 
 import re
 from collections.abc import Callable
@@ -30,12 +30,12 @@ def new(bench: Workbench) -> None:
 
 
 def open_sample(bench: Workbench) -> None:
-    """Open the bundled motion on five bodies."""
+    """Open the sample project."""
     bench.window.run_when_saved(lambda: sample.open_sample(bench))
 
 
 def scene_opener(scene: BundledScene) -> Callable[[Workbench], None]:
-    """Function that opens a scene."""
+    """Function of the action that opens an example scene."""
     return lambda bench: bench.window.run_when_saved(lambda: sample.open_scene(bench, scene))
 
 
@@ -45,7 +45,7 @@ def open_project(bench: Workbench) -> None:
 
 
 def open_path(bench: Workbench, path: Path) -> None:
-    """Open a project in place of this one; import captures, characters, footage and sounds into this one."""
+    """Open a project in place of the current one, or import a capture, character, footage or sound into it."""
     suffix = path.suffix.lower()
     if suffix == ".studio":
         bench.window.run_when_saved(lambda: _open(bench, path))
@@ -74,7 +74,7 @@ def _import(bench: Workbench, path: Path) -> None:
 
 
 def save(bench: Workbench) -> None:
-    """Save to the project's own file; without one ask for it."""
+    """Save to the project's file; ask for a file if there is none."""
     if bench.document.path is None:
         save_as(bench)
     else:
@@ -96,7 +96,7 @@ def save_increment(bench: Workbench) -> None:
 
 
 def next_increment(path: Path) -> Path:
-    """Next numbered name without a file."""
+    """Next numbered path that does not exist."""
     found = NUMBERED.match(path.stem)
     name, number = (found[1], int(found[2])) if found else (path.stem, 1)
     while True:
@@ -107,7 +107,7 @@ def next_increment(path: Path) -> Path:
 
 
 def save_to(bench: Workbench, path: Path, overwrite: bool = False) -> None:
-    """Write the project; errors are reported with what can be done instead."""
+    """Write the project to ``path``; errors are reported with what the user can do."""
 
     def saved() -> None:
         _remember(bench, path)
@@ -122,7 +122,7 @@ def save_to(bench: Workbench, path: Path, overwrite: bool = False) -> None:
 
 
 def stage_thumbnail(bench: Workbench) -> bytes | None:
-    """PNG of the stage as drawn last; None before the first time."""
+    """PNG image of the 3D view as last drawn; None if it was never drawn."""
     if not bench.has_viewport or bench.viewport.drawn_image.isNull():
         return None
     buffer = QBuffer()
@@ -151,7 +151,7 @@ def export(bench: Workbench) -> None:
 
 
 def adapt_folder(bench: Workbench) -> None:
-    """Show the dialog that adapts every capture of a folder; not modal."""
+    """Show the non-modal dialog for adapting a folder of captures."""
     from studio.app.batch_dialog import BatchDialog
 
     BatchDialog(bench).show()

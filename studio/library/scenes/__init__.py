@@ -116,8 +116,8 @@ SCENES = (
     BundledScene(
         "One target, three strikes",
         "Three characters stand on guard, each with a ball at the same position: 70 cm ahead, 110 cm high. The library"
-        " search finds a different strike for each: the child strikes upwards, the woman jabs, the giant kicks. All hit;"
-        " drag a ball, and the strike follows.",
+        " search finds a different strike for each: the child strikes upwards, the woman jabs, the giant kicks. All"
+        " hit; drag a ball, and the strike follows.",
         "choosing.one_target",
         ("fight", "search"),
     ),

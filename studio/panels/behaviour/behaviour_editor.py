@@ -1,4 +1,4 @@
-"""Form of a behaviour: its name, its start state, and its performers."""
+"""Form of a behaviour: its name, its start state, and the performers that use it."""
 
 from PySide6.QtWidgets import QListWidget
 
@@ -13,7 +13,7 @@ from studio.panels.fields import ROW_HEIGHT, Choice, Section, press_button, styl
 
 
 class BehaviourEditor(Editor[Behaviour]):
-    """Form of a whole behaviour; its states are listed for use without a mouse."""
+    """Form of a whole behaviour; its states are listed as well, for use by keyboard."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -41,7 +41,7 @@ class BehaviourEditor(Editor[Behaviour]):
         self.finish()
 
     def depends_on(self, collection: str, entity_id: str) -> bool:
-        """True also for performers, which the form names."""
+        """True for the behaviour itself, and for performers, whose names the form shows."""
         return super().depends_on(collection, entity_id) or collection == "performers"
 
     def refresh(self) -> None:

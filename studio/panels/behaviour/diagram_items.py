@@ -1,4 +1,4 @@
-"""Graphics items of a behaviour's diagram: boxes of states, arrows of transitions and labels of their conditions."""
+"""Graphics items of the behaviour diagram: boxes of states, arrows of transitions, and labels with their conditions."""
 
 import math
 from dataclasses import dataclass
@@ -10,22 +10,28 @@ from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
 from studio.document import colours
 
 STATE_WIDTHS = (132.0, 220.0)
-"""The narrowest and the widest box."""
+"""Minimum and maximum width of a box, in scene units."""
 TITLE_PX, LINE_PX, PADDING_PX = 20.0, 15.0, 9.0
 RADIUS = 5.0
 RIM = 7.0
-"""Width in scene units of the rim inside a box's edge, and half of it outside, where a drag draws an arrow."""
+"""Width in scene units of the rim of a box, from which an arrow can be drawn; half of it is also sensitive outside the
+box.
+"""
 BOW, NEXT_BOW = 22.0, 34.0
-"""Sideways offset of an arrow that has a counterpart, and between arrows of the same ends, in scene units."""
+"""Sideways offset of an arrow that has a counterpart in the other direction, and additional offset per further arrow,
+in scene units.
+"""
 ARROW_PX, ARROW_REACH_PX = 9.0, 12.0
 ALONG = 0.58
-"""Fraction of an arrow's length at which its label stands, so that the labels there and back do not meet."""
+"""Position of the label along an arrow, as a fraction of its length, so that the labels of both directions do not
+overlap.
+"""
 LOOP = 44.0
 GLOW = 4
 
 
 def font(pixels: int, bold: bool = False) -> QFont:
-    """Application's font in a size."""
+    """Application font in a size in pixels."""
     made = QFont()
     made.setPixelSize(pixels)
     if bold:
@@ -35,7 +41,9 @@ def font(pixels: int, bold: bool = False) -> QFont:
 
 @dataclass(frozen=True)
 class StateBox:
-    """State as shown: ``lit`` is the colour of the performer that is in it, ``dots`` those of others."""
+    """State as displayed: ``lit`` is the colour of the performer that is in this state, ``dots`` are the colours of
+    other performers.
+    """
 
     name: str
     plays: str
@@ -58,7 +66,7 @@ class StateBox:
 
 
 class StateItem(QGraphicsItem):
-    """Box of a state; ``ready`` shows the rim from which an arrow can be drawn."""
+    """Graphics item of a state's box; while ``ready`` is True it shows the rim from which an arrow can be drawn."""
 
     def __init__(self, box: StateBox) -> None:
         super().__init__()
@@ -128,7 +136,7 @@ class StateItem(QGraphicsItem):
 
 @dataclass(frozen=True)
 class Arrow:
-    """Transition as drawn: from box to box, bent aside from the straight line by ``bow``."""
+    """Transition as displayed: an arrow between two boxes, whose middle is offset sideways by ``bow``."""
 
     place: int
     source: QRectF
@@ -139,7 +147,7 @@ class Arrow:
 
 
 class TransitionItem(QGraphicsItem):
-    """Arrow of a transition; its label is a ``WordsItem`` above all arrows."""
+    """Graphics item of a transition's arrow; its label is a separate ``WordsItem`` above all arrows."""
 
     def __init__(self, arrow: Arrow) -> None:
         super().__init__()
@@ -178,7 +186,7 @@ class TransitionItem(QGraphicsItem):
 
 
 class WordsItem(QGraphicsItem):
-    """Label of an arrow: the conditions of its transition."""
+    """Graphics item of an arrow's label, with the conditions of the transition."""
 
     def __init__(self, of: TransitionItem) -> None:
         super().__init__()
@@ -203,12 +211,14 @@ class WordsItem(QGraphicsItem):
 
 
 def bow_of(order: int, returns: bool) -> float:
-    """Sideways offset of the ``order``-th arrow from one box to another; ``returns`` if there is an arrow back."""
+    """Sideways offset of the ``order``-th arrow between two boxes; ``returns`` is True if an arrow in the other
+    direction exists.
+    """
     return (BOW if returns else 0.0) + NEXT_BOW * order
 
 
 def exit_point(rect: QRectF, position: QPointF) -> QPointF:
-    """Point at which the line from the centre of a box to a position leaves the box."""
+    """Point at which the line from the centre of a box to ``position`` leaves the box."""
     centre = rect.center()
     dx, dy = position.x() - centre.x(), position.y() - centre.y()
     share = max(abs(dx) / (rect.width() / 2 + 2.0), abs(dy) / (rect.height() / 2 + 2.0), 1e-6)
@@ -216,7 +226,7 @@ def exit_point(rect: QRectF, position: QPointF) -> QPointF:
 
 
 def _label(arrow: Arrow, middle: QPointF) -> QRectF:
-    """Rectangle of the label: on a straight arrow, outside of a bent one, so that the labels of two do not meet."""
+    """Rectangle of the label: centred on a straight arrow, outside of a bent one, so that labels do not overlap."""
     metrics = QFontMetricsF(font(11))
     width = max(metrics.horizontalAdvance(each) for each in arrow.words) + 12.0
     height = LINE_PX * len(arrow.words) + 4.0
@@ -227,14 +237,14 @@ def _label(arrow: Arrow, middle: QPointF) -> QRectF:
 
 
 def _aside(arrow: Arrow) -> QPointF:
-    """Unit vector normal to the line between the boxes, towards which an arrow bends."""
+    """Unit vector perpendicular to the line between the boxes, on the side to which the arrow bends."""
     line = QLineF(arrow.source.center(), arrow.target.center())
     length = max(line.length(), 1e-6)
     return QPointF(-line.dy() / length, line.dx() / length)
 
 
 def _path_of(arrow: Arrow) -> tuple[QPainterPath, float]:
-    """Path of the arrow, and the angle in radians at which it arrives."""
+    """Path of the arrow, and its direction at the target in radians."""
     if arrow.source == arrow.target:
         return _loop(arrow)
     start, end = arrow.source.center(), arrow.target.center()

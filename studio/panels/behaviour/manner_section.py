@@ -1,4 +1,4 @@
-"""Form section of one manner in which a state is played."""
+"""Form section of one reaction of a state: keep distance, lean away, or reach for the partner."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,15 +18,16 @@ from studio.panels.fields import Choice, NumberField, Section, check_box, press_
 
 TITLES: dict[type, str] = {KeepDistance: "Keep distance", LeanAway: "Lean away", Meet: "Reach for partner"}
 PutManner = Callable[[Callable[[], Manner] | None, str], None]
-"""Takes what makes a manner as the user wants it, None to remove it, and the text of the undo step."""
+"""Function that is called with a factory of the edited reaction, or None to remove it, and the text of the undo step.
+"""
 MANNER_LIMIT = 100.0
 TIMES = ("start", "full", "full_end", "end")
 FIRST_MEETING = ActivationCurve(0.0, 0.2, 0.8, 1.0)
-"""Default activation of a manner in which a point meets another, in seconds of the motion."""
+"""Default activation of a new reaction that reaches for the partner, in seconds of the clip."""
 
 
 class MannerSection(Section):
-    """Form of a manner, which is changed through ``put``."""
+    """Form section of one reaction; edits are passed to ``put``."""
 
     def __init__(self, editor: PartEditor[State], manner: Manner, put: PutManner) -> None:
         super().__init__(TITLES[type(manner)])
@@ -54,7 +55,7 @@ class MannerSection(Section):
                 self._add_times()
 
     def show_manner(self, manner: Manner, project: Project) -> None:
-        """Show a manner of the document, of the kind for which this section was made."""
+        """Show a reaction of the kind for which the section was made."""
         self._manner = manner
         self._whom.show_whom(manner.whom, project, with_point=not isinstance(manner, KeepDistance))
         for name, field in self._numbers.items():

@@ -1,4 +1,4 @@
-"""Form of a state: its clip, and the manners in which it is played."""
+"""Form of a state: its clip, and the reactions while it lasts."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -127,7 +127,7 @@ class StateEditor(PartEditor[State]):
             self._box.addWidget(section)
 
     def _clips(self) -> dict[object, str]:
-        """Names of everything that a state can play: nothing, each whole motion, and each clip of the project."""
+        """Label of each choice of the state's clip: none, every whole motion, and every clip of the project."""
         project = self.document.project
         found: dict[object, str] = {None: "None (holds its pose)"}
         for key, motion in project.motions.items():
@@ -162,7 +162,7 @@ class StateEditor(PartEditor[State]):
             self._set_clip("Trim clip", **{name: min(max(round(number), low), high)})
 
     def _set_clip(self, text: str, **values: object) -> None:
-        """Change values of the state's clip; a clip of the project becomes a copy of the state's own."""
+        """Change values of the state's clip; a clip of the project is first replaced by a copy owned by the state."""
         clip = self.entity.clip
         if clip is not None:
             own = new_id() if clip.id in self.document.project.clips else clip.id

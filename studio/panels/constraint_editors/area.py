@@ -1,4 +1,4 @@
-"""Form of a restricted area: its shape, position and size, and the allowed side."""
+"""Form of a volume constraint: shape, position, size, and the side on which the point must be."""
 
 import math
 from functools import partial
@@ -21,14 +21,14 @@ SHAPE_CHOICES = (
     (AreaShape.HALF_SPACE, "Half-space"),
 )
 MESH_CHOICE = (AreaShape.MESH, "Mesh")
-"""Offered where one is loaded: it comes from a file."""
+"""Choice that is offered only if the constraint has a mesh, which is loaded from a file."""
 SIZE_FIELDS = {
     AreaShape.SPHERE: ("Diameter", "m", (True, False, False)),
     AreaShape.CYLINDER: ("Width, height", "m", (True, False, True)),
     AreaShape.HALF_SPACE: ("Normal", "", (True, True, True)),
     AreaShape.MESH: ("", "", (False, False, False)),
 }
-"""Caption and unit of a size's three numbers, and which of them are used, by shape; other shapes have a box's edges."""
+"""Label, unit, and use of the three components of the size by shape; other shapes have the edge lengths of a box."""
 TURNED = (AreaShape.TABLE, AreaShape.BOX, AreaShape.MESH)
 TILTED = (*TURNED, AreaShape.CYLINDER)
 LEAST_AREA_SIZE = 0.001
@@ -36,12 +36,12 @@ AREA_UP, METRE_SIZE = (0.0, 0.0, 1.0), (1.0, 1.0, 1.0)
 
 
 class AreaEditor(ConstraintEditor[AreaConstraint]):
-    """Form of an area; only the numbers of its shape are shown."""
+    """Form of a volume constraint; it shows only the values that the shape has."""
 
     kind_words = "volume"
 
     def add_kind_rows(self, section: Section) -> None:
-        """Add the rows of shape, side, centre, size, margin, heading and tilt."""
+        """Add the rows of shape, region, centre, size, margin, heading and tilt."""
         self._shape = Choice("Shape", SHAPE_CHOICES)
         self._shape.value_chosen.connect(self._set_shape)
         section.add_row("Shape", self._shape)
@@ -136,7 +136,7 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         self._set("Resize", size=size)
 
     def _set_shape(self, shape: AreaShape) -> None:
-        """Set the shape; a half-space has a direction in place of a size."""
+        """Set the shape. A half-space stores its normal as size, so the size is reset."""
         old = self.entity.shape
         size = self.entity.size
         if shape is not old and AreaShape.HALF_SPACE in (shape, old):
@@ -144,7 +144,7 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         self._set("Set shape of", shape=shape, size=size)
 
     def _tilt_now(self) -> Quaternion:
-        """Tilt at the playhead."""
+        """Tilt (x, y, z, w) at the playhead."""
         tilt = self.entity.tilt
         return tilt.value_at(self._tilt_keys.now) if isinstance(tilt, KeyedTurn) else tilt
 

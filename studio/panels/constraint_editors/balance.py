@@ -13,7 +13,9 @@ WIDEST_MARGIN = 10.0
 
 
 class BalanceEditor(ConstraintEditor[BalanceConstraint]):
-    """Form of a balance: over the motion's own centre of mass, a position, or the support polygon."""
+    """Form of a balance constraint: the centre of mass stays where it was captured, over a position, or over the
+    support polygon.
+    """
 
     has_point = False
 
@@ -52,7 +54,7 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
         self._vertical.setChecked(self.entity.vertical)
 
     def _set_mode(self, mode: str) -> None:
-        """Set the target; a position begins at the active body's present centre of mass."""
+        """Set the kind of target; a new position is the active performer's current centre of mass."""
         now = (current_centre_of_mass(self) or (0.0, 0.0, 0.0))[:2]
         place = {OWN_BALANCE: None, PLACE_BALANCE: now, SUPPORT_BALANCE: Support()}[mode]
         self.change(f"Set position of {self.entity.name}", place=place)

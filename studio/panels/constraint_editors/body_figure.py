@@ -1,4 +1,4 @@
-"""Body drawn from behind, with clickable segments; its own left is the picture's left."""
+"""Figure of a body seen from behind, with clickable segments; the body's left is at the left."""
 
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Signal
 from PySide6.QtGui import QColor, QHelpEvent, QMouseEvent, QPainter, QPaintEvent
@@ -34,13 +34,15 @@ SEGMENT_SHAPES: dict[BodyPart, QRectF] = {
 
 
 def _place(point: BodyPoint, shape: QRectF) -> QPointF:
-    """Shape at its joint: limbs hang down, the trunk stands up."""
+    """Position of the joint of a ``point`` in the rectangle of its segment: limbs hang from their joint, the trunk
+    stands on it.
+    """
     rises = point.part in (BodyPart.PELVIS, BodyPart.ABDOMEN, BodyPart.THORAX, BodyPart.NECK, BodyPart.HEAD)
     return QPointF(shape.center().x(), shape.top() if point.at_end == rises else shape.bottom())
 
 
 class BodyFigure(QWidget):
-    """Segments filled by their weight; those without one cannot be clicked."""
+    """Figure whose segments are filled by their weight; segments without a weight cannot be clicked."""
 
     clicked = Signal(object)
 
@@ -57,20 +59,20 @@ class BodyFigure(QWidget):
         return QSize(round(SCALE * BODY_FIGURE_WIDTH), round(SCALE * BODY_FIGURE_HEIGHT))
 
     def show_weights(self, weights: dict[BodyPart, float], point: BodyPoint | None = None) -> None:
-        """Show weights from 0 (locked) to 1 (free) by segment, and the constrained point."""
+        """Show weights by segment, from 0 (locked) to 1 (free), and the constrained point."""
         self._weights = weights
         shape = None if point is None else SEGMENT_SHAPES.get(point.part)
         self._point = None if point is None or shape is None else _place(point, shape)
         self.update()
 
     def tip(self, part: BodyPart | None) -> str:
-        """Tool tip of a segment, or of the whole figure."""
+        """Tooltip of a segment; of the whole figure for None."""
         if part is None:
             return "Click segments to lock or free them."
         return f"{part.label} {'is free' if self._weights[part] > 0.0 else 'is locked'}. Click to change."
 
     def part_at(self, position: QPointF) -> BodyPart | None:
-        """Segment under a point of the widget, if it can be clicked."""
+        """Clickable segment at a position of the widget; None if there is none."""
         position = position / SCALE
         grown = ((part, shape.adjusted(-2, -2, 2, 2)) for part, shape in SEGMENT_SHAPES.items())
         return next((part for part, shape in grown if shape.contains(position) and part in self._weights), None)

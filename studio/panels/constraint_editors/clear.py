@@ -1,4 +1,4 @@
-"""Form of the constraint that keeps arms clear of the own body: arms, margin, and if wrists may move."""
+"""Form of an arm clearance constraint: arms, margin, and the joints that may move."""
 
 from dataclasses import replace
 
@@ -10,13 +10,13 @@ ARM_CHOICES = ((Arms.BOTH, "Both"), (Arms.LEFT, "Left"), (Arms.RIGHT, "Right"))
 
 
 class ClearEditor(ConstraintEditor[ClearConstraint]):
-    """Form without point and chain, since whole arms are constrained and nothing else moves."""
+    """Form of an arm clearance constraint. It has neither point nor IK chain, since it always concerns whole arms."""
 
     has_point = has_chain = False
     kind_words = "arm clearance"
 
     def add_kind_rows(self, section: Section) -> None:
-        """Add the rows of arms, margin and the parts that may move."""
+        """Add the rows of arms, margin and movable joints."""
         self._arms = Segments("Arms", ARM_CHOICES)
         self._arms.value_chosen.connect(lambda arms: self.change(f"Set arms of {self.entity.name}", arms=arms))
         section.add_row("Arms", self._arms)

@@ -1,4 +1,4 @@
-"""Form row for the largest angle by which an axis may leave its direction."""
+"""Form row for the maximum angle between an axis and its direction."""
 
 import math
 
@@ -12,7 +12,7 @@ CONE_LABEL = "Max. angle"
 
 
 class ConeRow:
-    """Field ``cone`` of a constraint, in degrees; 0 keeps the axis exactly."""
+    """Form row for the field ``cone`` of a constraint, in degrees; 0 keeps the axis exactly."""
 
     def __init__(self, editor: Editor[ParallelConstraint | UprightConstraint], section: Section, tip: str) -> None:
         self._editor = editor
@@ -21,7 +21,7 @@ class ConeRow:
         section.add_row(CONE_LABEL, self._field)
 
     def refresh(self) -> None:
-        """Show the angle as it is now."""
+        """Show the current angle."""
         self._field.show_value(math.degrees(self._editor.entity.cone))
 
     def _set(self, degrees: float) -> None:

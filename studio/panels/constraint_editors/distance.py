@@ -1,4 +1,4 @@
-"""Form of a distance constraint: the distance, and its other end."""
+"""Form of a distance constraint: the distance, and the other end."""
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
@@ -14,7 +14,7 @@ OUTSIDE = None
 
 
 class DistanceEditor(ConstraintEditor[DistanceConstraint]):
-    """Metres, and the other end: a point of the body or a fixed position."""
+    """Form of a distance constraint: distance in metres, and the other end as a body point or a fixed position."""
 
     def add_kind_rows(self, section: Section) -> None:
         """Add the rows of the distance, the other end, and its position if it is fixed."""
@@ -52,7 +52,7 @@ class DistanceEditor(ConstraintEditor[DistanceConstraint]):
         self._source.set_numbers(position, f"Move position of {self.entity.name}")
 
     def _set_other(self, choice: tuple[BodyPart, bool] | None) -> None:
-        """Set the other end; a fixed position begins at the former one."""
+        """Set the other end; for None, a fixed position where the former one was."""
         other: object = None
         if choice is not None:
             other = BodyPoint(choice[0], at_end=choice[1])

@@ -1,4 +1,4 @@
-"""Priorities as an order: the list of the motion's constraints, to be dragged; some may share a priority by weight."""
+"""Form section of priorities: a sortable list of the motion's constraints, of which neighbours may share a priority."""
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QKeyEvent
@@ -17,7 +17,7 @@ ID = Qt.ItemDataRole.UserRole
 
 
 class OrderList(QListWidget):
-    """Rows that are moved by dragging, and by Alt with the arrow keys."""
+    """List whose rows are moved by dragging, or with Alt+Up and Alt+Down."""
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         steps = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
@@ -27,7 +27,7 @@ class OrderList(QListWidget):
             super().keyPressEvent(event)
 
     def move_row(self, index: int, goal: int) -> None:
-        """Move a row, as a drag would."""
+        """Move a row from ``index`` to ``goal``."""
         if 0 <= index < self.count() and 0 <= goal < self.count():
             parent = self.rootIndex()
             self.model().moveRow(parent, index, parent, goal + (1 if goal > index else 0))
@@ -35,7 +35,7 @@ class OrderList(QListWidget):
 
 
 class PrioritySection(Section):
-    """Order of priorities: the first constraint is met exactly before the second one counts."""
+    """Form section of the order of priorities, highest first."""
 
     def __init__(self, editor: Editor[Constraint]) -> None:
         super().__init__("Priority")
@@ -59,7 +59,7 @@ class PrioritySection(Section):
         self._weight_name = self.add_row("Weight", self._weight, self._number.keyed)
 
     def refresh(self) -> None:
-        """Update the order."""
+        """Update the list."""
         project = self._editor.document.shown_project
         constraints = project.constraints_of(self._editor.entity.motion_id)
         places = project.places_of(self._editor.entity.motion_id)
@@ -128,7 +128,7 @@ class PrioritySection(Section):
 
 
 def _moved(likely: list[str], before: list[str], after: list[str]) -> str | None:
-    """Id of the row that was moved between two orders; of two swapped neighbours a ``likely`` one."""
+    """Id of the row that was moved between the two orders; of two swapped neighbours, the one in ``likely``."""
 
     def without(order: list[str], moved: str) -> list[str]:
         return [key for key in order if key != moved]

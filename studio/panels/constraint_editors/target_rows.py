@@ -1,4 +1,4 @@
-"""Form rows of a target: fixed, keyed over time, moving by a rule, or following an object; and of its keys."""
+"""Form rows of a target and its keys: fixed, keyed, procedural, or following an object."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -48,14 +48,16 @@ SPOTS = (
     ((0.0, 0.0, -1.0), "Bottom"),
 )
 POSITION_ONLY_KINDS = (PLACE_KINDS[0], *RULES)
-"""Kinds of target that a rotation cannot have."""
+"""Kinds of target that are available for positions but not for rotations."""
 SIGN_BUTTON_PX = 30
-"""Pixels of a button with one sign."""
+"""Width in pixels of a button with a single sign."""
 WRISTS = (BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), BodyPoint(BodyPart.LEFT_FOREARM, at_end=True))
 
 
 class TargetRows:
-    """Rows for the kind of a constraint's value ``field``; the editor shows its current numbers in a row of its own."""
+    """Form rows for the kind of target in an entity's value ``field``; the form shows the target's numbers in another
+    row.
+    """
 
     def __init__(self, editor: Editor[Constraint], section: Section, field: str, turns: bool = False) -> None:
         self._editor, self._field, self._turns = editor, field, turns
@@ -92,11 +94,11 @@ class TargetRows:
 
     @property
     def target(self) -> Any:
-        """Current value of the field, of any kind."""
+        """Current value of the field."""
         return getattr(self._editor.entity, self._field)
 
     def current_numbers(self) -> Any:
-        """Target's numbers at the playhead; None while they are unknown."""
+        """Position or rotation of the target at the playhead; None if it is not solved yet."""
         if isinstance(self.target, tuple):
             return self.target
         moment = current_context(self._editor)
@@ -104,8 +106,8 @@ class TargetRows:
         return getattr(fixed, self._field, None)
 
     def set_numbers(self, numbers: Any, text: str) -> None:
-        """Set the target's numbers: fixed, as a key at the playhead, as another centre, or as another offset from the
-        followed entity.
+        """Move the target to ``numbers``: as a fixed value, as a key at the playhead, as the centre of a procedural
+        target, or as an offset from the followed object.
         """
         editor, moment = self._editor, current_context(self._editor)
         if isinstance(self.target, tuple) or moment is None:
@@ -116,7 +118,7 @@ class TargetRows:
             editor.replace_entity(lambda: moment.with_target_moved(editor.entity, numbers), text)
 
     def refresh(self) -> None:
-        """Show the target's kind and its rows; nothing if the value is no target."""
+        """Show the kind of target and its rows; hidden if the value is not a target."""
         target = self.target
         kind = _kind_of(target)
         known = kind in dict(PLACE_KINDS)
@@ -151,7 +153,9 @@ class TargetRows:
         self._keys.refresh(known)
 
     def _show_apart(self, target: Place) -> None:
-        """Show the box of the active character's own offset if targets are per character; tick it if there is one."""
+        """Show a checkbox for the offset of the active character, if targets are per character; it is ticked if that
+        character has an offset.
+        """
         document = self._editor.document
         performer = document.project.performers.get(document.active_performer_id or "")
         own = own_place_of(target)
@@ -172,13 +176,13 @@ class TargetRows:
             self._change(with_own_place(self.target, own.with_own(performer_id, (0.0,) * 3 if apart else None)), text)
 
     def _set_each(self, each: bool) -> None:
-        """Make keys or a rule relative to each character's own position, or shared by all."""
+        """Make a keyed or procedural target relative to each character's own position, or shared by all."""
         editor = self._editor
         text = f"{'Per character' if each else 'Shared'}: {editor.entity.name}"
         editor.replace_entity(lambda: with_fields(editor.entity, **{self._field: self._counted(each)}), text)
 
     def _counted(self, each: bool) -> KeyedPlace | KeyedOwnPlace | ProceduralPlace:
-        """Keys or rule per character or shared, with the active character's present position unchanged."""
+        """Keyed or procedural target, per character or shared, that is where it was on the active character."""
         target, now, moment = self.target, self._known_now(), self._known_moment()
         seconds, leg_length = moment.pose.seconds, moment.pose.motion.body.leg_length
         here = target.at([seconds])[0]
@@ -194,7 +198,7 @@ class TargetRows:
         return KeyedOwnPlace(**parts, origin=self._own_place(now)) if each else KeyedPlace(**parts)
 
     def _things(self, kind: str) -> Sequence[tuple[object, str]]:
-        """Ids and names of the entities or joints that can be followed."""
+        """Ids and names of the objects or joints that a kind of target can follow."""
         project = self._editor.document.project
         match kind:
             case FollowPerformer.kind:
@@ -225,7 +229,7 @@ class TargetRows:
         editor.replace_entity(lambda: with_fields(editor.entity, **{self._field: self._first(kind, things)}), text)
 
     def _first(self, kind: str, things: Sequence[tuple[Any, str]]) -> Place | Turn:
-        """First target of another kind, at the present position of the old one if possible."""
+        """New target of another kind, at the current position of the old one if possible."""
         editor, point, now = self._editor, self._editor.entity.point, self.current_numbers()
         moment = current_context(editor)
         match kind:
@@ -259,7 +263,7 @@ class TargetRows:
 
     @property
     def _is_per_character(self) -> bool:
-        """True if the position differs between bodies, so that a new target has to keep that of each."""
+        """True if the target's position differs between characters, so that a new target must too."""
         return not self._turns and (own_place_of(self.target) is not None or isinstance(self.target, FollowBody))
 
     def _known_now(self) -> Any:
@@ -275,10 +279,10 @@ class TargetRows:
         return moment
 
     def _own_place(self, now: tuple[float, ...]) -> OwnPlace:
-        """Per-character position that is at ``now`` on the active character: the old one if there is one.
+        """Per-character position that is at ``now`` on the active character; the current one if the target is one.
 
-        A new one is relative to the followed point of the body at the playhead; else to the constrained one there, or
-        at the nearest full activation.
+        A new one is relative to the followed body point at the playhead; else to the constrained point there, or at the
+        nearest time of full activation.
         """
         target, moment, curve = self.target, self._known_moment(), self._editor.entity.activation
         if isinstance(target, OwnPlace):
@@ -294,7 +298,7 @@ class TargetRows:
         return own
 
     def _attached(self, follow: FollowProp, now: Any, moment: TargetContext | None) -> Place | Turn:
-        """Target that follows a prop, at its present position."""
+        """Target ``follow`` with the offset at which it is at ``now`` at the playhead."""
         if now is None or moment is None:
             return follow
         held = with_fields(self._editor.entity, **{self._field: follow})
@@ -317,7 +321,7 @@ class TargetRows:
 
 
 class KeyRow:
-    """Row with the number of the key at the playhead, and buttons to go to the next one, to set and to delete one."""
+    """Form row with the number of the key at the playhead, and buttons to go to the next key, set and delete one."""
 
     def __init__(self, editor: Editor[NamedEntity], section: Section, field: str) -> None:
         self._editor, self._field = editor, field
@@ -336,7 +340,7 @@ class KeyRow:
         self._caption = section.add_row("Keys", self._words, *self._buttons)
 
     def refresh(self, known: bool = True) -> None:
-        """Show the keys, if there are any."""
+        """Show the keys; the row is hidden if the value has none."""
         keyed = self._keyed() if known else None
         for widget in (self._caption, self._words, *self._buttons):
             widget.setVisible(keyed is not None)
@@ -352,11 +356,11 @@ class KeyRow:
 
     @property
     def now(self) -> float:
-        """Seconds at the playhead, in the time of the keys."""
+        """Time of the playhead in seconds of the keys' own time."""
         return self._seconds()
 
     def _seconds(self) -> float:
-        """Time of the motion at the playhead."""
+        """Time of the playhead in seconds of the constraint's motion."""
         document = self._editor.document
         clip = document.active_clip
         if clip is None:
@@ -372,14 +376,14 @@ class KeyRow:
             self._show_time(min(ahead, key=lambda each: abs(each - now)))
 
     def _show_time(self, seconds: float) -> None:
-        """Move the playhead to a time of the motion."""
+        """Move the playhead to a time of the constraint's motion."""
         document = self._editor.document
         clip = document.active_clip
         if clip is not None:
             document.playhead.set_time(stage_time(clip, document.project.frame_rate_of(clip), seconds))
 
     def _set(self) -> None:
-        """Set a key with the present value."""
+        """Set a key with the current value at the playhead."""
         keyed, now = self._keyed(), self._seconds()
         field = KeyedField(self._editor.collection, self._editor.entity_id, self._field)
         self._change(keyed.with_key(now, allowed_value_at(field, keyed, now)), "Set key of")
@@ -394,7 +398,7 @@ class KeyRow:
 
 
 class NumberRows:
-    """Rows of a number that may be keyed: a box to key it, and its keys."""
+    """Form rows of a number that may be keyed: a checkbox that keys it, and its keys."""
 
     def __init__(self, editor: Editor[NamedEntity], section: Section, field: str) -> None:
         self._editor, self._field = editor, field
@@ -404,7 +408,7 @@ class NumberRows:
         self._keys = KeyRow(editor, section, field)
 
     def refresh(self, shown: bool = True) -> None:
-        """Show if the number is keyed."""
+        """Show if the number is keyed, and its keys; ``shown`` False hides the rows."""
         value = getattr(self._editor.entity, self._field)
         self.keyed.setVisible(shown)
         self.keyed.setChecked(isinstance(value, KeyedNumber))
@@ -412,7 +416,7 @@ class NumberRows:
 
     @property
     def current_number(self) -> float:
-        """Number at the playhead."""
+        """Value of the number at the playhead."""
         value = getattr(self._editor.entity, self._field)
         if not isinstance(value, KeyedNumber):
             return float(value)
@@ -432,7 +436,7 @@ class NumberRows:
 
 
 def _kind_of(target: object) -> str | None:
-    """Key of the kind in ``PLACE_KINDS``; None if the value is no target."""
+    """Key of a target in ``PLACE_KINDS``; None if the value is not a target."""
     if isinstance(target, KeyedOwnPlace):
         return KEYED_KIND
     return getattr(target, "kind", FIXED_KIND if isinstance(target, tuple) else None)
@@ -442,5 +446,5 @@ _THINGS = ("performer_id", "prop_id", "joint")
 
 
 def _full(numbers: Sequence[float]) -> Any:
-    """Position (x, y, z): one on the ground (x, y) gets height 0; a rotation is unchanged."""
+    """Position (x, y, z); a ground position (x, y) gets height 0, a rotation is unchanged."""
     return (*numbers, 0.0) if len(numbers) == 2 else numbers

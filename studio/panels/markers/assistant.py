@@ -1,4 +1,4 @@
-"""Map assistant: the proposed map on a body, the markers of the trial beside it, completed by clicks."""
+"""Editor of a marker map: the map on a figure of the body, beside the markers of the trial."""
 
 from collections.abc import Mapping
 
@@ -20,14 +20,14 @@ NOT_USED = "-"
 
 
 class MarkerAssistant(QWidget):
-    """Editor of a marker map: choose a position on the figure, then its marker in the list, or the other way round; it
-    keeps only the unfinished map.
+    """Editor of a marker map: choose a body location on the figure, then its marker in the list, or the other way
+    round.
     """
 
     changed = Signal()
-    """The map or the subject is another one now."""
+    """Emitted when the map or the subject has changed."""
     marked = Signal(object)
-    """Labels, without subject, of the markers at the chosen place."""
+    """Emitted with the labels, without subject, of the markers at the chosen body location."""
 
     def __init__(self, take: MarkerTake, up_axis: str) -> None:
         super().__init__()
@@ -97,7 +97,7 @@ class MarkerAssistant(QWidget):
 
     @property
     def summary(self) -> str:
-        """Sentence about the limbs that can be tracked with the marker map, or the missing markers."""
+        """Sentence about the limbs that the marker map can solve, or the missing markers."""
         there = self.marker_map.restricted_to(self._labels())
         parts = [word for word, has in (("legs", there.has_legs()), ("arms", there.has_arms())) if has]
         if len(parts) == 2:
@@ -109,14 +109,15 @@ class MarkerAssistant(QWidget):
         return f"The skeleton cannot be solved yet. Still missing: {', '.join(lacking)}{' and others' if more else ''}."
 
     def choose_role(self, role: str) -> None:
-        """Choose a position: show its markers, and assign the next clicked one to it."""
+        """Choose a body location: show its markers, and assign the next clicked marker to it."""
         self._role = role
         self._show()
 
     def put_marker(self, label: str) -> None:
-        """Add a marker to the chosen position, or remove it if it is there.
+        """Assign a marker to the chosen body location, or unassign it if it is assigned there.
 
-        Thighs and shanks have several, which together show the rotation of the bone; other positions have one.
+        Thighs and shanks have clusters of several markers, from which the rotation of the bone is solved; other
+        locations have one.
         """
         own = self.marker_map.markers.get(self._role, ())
         cluster = self._role.endswith(("thigh", "shank"))
@@ -127,11 +128,11 @@ class MarkerAssistant(QWidget):
         self._set(self.marker_map.with_role(self._role, labels))
 
     def clear_role(self) -> None:
-        """Remove all markers from the chosen position."""
+        """Unassign all markers of the chosen body location."""
         self._set(self.marker_map.with_role(self._role, ()))
 
     def save(self) -> None:
-        """Save the map under its name among the user's own."""
+        """Save the map under its name in the user's folder."""
         name = self.name.text().strip() or "My markers"
         self.marker_map = MarkerMap(name, self.marker_map.markers, self.marker_map.centres)
         path = save_map(self.marker_map)
@@ -178,7 +179,7 @@ class MarkerAssistant(QWidget):
             self.list.addTopLevelItem(item)
 
     def _face(self) -> None:
-        """Show the recorded markers from behind, like the figure."""
+        """Show the recorded markers from behind, as the figure is."""
         self.cloud.show_markers(tuple(seen_labels(self._trial, self.subject)), (), ())
         left, right = (
             {label for role, labels in self.marker_map.markers.items() if role.startswith(side) for label in labels}

@@ -1,4 +1,4 @@
-"""Cleaning steps of a trial, each with its report; the recording itself is never changed."""
+"""List of cleaning steps of a trial, each with a report; the recorded data itself is never changed."""
 
 from collections.abc import Callable
 from functools import partial
@@ -18,7 +18,7 @@ OFFERED: tuple[tuple[Callable[[], Step], str], ...] = (
 
 
 class StepList(QWidget):
-    """Ordered list of cleaning steps: add, remove or reorder them, and set the parameter of each."""
+    """Ordered list of cleaning steps, which can be added, removed, reordered and adjusted."""
 
     changed = Signal()
 
@@ -43,7 +43,7 @@ class StepList(QWidget):
         self._show()
 
     def show_reports(self, reports: tuple[StepReport, ...]) -> None:
-        """Show the reports of the steps, in the steps' order."""
+        """Show the report of each step, in order."""
         self._reports = reports
         self._show()
 

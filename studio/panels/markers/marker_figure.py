@@ -1,4 +1,4 @@
-"""Body with the positions of markers: filled if a marker is there, hollow if not."""
+"""Figure of a body with the locations of markers: filled if a marker is assigned, hollow if not."""
 
 from collections.abc import Mapping, Sequence
 
@@ -13,7 +13,7 @@ ROLE_FIGURE_WIDTH, ROLE_FIGURE_HEIGHT = 300, 520
 ROLE_FIGURE_MARGIN = 24
 ROLE_DOT_PX = 5.0
 ROLE_REACH = 11.0
-"""Pixels from a dot within which a click means it."""
+"""Distance in pixels from a dot within which a click chooses it."""
 
 _LIMBS: tuple[tuple[tuple[float, float], tuple[float, float], float], ...] = (
     ((0.21, 0.8), (0.39, 0.645), 26.0),
@@ -23,14 +23,14 @@ _LIMBS: tuple[tuple[tuple[float, float], tuple[float, float], float], ...] = (
     ((0.115, 0.3), (0.11, 0.085), 30.0),
     ((0.11, 0.06), (0.17, 0.02), 17.0),
 )
-"""From joint to joint of the left side, and how thick."""
+"""Ends and width in pixels of each limb of the left side, in fractions of the figure."""
 
 
 class MarkerFigure(QWidget):
-    """Click a position to choose it; its own left is the picture's left, as on the other figures of the studio."""
+    """Figure on which a click chooses a body location; the body's left is at the left, as on all figures."""
 
     role_chosen = Signal(str)
-    """A role."""
+    """Emitted with the id of the chosen body location."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -46,16 +46,16 @@ class MarkerFigure(QWidget):
         return QSize(ROLE_FIGURE_WIDTH, ROLE_FIGURE_HEIGHT)
 
     def show_map(self, markers: Mapping[str, Sequence[str]], role: str) -> None:
-        """Show labels by role, and the chosen role."""
+        """Show the assigned labels by body location, and the chosen location ``role``."""
         self._markers, self._role = markers, role
         self.update()
 
     def place_of(self, role: str) -> QPointF:
-        """Widget position of a role."""
+        """Widget position of a body location."""
         return _place(*ROLE[role].spot)
 
     def role_at(self, point: QPointF) -> str:
-        """Role under a point of the widget; empty without one."""
+        """Id of the body location at a position of the widget; empty if there is none."""
         role, distance = min(
             ((role.id, (self.place_of(role.id) - point).manhattanLength()) for role in ROLES), key=lambda pair: pair[1]
         )

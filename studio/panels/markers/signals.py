@@ -1,4 +1,4 @@
-"""Plot of the signals recorded beside the points: plate forces, analog signals and events, over the motion's time."""
+"""Plot of signals recorded beside the markers: force plates, analog channels and events, over time."""
 
 from collections.abc import Callable
 from functools import partial
@@ -17,17 +17,17 @@ from studio.panels.fields import FIELD_ICON_PX, styled_label
 
 FloatArray = NDArray[np.float64]
 Curves = list[tuple[str, FloatArray, FloatArray]]
-"""Name, times and values."""
+"""Name, times (N,) and values (N,) of several curves."""
 
 LIST_WIDTH = 210
 SIGNAL_AXES = ("x", "y", "z")
 
 
 class SignalPlot(QWidget):
-    """Plot of the checked signals, with lines for events and the playhead."""
+    """Plot of the ticked signals, with lines for events and the playhead."""
 
     marked = Signal(object)
-    """Labels, without subject, of the marker that is selected in the list and of those that are ticked."""
+    """Emitted with the labels, without subject, of the markers that are selected or ticked in the list."""
 
     def __init__(self, trial: Trial, seek: Callable[[float], object]) -> None:
         super().__init__()
@@ -66,7 +66,7 @@ class SignalPlot(QWidget):
         self.plot.setXRange(0.0, trial.frame_count / trial.frame_rate, padding=0.01)
 
     def show_time(self, seconds: float) -> None:
-        """Move the playhead's line."""
+        """Move the line of the playhead."""
         self._playhead.setValue(seconds)
 
     def plotted_names(self) -> list[str]:
@@ -74,13 +74,13 @@ class SignalPlot(QWidget):
         return [item.text(0) for item, _, _ in self._sources if item.checkState(0) is Qt.CheckState.Checked]
 
     def tick(self, name: str, on: bool = True) -> None:
-        """Check or uncheck a signal."""
+        """Tick or untick a signal."""
         for item, _, _ in self._sources:
             if item.text(0) == name:
                 item.setCheckState(0, Qt.CheckState.Checked if on else Qt.CheckState.Unchecked)
 
     def refresh(self) -> None:
-        """Draw the checked signals again."""
+        """Plot the ticked signals again."""
         self.plot.clear()
         units, number = [], 0
         for item, make, unit in self._sources:
