@@ -1,4 +1,4 @@
-"""Performers driven by a live input: their pose comes from the input; the constraints of their clips apply to it."""
+"""Performers driven by live input: their pose comes from the input, and the constraints of their clips apply to it."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from studio.live.planting import LiveGrounding
 
 PoseSource = Callable[[], NormalizedMotion | None]
-"""The newest pose, as a motion that is still; None while there is none."""
+"""Function that returns the newest received pose as a still motion; None if there is none."""
 
 
 class DrivenPerformers:
-    """Newest pose of every performer that is driven by a live source, on its own body."""
+    """Newest pose of every performer that is driven by a live source, adapted to its body."""
 
     def __init__(self, prepare: Prepare) -> None:
         self._prepare = prepare
@@ -32,7 +32,7 @@ class DrivenPerformers:
         """Sentence by performer id: the reason why the performer cannot play its input."""
 
     def drive(self, performer_id: str, source: PoseSource | None) -> None:
-        """Drive a performer by ``source``; with None, let it play its clips again."""
+        """Drive a performer by ``source``; None lets it play its clips again."""
         for held in (self._sources, self._shown, self._requests, self._planted, self.problems):
             held.pop(performer_id, None)
         if source is not None:
@@ -40,15 +40,15 @@ class DrivenPerformers:
 
     @property
     def poses(self) -> Mapping[str, AdaptedMotion]:
-        """Present poses of all driven performers with input."""
+        """Current poses of all driven performers that receive input, by id."""
         return self._shown
 
     def pose_of(self, performer_id: str) -> AdaptedMotion | None:
-        """Present pose of a driven performer; None without a driver or input."""
+        """Current pose of a driven performer; None if it is not driven or receives no input."""
         return self._shown.get(performer_id)
 
     def solve_newest_poses(self, project: Project, seconds: float, results: Mapping[str, AdaptedMotion]) -> None:
-        """Solve the newest pose of all driven performers with the constraints at ``seconds`` of the stage."""
+        """Solve the newest poses of all driven performers, with the constraints at the stage time ``seconds``."""
         for key, source in self._sources.items():
             pose = source() if key in project.performers else None
             if pose is None:

@@ -1,4 +1,4 @@
-"""Text of the views on an empty stage."""
+"""Text that views show on an empty stage."""
 
 from studio.core.stage.project import Project
 
@@ -7,7 +7,7 @@ HIDDEN = "All characters are hidden. Shift+H shows them."
 
 
 def empty_words(project: Project) -> str:
-    """Next step as one line; empty where a shown performer has a motion."""
+    """Text that tells what to do next on an empty stage; empty if a visible performer has a motion."""
     performers = project.performers.values()
     if performers and not any(performer.visible for performer in performers):
         return HIDDEN

@@ -26,23 +26,23 @@ from studio.core.solver.standing.tipping import depths_of, out_of_ground
 FloatArray = NDArray[np.float64]
 
 LIFTED, HURRYING = 1.5 * HEIGHT_MARGIN, 1.6 * STILL_SPEED
-"""Height above the floor (m) and speed (m/s) above which a standing heel or ball stops standing."""
+"""Height above the floor in metres, and speed in metres per second, above which a standing heel or ball is released."""
 USUAL_LEG = 0.85
 """Reference leg length in metres; the thresholds of height and speed scale with the leg length of the body."""
 COMING_DOWN = 0.12
 """Seconds in which a foot that begins to stand is lowered to the ground and levelled."""
 TORN = 0.15
-"""Horizontal distance of the received from the shown ankle, in leg lengths, at which a standing foot is released."""
+"""Horizontal distance in leg lengths between received and displayed ankle at which a standing foot is released."""
 CLIMBING = 0.1
-"""Smoothing time of ``DampedHeight`` in seconds."""
+"""Smoothing time in seconds of the height of the ground."""
 GROUND_LOOK_AHEAD = 0.15
 """Seconds of look-ahead, at the current velocity, for which a foot in the air is kept above the ground."""
 STRAIGHT = 3.0
-"""Longest time in which a gap decays without overshoot, as a multiple of its size / its closing speed."""
+"""Longest decay of a gap without overshoot, as a multiple of its size divided by its closing speed."""
 
 
 class FootPose(NamedTuple):
-    """Pose of a foot: position of its ankle (3,), and rotations (3, 3) of the foot and of its toes."""
+    """Pose of a foot: position of the ankle (3,) in metres, and rotations (3, 3) of the foot and of its toes."""
 
     ankle: FloatArray
     foot: FloatArray

@@ -1,4 +1,4 @@
-"""Distance keeping in live playback: the time, length and rotation of a performer's steps."""
+"""Distance keeping in live play: time, length and rotation of a performer's steps."""
 
 import math
 from dataclasses import replace
@@ -24,7 +24,7 @@ KEEPING_STEP, KEEPING_TURN = 0.4, 0.7
 KEEPING_FACING_TOLERANCE = 0.25
 """Error of facing in radians that is accepted without a step."""
 SETTLING = 0.3
-"""Seconds after the start of an act, and after a step, in which a performer does not step."""
+"""Seconds after the start of an act, and after a step, during which a performer does not step."""
 
 
 def distance_step(seen: StageView, key: str, act: StartedAct, composite: Composite, frame: int) -> StartedAct | None:
@@ -68,7 +68,7 @@ def _stance(act: StartedAct, composite: Composite, frame: int) -> float:
 
 
 def _comes_too(seen: StageView, key: str, kept: KeepDistance, role: Role) -> bool:
-    """True if the character that this one keeps its distance from does the same; then each takes half of the step."""
+    """True if the performer from which this one keeps its distance does the same; then each takes half of the step."""
     whom = followed_by(kept.whom, role.partner_id)
     found = seen.state_of(whom.performer_id) if isinstance(whom, FollowPerformer) else None
     other = _kept(found[0]) if found else None

@@ -1,4 +1,4 @@
-"""OSC 1.0 packets in and out. Received data is not trusted: every size is checked against the bytes there."""
+"""OSC 1.0 packets in and out. Received data is not trusted: every size is checked against the bytes that exist."""
 
 import struct
 from collections.abc import Iterator, Sequence

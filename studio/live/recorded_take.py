@@ -1,4 +1,4 @@
-"""Take: live playback as clips with constraints that stay editable."""
+"""Recorded take of live play, turned into clips with constraints that stay editable."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -21,14 +21,14 @@ from studio.core.stage.project import Entity, Project
 from studio.core.stage.timing import Timing
 
 STILL_SECONDS = 0.1
-"""Seconds between two moves of a target after which it is taken to have stood still until the second one."""
+"""Seconds between two moves of a target from which it counts as having stood still until the second one."""
 Edit = tuple[str, str, Entity]
-"""Collection, id and entity to store there."""
+"""Collection, id, and entity to be stored there."""
 
 
 @dataclass(frozen=True, eq=False)
 class StartedClips:
-    """Start of a performer's motion at ``since`` seconds: clips, their pieces in the motion, its timing and added
+    """Start of a performer's motion at ``since`` seconds: clips, their pieces in the motion, its timing, and added
     constraints.
     """
 
@@ -38,7 +38,7 @@ class StartedClips:
     timing: Timing
     asked: tuple[Constraint, ...] = ()
     own: bool = False
-    """True if the clips are the performer's own row."""
+    """True if the clips are the performer's own track."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +189,7 @@ def _concerns(constraint: Constraint, each: RecordedClip) -> bool:
 
 
 Path = list[tuple[float, Vector]]
-"""Seconds of the stage, and the position of a target from then on."""
+"""Stage time in seconds, and position of a target from then on, of each move."""
 
 
 def _moved(take: StageTake, project: Project) -> dict[str, Path]:

@@ -14,9 +14,9 @@ from studio.live.osc import LARGEST_PACKET
 from studio.live.tracker import MOST_A_SLICE, SLICE, Inbox
 
 MAX_DATAGRAM_SECONDS = 1e6
-"""Latest arrival time of a datagram, in seconds after the beginning of its recording."""
+"""Maximum arrival time of a datagram in seconds after the start of its recording."""
 LONGEST_PAUSE, LEAST_PAUSE = 5.0, 0.02
-"""Longest silence of a replay in seconds, and its pause between the end and the next beginning."""
+"""Maximum silence of a replay in seconds, and pause between its end and the next start."""
 _RECORD = struct.Struct("<dI")
 _MAGIC = b"MSOSC1\0\0"
 
@@ -32,7 +32,7 @@ class PacketRecording:
 
     packets: tuple[tuple[float, bytes], ...]
     problem: str = ""
-    """Sentence that says from which byte on the file is damaged or cut off; empty if all of it is whole."""
+    """Sentence that tells from which byte on the file is damaged or cut off; empty if it is complete."""
 
     def __iter__(self) -> Iterator[tuple[float, bytes]]:
         return iter(self.packets)
@@ -61,7 +61,7 @@ class Recorder:
     """Writer of datagrams as they arrive, from any thread, until it is closed. Raises StudioError if the file cannot be
     written.
 
-    A full disk ends the recording after the last complete datagram, and ``problem`` says so.
+    If the disk is full, the recording ends after the last complete datagram, and ``problem`` tells so.
     """
 
     def __init__(self, path: Path) -> None:
@@ -89,7 +89,7 @@ class Recorder:
             self.count += 1
 
     def close(self) -> None:
-        """Close the file. All datagrams are then written, or ``problem`` says why not."""
+        """Close the file; either all datagrams are written, or ``problem`` tells why not."""
         with self._lock:
             self._close()
 

@@ -32,11 +32,11 @@ VMC_SPINE_BONES = ("Spine", "Chest", "UpperChest")
 VMC_ARM_BONES, VMC_LEG_BONES = ("Shoulder", "UpperArm", "LowerArm", "Hand"), ("UpperLeg", "LowerLeg", "Foot", "Toes")
 VMC_FINGER_BONES = "Proximal", "Intermediate", "Distal"
 FINGER_ROOTS = np.array([[0.2, 0.2, 0.0], [0.15, 0.55, 0.0], [0.05, 0.55, 0.0], [-0.05, 0.55, 0.0], [-0.15, 0.5, 0.0]])
-"""(5, 3) places of the first joints of the fingers in lengths of the hand, forwards and outwards in a T-pose."""
+"""(5, 3) positions of the first finger joints in hand lengths: forward, outward and up in a T-pose."""
 PHALANX = 0.16
-"""Length of a bone of a finger in lengths of the hand."""
+"""Length of a finger bone in hand lengths."""
 TOES_ABOVE = 0.037
-"""Height of the toe joint above the sole in leg lengths, which no packet contains."""
+"""Height of the toe joint above the sole in leg lengths; packets do not contain it."""
 SHORTEST_VMC_BONE = 1e-3
 """Minimum length of a received bone in metres; a shorter one has no direction, and a default is used."""
 MODEL_FORWARD = np.array([1.0, 0.0, 0.0])
@@ -51,7 +51,7 @@ NEEDED = (
 
 @dataclass(frozen=True, eq=False)
 class Bone:
-    """Bone as sent: its position in its parent (m) and its rotation (x, y, z, w), in our axes."""
+    """Bone as sent: its position relative to the parent in metres, and its rotation (x, y, z, w), in our axes."""
 
     position: FloatArray
     rotation: FloatArray

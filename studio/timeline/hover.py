@@ -1,4 +1,4 @@
-"""Tooltips of the timeline: a sentence with units for each position."""
+"""Tooltips of the timeline: a sentence with units about the part under the mouse."""
 
 from PySide6.QtCore import QPointF
 
@@ -17,7 +17,7 @@ from studio.timeline.tracks.plot import PlotPicture
 
 
 def hover_text(sheet: TimelineLayout, plot: PlotPicture, position: QPointF) -> str:
-    """Tooltip of a position; empty if there is none."""
+    """Tooltip for a position; empty if there is nothing to tell."""
     hit = sheet.part_under_playhead(position)
     if position.x() < ROW_LABEL_WIDTH:
         return _label_text(sheet, hit)
@@ -63,7 +63,7 @@ def hover_text(sheet: TimelineLayout, plot: PlotPicture, position: QPointF) -> s
 
 
 def shows_value(sheet: TimelineLayout, position: QPointF) -> bool:
-    """True if the position shows a measured value or a mark, whose tooltip appears at once."""
+    """True if a measured value or a mark is at the position, so that the tooltip appears without delay."""
     hit = sheet.part_under_playhead(position)
     return position.x() >= ROW_LABEL_WIDTH and (
         hit.kind in ("plot", "ruler") or (hit.kind == "constraints" and hit.part == ItemPart.EMPTY)
@@ -71,7 +71,9 @@ def shows_value(sheet: TimelineLayout, position: QPointF) -> bool:
 
 
 def strip_text(sheet: TimelineLayout, constraint_id: str, performer_id: str, frame: int) -> str:
-    """``Child: 42 mm at frame 23``; empty if the constraint is inactive."""
+    """Error of a constraint on a performer at a frame of the motion: ``Child: 42 mm at frame 23``; empty if the
+    constraint is inactive there.
+    """
     strip = sheet.context.strip(constraint_id, performer_id)
     name = sheet.context.project.performers[performer_id].name
     if strip is None:
@@ -128,7 +130,7 @@ def _label_words(sheet: TimelineLayout, hit: Hit) -> str:
 
 
 def _correction_text(sheet: TimelineLayout, hit: Hit) -> str:
-    """``Left elbow: 0.750 s to 1.250 s, below the constraints``."""
+    """Tooltip of a correction: ``Left elbow: 0.750 s to 1.250 s, below the constraints``."""
     entity = sheet.context.project.corrections[hit.id]
     where = "above" if entity.above else "below"
     curve = entity.activation
@@ -139,7 +141,7 @@ def _correction_text(sheet: TimelineLayout, hit: Hit) -> str:
 
 
 def _keys_text(sheet: TimelineLayout, hit: Hit) -> str:
-    """``Key of Kick target, target: 1.250 s · frame 75``."""
+    """Tooltip of keys: ``Key of Kick target, target: 1.250 s · frame 75``."""
     shown, count = sheet.context, len(hit.keys)
     key = hit.keys[0]
     time = float(keys.stage_times(shown, key.field)[key.place])

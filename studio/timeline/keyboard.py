@@ -1,4 +1,4 @@
-"""Keyboard of the timeline: frames, keys and contacts, handles, deletion, Esc."""
+"""Keys of the timeline: step by frames, keys and contacts, move handles, delete, cancel."""
 
 from typing import TYPE_CHECKING
 
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 Key, Modifier = Qt.Key, Qt.KeyboardModifier
 FRAME_STEPS = {Key.Key_Left: -1, Key.Key_Right: 1}
 FRAMING = (Key.Key_A, Key.Key_F)
-"""Keys that frame all curves, or the selected keys."""
+"""Keys that frame all curves, or the selected keys, in the curve editor."""
 JUMPS = {Key.Key_Up: -1, Key.Key_Down: 1}
 
 
 def handles_key(canvas: "TrackCanvas", key: int, modifiers: Qt.KeyboardModifier) -> bool:
-    """True if the timeline uses a key, which is then no shortcut of the window."""
+    """True if the timeline uses a key, which is then not available as a shortcut of the window."""
     if key == Key.Key_Escape:
         return canvas.gesture is not None or canvas.handle is not None or bool(canvas.document.keys.items)
     if _moves_keys(key, modifiers) or _jumps_to_key(key, modifiers):
@@ -32,7 +32,7 @@ def handles_key(canvas: "TrackCanvas", key: int, modifiers: Qt.KeyboardModifier)
 
 
 def press_key(canvas: "TrackCanvas", key: Qt.Key, modifiers: Qt.KeyboardModifier) -> bool:
-    """Perform the function of a key; True if it has one."""
+    """Perform the function of a key; returns False if it has none."""
     shown = canvas.shown
     if shown is None:
         return False
@@ -66,7 +66,7 @@ def _jumps_to_key(key: int, modifiers: Qt.KeyboardModifier) -> bool:
 
 
 def _move_keys(shown: RowContext, key: Qt.Key, modifiers: Qt.KeyboardModifier) -> None:
-    """Move the selected keys by a frame, with Shift by ten; with Ctrl stretch them."""
+    """Move the selected keys by one frame, with Shift by ten; with Ctrl scale them instead."""
     if modifiers & Modifier.ControlModifier:
         stretch_keys(shown.document, FRAME_STEPS[key])
     else:

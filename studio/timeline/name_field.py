@@ -1,4 +1,4 @@
-"""Field over the timeline in which a label is renamed."""
+"""Text field over the timeline for renaming a label."""
 
 from collections.abc import Callable
 
@@ -10,7 +10,7 @@ LEAST_WIDTH = 120
 
 
 class NameField(QLineEdit):
-    """Field that accepts by Enter or a click elsewhere, cancels by Esc, and then closes."""
+    """Text field that accepts with Enter or a click elsewhere, cancels with Esc, and then closes."""
 
     def __init__(self, parent: QWidget, area: QRect, name: str, take: Callable[[str], object]) -> None:
         super().__init__(name, parent)
@@ -23,14 +23,14 @@ class NameField(QLineEdit):
         self.setFocus()
 
     def event(self, event: QEvent) -> bool:
-        """Reserve Esc and the letters from the window's shortcuts."""
+        """Reserve Esc and letters from the window's shortcuts."""
         if event.type() == QEvent.Type.ShortcutOverride:
             event.accept()
             return True
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Restore the old name by Esc."""
+        """Restore the old name on Esc."""
         if event.key() == Qt.Key.Key_Escape:
             self.setText(self._name)
             self._finish()

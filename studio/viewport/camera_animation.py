@@ -1,4 +1,4 @@
-"""Short camera animation from one view to another."""
+"""Short animation of the camera from one view to another."""
 
 from collections.abc import Callable
 
@@ -10,7 +10,7 @@ MILLISECONDS = 120
 
 
 class CameraAnimation(QObject):
-    """Animation of 120 ms; a new one replaces one under way."""
+    """Animation of ``MILLISECONDS``; starting a new one replaces it."""
 
     def __init__(self, show: Callable[[OrbitCamera], None], parent: QObject) -> None:
         super().__init__(parent)
@@ -24,7 +24,7 @@ class CameraAnimation(QObject):
         self._animation.valueChanged.connect(self._step)
 
     def start(self, begin: OrbitCamera, end: OrbitCamera) -> None:
-        """Animate from ``begin`` to ``end``; equal views change nothing, and an animation under way continues."""
+        """Animate the camera from ``begin`` to ``end``; does nothing if they are equal."""
         if begin == end:
             return
         self._animation.stop()

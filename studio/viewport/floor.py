@@ -1,4 +1,4 @@
-"""Floor: a plane that fades into the distance, metre lines, the axes' first metre, and soft shadows."""
+"""Floor: a plane that fades into the distance, metre lines, coloured first metres of the axes, and soft shadows."""
 
 import numpy as np
 import pyvista as pv
@@ -17,14 +17,15 @@ X_AXIS, Y_AXIS = (
 ZENITH = np.array([0x2F, 0x36, 0x3F], dtype=np.float64)
 HORIZON = np.array([0x27, 0x2C, 0x33], dtype=np.float64)
 GRID_REACH = 14
-"""Metre lines run this far from the middle."""
+"""Length in metres of the metre lines from the centre."""
 SHADOW_CELLS, SHADOW_REACH = 192, 8.0
+"""Cells per side of the shadow texture, and its reach in metres from the centre."""
 SHADOW_LIFT, LINE_LIFT = 0.0015, 0.003
-"""The shadow picture has this many cells a side and reaches this many metres from its middle."""
+"""Heights in metres of the shadow texture and of the lines above the floor."""
 
 
 def make_plane() -> pv.PolyData:
-    """Round floor of 120 m whose colour fades to the horizon's."""
+    """Round floor of 120 m that fades to the colour of the horizon."""
     radii = np.array([0.0, 12.0, 30.0, 60.0, 120.0])
     angles = np.linspace(0, 2 * np.pi, 49)[:-1]
     points = [np.zeros(3)]
@@ -54,7 +55,7 @@ def make_sky() -> pv.PolyData:
 
 
 def make_lines() -> pv.PolyData:
-    """Metre lines in pieces of a metre, fading out towards the rim; X and Y are tinted along the axes."""
+    """Metre lines in pieces of one metre that fade towards the rim; X and Y are coloured along the axes."""
     reach = np.arange(-GRID_REACH, GRID_REACH + 1)
     pieces, tints = [], []
     for place in reach:
@@ -75,7 +76,7 @@ def make_lines() -> pv.PolyData:
 
 
 class SoftShadows:
-    """Texture of the floor, darkened below near bodies."""
+    """Texture of the floor, darkened below bodies."""
 
     def __init__(self) -> None:
         self._dark = np.zeros((SHADOW_CELLS, SHADOW_CELLS), dtype=np.float32)
@@ -99,10 +100,9 @@ class SoftShadows:
         self.actor.texture = self.texture
 
     def cast(self, bodies: list[tuple[NDArray[np.float64], Morphology]], ground: Ground) -> None:
-        """Darken the ground under each body, from its stage points (N, 3) and its measures.
+        """Darken the ground under each body, from its stage points (N, 3) and its morphology.
 
-        A level floor is drawn with the texture; any other ground gets it as ``texture`` round ``centre``, on its
-        surface.
+        A level floor is drawn with the texture; any other ground receives it as ``texture`` around ``centre``.
         """
         cell = 2 * SHADOW_REACH / SHADOW_CELLS
         middle = np.mean([points[0, :2] for points, _ in bodies], axis=0) if bodies else np.zeros(2)
@@ -123,7 +123,7 @@ class SoftShadows:
         self.actor.SetPosition(centre[0], centre[1], ground.height + SHADOW_LIFT)
 
     def _darken(self, places: NDArray[np.float64], radii: NDArray[np.float64], strengths: NDArray[np.float64]) -> None:
-        """Draw soft spots at ``places`` (S, 2) of the texture; each darkens only the light that is left."""
+        """Add soft spots at ``places`` (S, 2) of the texture; overlapping spots multiply."""
         away = np.arange(SHADOW_CELLS) - places[:, :, None]
         fades = np.exp(-((away / radii[:, None, None]) ** 2)).astype(np.float32)
         reach = 2.2 * radii[:, None]
@@ -138,7 +138,9 @@ class SoftShadows:
 def _spots(
     points: NDArray[np.float64], morphology: Morphology, ground: Ground
 ) -> list[tuple[NDArray[np.float64], float, float]]:
-    """Position, radius and strength of the soft spots of a body: feet sharp and near, trunk wide and faint."""
+    """Position, radius and strength of the soft spots of a body: sharp ones near the feet, wide and faint ones of the
+    trunk.
+    """
     layout, size = morphology.layout, morphology.leg_length
     parts = [(layout.ankle_point(side) + k, 0.13, 0.62) for side in (0, 1) for k in (0, 1)]
     parts += [(layout.wrist_point(side), 0.12, 0.30) for side in (0, 1)]
@@ -153,19 +155,19 @@ def _spots(
 
 
 def line_tints(run: NDArray[np.float64], position: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
-    """(N, 3) colours of metre lines along ``axis`` at ``run`` (N,) on the line ``position`` (N,): the first metre is
-    tinted.
+    """(N, 3) colours of metre lines along ``axis`` at positions ``run`` (N,) of the lines ``position`` (N,); only the
+    first metre of an axis is coloured.
     """
     first = (position == 0.0) & (run >= 0.0)
     return np.where(first[:, None], (X_AXIS, Y_AXIS)[axis], GRID_LINE_COLOUR)
 
 
 def line_fade(places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(N, 1) opacity of metre lines at ``places`` (N, 2), decreasing towards the rim."""
+    """(N, 1) opacity of metre lines at ``places`` (N, 2), which decreases towards the rim."""
     near: NDArray[np.float64] = np.clip(1.15 - np.linalg.norm(places, axis=1) / GRID_REACH, 0, 1)[:, None]
     return near**1.2
 
 
 def as_bytes(colours: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """Colours (N, 3) 0 to 255, rounded."""
+    """Colours (N, 3) rounded to 0 to 255."""
     return np.round(colours).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""Painting of gizmos: arrows, rings, boxes, and the change during a drag."""
+"""Painting of gizmos: arrows, rings, boxes, and the amount of a drag."""
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
@@ -16,21 +16,21 @@ AXIS_COLOURS = {"x": "#e8675f", "y": "#7cc47a", "z": "#5f9fe8"}
 HOVERED, MIDDLE = "#ffe08a", "#f4f7fb"
 ARROW_LENGTH, ARROW_WIDTH = 13.0, 5.5
 HALF_BOX = 5.0
-"""Pixels from the middle of a box to its sides."""
+"""Half of the side of a box in pixels."""
 HIDDEN_STRENGTH = 0.16
-"""Strength of the half of a ring that is behind."""
+"""Opacity of the rear half of a ring."""
 WORDS_HEIGHT = 22.0
 
 
 class GizmoPainter:
-    """Paints gizmos with one painter; ``hot`` is the part under the mouse or dragged."""
+    """Painter of gizmos; ``hot`` is the part under the mouse or being dragged."""
 
     def __init__(self, painter: QPainter) -> None:
         self._painter = painter
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
 
     def paint(self, gizmo: GizmoFrame, hot: str | None, gesture: ViewportGesture | None) -> None:
-        """Paint a gizmo, and beside it the change by a drag."""
+        """Paint a gizmo, and beside it the amount of a drag."""
         match gizmo:
             case RotateGizmo():
                 self._rotate(gizmo, hot, gesture if isinstance(gesture, RotateDrag) else None)
@@ -42,7 +42,7 @@ class GizmoPainter:
             self._words(gizmo, gesture.words)
 
     def _move(self, gizmo: Gizmo, hot: str | None) -> None:
-        """Planes, arrows and ball."""
+        """Paint planes, arrows and ball."""
         for name, across in PLANES.items():
             if gizmo.usable(name):
                 self._square(gizmo.squares[name], AXIS_COLOURS[GIZMO_AXES[across]], name == hot)
@@ -52,7 +52,7 @@ class GizmoPainter:
         draw_disc(self._painter, gizmo.centre, 6.0, QColor(HOVERED if hot == BALL_HANDLE else MIDDLE))
 
     def _scale(self, gizmo: ScaleGizmo, hot: str | None) -> None:
-        """Lines that end in boxes, and the box in the middle."""
+        """Paint lines that end in boxes, and the box in the middle."""
         for axis, tip in _back_to_front(gizmo):
             if gizmo.usable(axis):
                 colour = HOVERED if axis == hot else AXIS_COLOURS[axis]
@@ -61,7 +61,7 @@ class GizmoPainter:
         self._box(gizmo.centre, QColor(HOVERED if hot == BALL_HANDLE else MIDDLE))
 
     def _rotate(self, gizmo: RotateGizmo, hot: str | None, drag: RotateDrag | None) -> None:
-        """Paint rings, with faint rear halves; during a drag, only that ring and the angle."""
+        """Paint rings with faint rear halves; during a drag, only the dragged ring and the angle."""
         if drag is not None and drag.part != TRACKBALL:
             self._sector(gizmo, drag)
             return
@@ -95,7 +95,7 @@ class GizmoPainter:
             self._painter.drawPolyline(line)
 
     def _sector(self, gizmo: RotateGizmo, drag: RotateDrag) -> None:
-        """Paint the dragged ring, with the sector from its grip."""
+        """Paint the dragged ring, with the sector of the rotation."""
         held = drag.gizmo
         colour = QColor(AXIS_COLOURS.get(drag.part, MIDDLE))
         shift = gizmo.centre - held.centre
@@ -151,13 +151,13 @@ class GizmoPainter:
 
 
 def _back_to_front(gizmo: GizmoFrame) -> list[tuple[str, FloatArray]]:
-    """Axes and their tips, the farthest first."""
+    """Axes with their end pixels, the farthest first."""
     order = np.argsort(gizmo.axes @ gizmo.camera.axes[2])
     return [(GIZMO_AXES[place], gizmo.tips[place]) for place in order.tolist()]
 
 
 def _runs(chosen: list[bool]) -> list[tuple[int, int]]:
-    """Begin and end of each run of chosen sides of a closed line; an end may exceed the last side."""
+    """Start and end of each run of True sides of a closed line; an end may exceed the last side."""
     count = len(chosen)
     if all(chosen):
         return [(0, count)]

@@ -1,4 +1,4 @@
-"""Camera drags: the mouse buttons and modifier keys that orbit, pan and zoom."""
+"""Mouse buttons and modifier keys that orbit, pan and zoom the camera."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -6,7 +6,7 @@ from types import MappingProxyType
 from PySide6.QtCore import Qt
 
 Navigation = Mapping[str, str]
-"""``orbit``, ``pan`` or ``zoom`` by the button that drags, after the keys that are held: ``Shift+Middle``."""
+"""Camera drag (``orbit``, ``pan`` or ``zoom``) by modifiers and button, for example ``Shift+Middle``."""
 DEFAULT_NAVIGATION: Navigation = MappingProxyType({"Alt+Left": "orbit", "Middle": "pan", "Alt+Right": "zoom"})
 CAMERA_DRAGS = ("orbit", "pan", "zoom")
 BUTTONS = {
@@ -22,7 +22,7 @@ HELD_KEYS = {
 
 
 def camera_drag(navigation: Navigation, button: Qt.MouseButton, held: Qt.KeyboardModifier) -> str | None:
-    """Camera drag of a button while keys are held, by the entry that uses most of them; None if there is none."""
+    """Camera drag of a button with modifiers held; the entry with most modifiers wins. None if there is none."""
     found = [
         (len(keys), kind)
         for stroke, kind in navigation.items()

@@ -1,4 +1,4 @@
-"""Initial camera: three-quarter, low, with every performer visible and separate."""
+"""Default camera: a low three-quarter view in which every performer is visible and separate."""
 
 import math
 from collections.abc import Mapping
@@ -11,26 +11,26 @@ from studio.engine.performance import PosedPerformer
 from studio.viewport.camera import FloatArray, OrbitCamera
 
 AZIMUTHS = tuple(math.radians(degrees) for degrees in (-52, 52, -40, 40, -30, 30))
-"""From where the bodies face; an earlier one is the more pleasant if both show the bodies equally well."""
+"""Candidate azimuths in radians relative to the direction that the bodies face, in order of preference."""
 SLOPE_VIEW_ANGLES = tuple(math.radians(degrees) for degrees in (-105, 105, -80, 80))
-"""The same over ground that rises or falls: from before the bodies, risers of steps are not seen."""
+"""Candidate azimuths in radians over uneven ground; from the front, the risers of steps would not be visible."""
 UNEVEN_GROUND = 0.15
-"""Metres by which the ground under the bodies rises or falls for that."""
+"""Difference in height in metres of the ground under the performers from which it counts as uneven."""
 ENOUGH_APART = 0.8
-"""Metres between two bodies, as seen, beyond which more makes nothing clearer."""
+"""Distance in metres between two bodies in the image beyond which more distance is no improvement."""
 ROWS = 24
 CHIPS, STEPS_BACK = 56.0, 12
-"""Pixels that the chips take along the upper edge; most steps back to show bodies clear of words."""
+"""Pixels that the chips take at the upper edge, and maximum number of steps by which the camera moves back."""
 LOOKED_AT = 500
-"""Frames, spread over a motion, that tell where its body faces."""
+"""Number of frames, spread over a motion, from which the direction that a body faces is estimated."""
 CLEARLY = 0.3
-"""Length of a mean direction that is a direction still."""
+"""Minimum length of a mean of unit vectors to count as a direction."""
 ANOTHER = 0.2
-"""Part of its width or height by which a view becomes another."""
+"""Change of a view's width or height, as a fraction, from which it counts as another size."""
 
 
 def performed_points(posed: Mapping[str, PosedPerformer]) -> FloatArray:
-    """(N, 3) stage points that the performers reach over their whole motions, thinned out."""
+    """(N, 3) stage points that the performers reach during their whole motions, thinned out."""
     paths = []
     for pose in posed.values():
         rows = np.linspace(0, pose.over_time.frame_count - 1, ROWS).round().astype(int)
@@ -45,9 +45,9 @@ def opening_camera(
     ground: Ground | None = None,
     covered_below: float = 0.0,
 ) -> OrbitCamera:
-    """Initial camera for these performers, more from the side if the ``ground`` rises or falls before them.
+    """Default camera for these performers; more from the side if the ``ground`` under them is uneven.
 
-    It shows them above the ``covered_below`` pixels along the lower edge.
+    The performers are above the ``covered_below`` pixels at the lower edge.
     """
     places = np.array([pose.points[0] for pose in posed.values()]).reshape(-1, 3)
     front = _facing(posed)
@@ -62,8 +62,8 @@ def opening_camera(
 def clear_of_overlays(
     camera: OrbitCamera, points: FloatArray, size: tuple[float, float], covered_below: float = 0.0
 ) -> OrbitCamera:
-    """Camera moved away and tilted until no stage point (N, 3) is behind the chips along the upper edge or the
-    ``covered_below`` pixels along the lower one.
+    """Camera moved back and tilted until no stage point (N, 3) is behind the chips at the upper edge or the
+    ``covered_below`` pixels at the lower edge.
     """
     for _ in range(STEPS_BACK):
         pixels, depth = camera.project(points, size)
@@ -78,7 +78,7 @@ def clear_of_overlays(
 
 
 def _facing(posed: Mapping[str, PosedPerformer]) -> float:
-    """Azimuth of the front of the pelves most of the time; 0 if they turn all round."""
+    """Azimuth in radians that the pelves face most of the time; 0 if there is no clear direction."""
     ways = []
     for pose in posed.values():
         rows = np.unique(np.linspace(0, pose.over_time.frame_count - 1, LOOKED_AT).astype(int))
@@ -102,5 +102,5 @@ def _tall_in_front(camera: OrbitCamera, posed: Mapping[str, PosedPerformer]) -> 
 
 
 def is_another_size(now: tuple[float, float], before: tuple[float, float]) -> bool:
-    """True if the size of a view has changed, except by a message line below it."""
+    """True if the size of a view has changed by more than the message strip below it."""
     return any(abs(one / other - 1) > ANOTHER for one, other in zip(now, before, strict=True))

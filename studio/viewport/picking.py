@@ -1,4 +1,4 @@
-"""Picking under the mouse: the nearest joint or bone of a body, or a prop."""
+"""Picking under the mouse: the nearest joint or bone of a performer, or a prop."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -12,18 +12,18 @@ from studio.viewport.body_points import BodyJoint, body_joints
 from studio.viewport.camera import FloatArray, OrbitCamera
 
 JOINT_REACH = 14.0
-"""A joint is hit within so many pixels."""
+"""Distance in pixels within which a joint is picked."""
 BODY_REACH = 0.09
-"""A body is hit within so many metres of a bone."""
+"""Distance in metres from a bone within which a body is picked."""
 AS_NEAR = 2.0
-"""Pixels by which the hand cannot tell two joints apart."""
+"""Difference in pixels up to which two joints count as equally near to the mouse."""
 
 Size = tuple[float, float]
 
 
 @dataclass(frozen=True)
 class PickedJoint:
-    """Joint of a performer."""
+    """Joint picked on a performer."""
 
     performer_id: str
     joint: BodyJoint
@@ -32,7 +32,7 @@ class PickedJoint:
 def joint_at(
     posed: Mapping[str, PosedPerformer], camera: OrbitCamera, size: Size, x: float, y: float
 ) -> PickedJoint | None:
-    """Joint nearest to pixel (x, y) within reach; of several about as near, the one in front."""
+    """Joint nearest to pixel (x, y) within reach, of equally near ones the front one; None if there is none."""
     found: list[tuple[float, float, PickedJoint]] = []
     for performer_id, pose in posed.items():
         joints = body_joints(pose.motion.morphology.layout)
@@ -48,7 +48,7 @@ def joint_at(
 
 
 def body_at(posed: Mapping[str, PosedPerformer], camera: OrbitCamera, size: Size, x: float, y: float) -> str | None:
-    """Performer whose bones are under pixel (x, y); the front one of several."""
+    """Id of the performer with bones at pixel (x, y), the front one of several; None if there is none."""
     found: list[tuple[float, str]] = []
     for performer_id, pose in posed.items():
         pairs = bone_pairs(pose.motion.morphology.layout)
@@ -65,7 +65,7 @@ def body_at(posed: Mapping[str, PosedPerformer], camera: OrbitCamera, size: Size
 
 
 def prop_under(props: Mapping[str, PropPose], camera: OrbitCamera, size: Size, x: float, y: float) -> str | None:
-    """Prop whose box the view ray through pixel (x, y) meets first (slab test in the box's axes)."""
+    """Id of the prop whose box the view ray through pixel (x, y) meets first; None if there is none."""
     origin, sight = camera.ray(x, y, size)
     found: list[tuple[float, str]] = []
     for prop_id, pose in props.items():
@@ -87,7 +87,7 @@ def nearest_place(
     y: float,
     reach: float,
 ) -> str | None:
-    """Key of the stage position (3,) nearest to pixel (x, y) within ``reach`` pixels."""
+    """Key of the stage position (3,) nearest to pixel (x, y) within ``reach`` pixels; None if there is none."""
     best, found = reach, None
     for key, place in places:
         pixels, depth = camera.project(place, size)

@@ -1,4 +1,4 @@
-"""Most important problem now: the performer and constraint with the worst residual at full activation."""
+"""Worst problem at present: the performer and constraint with the largest residual at full activation."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from studio.engine.residuals import Residual, worst_residual
 
 @dataclass(frozen=True)
 class Problem:
-    """Worst frame of one constraint on its worst performer."""
+    """Worst frame of one constraint on one performer, and a sentence about it."""
 
     performer_id: str
     constraint_id: str
@@ -20,7 +20,7 @@ class Problem:
 
 
 def worst_problem(project: Project, result_of: Results) -> Problem | None:
-    """Worst residual of an enabled constraint over all visible performers; None if all are met."""
+    """Worst residual of an enabled constraint over all visible performers; None if all constraints are met."""
     worst: Problem | None = None
     for performer_id, performer in project.performers.items():
         motion = result_of(performer_id) if performer.visible and performer.clips else None

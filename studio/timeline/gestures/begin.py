@@ -1,4 +1,4 @@
-"""Start of a drag by the position of the mouse, and the cursor before the button is pressed."""
+"""Choice of the drag for a press, and of the cursor, by the part under the mouse."""
 
 from PySide6.QtCore import QPointF, Qt
 
@@ -18,7 +18,9 @@ Cursor = Qt.CursorShape
 
 
 def gesture_at(hit: Hit, shown: RowContext, press: QPointF, stretch: bool = False) -> TimelineGesture | None:
-    """Drag for a hit, or None; ``stretch`` changes the speed of a clip."""
+    """Drag that a press on ``hit`` starts; None if it starts none. ``stretch`` changes the speed of a clip instead of
+    trimming it.
+    """
     if hit.part == ItemPart.TIME:
         return Scrub(shown.document.playhead, shown.axis)
     if hit.kind in MOVE_GESTURES and shown.project.get(hit.kind, hit.id) is None:
@@ -47,11 +49,13 @@ def gesture_at(hit: Hit, shown: RowContext, press: QPointF, stretch: bool = Fals
 
 
 MOVE_GESTURES = ("constraints", "contacts", "clips", "props", "labels", "corrections", "sounds", "footage")
-"""Kinds of things whose bars are dragged as a whole."""
+"""Collections of entities whose bars can be dragged as a whole."""
 
 
 def cursor_at(hit: Hit) -> Cursor:
-    """Cursor for a hit: arrows for movable parts, a hand for choices, a cross where a contact or label may be added."""
+    """Cursor over a part: arrows for parts that can be dragged, a hand for parts that can be clicked, a cross where a
+    contact or label can be added.
+    """
     if hit.part in HANDLES or hit.part in (*EDGES, ItemPart.KEY) or hit.kind == "playhead":
         return Cursor.SizeHorCursor
     if hit.part == ItemPart.BODY and hit.kind in MOVE_GESTURES:
@@ -66,7 +70,7 @@ def cursor_at(hit: Hit) -> Cursor:
 
 
 def items_of(hit: Hit) -> tuple[tuple[str, str], ...]:
-    """Items that a click selects: a clip with the performer of its row."""
+    """Items that a click selects; a clip together with the performer of its track."""
     if hit.kind == "clips":
         return ("performers", hit.performer_id), ("clips", hit.id)
     if hit.kind == "clip" and hit.part == ItemPart.KEY:
@@ -88,5 +92,5 @@ def items_of(hit: Hit) -> tuple[tuple[str, str], ...]:
 
 
 def name_of(contact: ContactInterval) -> str:
-    """``Left heel contact``."""
+    """Name of a contact: ``Left heel contact``."""
     return f"{contact.point.words.capitalize()} contact"

@@ -1,4 +1,4 @@
-"""Drags on the hold of a prop."""
+"""Drags on the hold of a prop by a performer."""
 
 from PySide6.QtCore import QPointF
 
@@ -10,7 +10,7 @@ from studio.timeline.tracks.hold import hold_under
 
 
 class DragHold(EditGesture[Prop]):
-    """Drag of the bar to move a hold in time, of an end to change the pick-up or put-down."""
+    """Drag of a hold in time, or of its pick-up or put-down."""
 
     collection = "props"
 
@@ -22,7 +22,7 @@ class DragHold(EditGesture[Prop]):
         self.text = f"{verb} {self.original.name} at another time"
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Move the ends, which stay in order; the time of a hand-over changes for both holds."""
+        """Move the dragged ends, which stay in order; a hand-over is moved for both performers."""
         hold = self._hold
         first, last = (-1e9 if hold.begin is None else hold.begin), (1e9 if hold.end is None else hold.end)
         grabbed = hold.end if self.part == ItemPart.LAST or hold.begin is None else hold.begin

@@ -1,5 +1,5 @@
-"""Error strip of one body: coloured by state, and higher for greater residuals, so that it can be read
-without colour.
+"""Painting of an error strip: coloured by state, and higher for larger residuals, so that it can be read without
+colour.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from studio.timeline.tracks.brush import paint_dot, translucent
 PITCH = 5
 ROOM_FOR_DOT = 10
 MISSED = 3
-"""From this state on the height tells how much."""
+"""Index in ``STATES`` from which the height of the strip shows the size of the residual."""
 STRIP_COLOURS = (
     colours.PANEL,
     colours.PANEL,
@@ -26,7 +26,7 @@ STRIP_COLOURS = (
 
 
 def paint_unknown(painter: QPainter, axis_right: float, left: float, right: float, top: int, colour: str) -> None:
-    """Draw a hatched line for unknown results."""
+    """Paint a hatched line for residuals that are not solved yet."""
     begin, end = max(left, ROW_LABEL_WIDTH + ROOM_FOR_DOT), min(right, axis_right + 20)
     if begin < end:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
@@ -38,7 +38,7 @@ def paint_unknown(painter: QPainter, axis_right: float, left: float, right: floa
 def paint_strip(
     painter: QPainter, shown: RowContext, strip: ErrorStrip, left: float, right: float, top: int, colour: str
 ) -> None:
-    """Draw a line from pixel ``left`` to ``right`` at the bottom of its five pixels, after the body's dot."""
+    """Paint an error strip from pixel ``left`` to ``right``, after the dot in the performer's ``colour``."""
     xs = np.arange(round(max(left, ROW_LABEL_WIDTH + ROOM_FOR_DOT)), round(min(right, shown.axis.right + 20)) + 1)
     active = np.flatnonzero(strip.state_indices)
     if not len(xs) or not len(active):
@@ -59,7 +59,7 @@ def paint_strip(
 def _columns(
     shown: RowContext, strip: ErrorStrip, xs: NDArray[np.int64], first: int, last: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """State and height of each pixel column, by the worst of the frames ``first`` to ``last`` in it."""
+    """State and height of each pixel column: the worst of the frames ``first`` to ``last`` in the column."""
     stage_seconds = shown.axis.start + (xs - shown.axis.left) / shown.axis.scale
     starts = np.clip(strip.frames_at(stage_seconds), first, last)
     errors = np.nan_to_num(strip.errors)[: last + 1]
