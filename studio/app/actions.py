@@ -33,8 +33,8 @@ from studio.core.stage.saved_camera import CAMERA_SLOTS
 from studio.library.scenes import SCENES
 from studio.viewport.eyes import Stereo
 
-Run = Callable[[Workbench], object]
-Test = Callable[[Workbench], bool]
+ActionFunction = Callable[[Workbench], object]
+ActionTest = Callable[[Workbench], bool]
 
 MENUS = (
     "File",
@@ -108,21 +108,21 @@ class Action:
     id: str
     menu: str
     text: str
-    run: Run
+    run: ActionFunction
     shortcuts: tuple[str, ...] = ()
     tooltip: str = ""
-    enabled: Test = _always
-    checked: Test | None = None
+    enabled: ActionTest = _always
+    checked: ActionTest | None = None
     tool: str = ""
     repeats: bool = False
     ends_group: bool = False
 
 
-def _tool_is(tool: str) -> Test:
+def _tool_is(tool: str) -> ActionTest:
     return lambda bench: _viewing(bench) and bench.viewport.tool == tool
 
 
-FILE = (
+FILE_ACTIONS = (
     Action("new", "File", "New", files.new, ("Ctrl+N",), "New project with the bundled characters"),
     Action("open", "File", "Open…", files.open_project, ("Ctrl+O",), "Open a project"),
     Action("open_sample", "File", "Open sample", files.open_sample, tooltip="The sample clip on five characters"),
@@ -154,7 +154,7 @@ FILE = (
     Action("quit", "File", "Quit", files.leave, ("Ctrl+Q",), "Quit Morpho Studio"),
 )  # fmt: skip
 
-EDIT = (
+EDIT_ACTIONS = (
     Action(
         "undo", "Edit", "Undo", editing.undo, ("Ctrl+Z",), "Undo the last step",
         lambda bench: bench.document.undo_stack.canUndo(), repeats=True,
@@ -185,7 +185,7 @@ EDIT = (
     Action("ground", "Edit", "Edit ground", editing.select_ground, tooltip="Select the ground and show its settings"),
 )  # fmt: skip
 
-CHARACTER = (
+CHARACTER_ACTIONS = (
     Action("hide", "Character", "Toggle visibility", editing.hide, ("H",), "Show or hide the selected characters",
            _with_bodies),
     Action("solo", "Character", "Solo", editing.solo, ("Ctrl+H",),
@@ -197,7 +197,7 @@ CHARACTER = (
     Action("show_all", "Character", "Show all", editing.show_all, ("Shift+H",), "Show every character", _with_bodies),
 )  # fmt: skip
 
-CLIP = (
+CLIP_ACTIONS = (
     Action("add_clip", "Clip", "Add clip…", clips.add,
            tooltip="Append a clip from the library to the selected (or all visible) characters",
            enabled=_performing, ends_group=True),
@@ -221,7 +221,7 @@ def _adding(kind: str, shown: KindInfo) -> Action:
     return Action(name, "Constraint", shown.action, constraint_adder(kind), keys, shown.hint, _ready)
 
 
-CONSTRAINT = (
+CONSTRAINT_ACTIONS = (
     Action("choose_joint", "Constraint", "Pick joint…", choose_joint, ("Shift+J",),
            "Pick a joint of the active character from a searchable list", _ready),
     Action("pick_skin", "Constraint", "Pick point on skin", pick_skin, ("Ctrl+Shift+J",),
@@ -240,7 +240,7 @@ CONSTRAINT = (
            "Duplicate the selected constraints, the clip, or the states of a behaviour", _copyable),
 )  # fmt: skip
 
-PROP = (
+PROP_ACTIONS = (
     Action("add_box", "Prop", "Add box", props.add_box,
            tooltip="Add a box in front of the character; constraint targets can follow it", enabled=_viewing),
     Action("add_prop", "Prop", "Add prop…", props.choose,
@@ -255,7 +255,7 @@ PROP = (
            tooltip="Release the selected prop at the playhead", enabled=props.is_held),
 )  # fmt: skip
 
-LIBRARY = (
+LIBRARY_ACTIONS = (
     Action("find_strike", "Library", "Find a strike in the library…", show_strikes, ("Ctrl+F",),
            "Search the motion library for the clip that best hits a target", _performing),
     Action("label_strike", "Library", "Label strike…", label_strike,
@@ -265,16 +265,16 @@ LIBRARY = (
            tooltip="Map of the poses in the motion library; click one to list its clips"),
 )  # fmt: skip
 
-BEHAVIOUR = (
+BEHAVIOUR_ACTIONS = (
     Action("behaviour", "Behaviour", "Edit behaviour", behaviours.show_behaviour, ("Shift+B",),
            "Edit the state machine that drives the active character during live play", ends_group=True),
     *(
         Action(key, "Behaviour", text, run, tooltip=tip, enabled=_with_bodies)
-        for key, (text, tip, run) in behaviours.READY_MADE.items()
+        for key, (text, tip, run) in behaviours.READY_MADE_PARTS.items()
     ),
 )  # fmt: skip
 
-PLAY = (
+PLAY_ACTIONS = (
     Action("play", "Play", "Play or pause", playback.toggle, ("Space",)),
     Action("play_live", "Play", "Play live", playing_live.toggle, ("Shift+Space",),
            "Live play: press 1 to 9 to start clips; everything can be edited meanwhile",
@@ -321,7 +321,7 @@ LIVE_ACTIONS = (
            checked=is_streaming, ends_group=True),
 )  # fmt: skip
 
-VIEW = (
+VIEW_ACTIONS = (
     Action("select_tool", "View", "Select tool", view.select_tool, ("Q",), "Click to select", _viewing,
            _tool_is("select"), tool="Q select"),
     Action("move_tool", "View", "Move tool", view.move_tool, ("W",), "Drag targets by their arrows", _viewing,
@@ -407,7 +407,7 @@ VIEW = (
     Action("reset_layout", "View", "Reset layout", view.reset_layout, ends_group=True),
 )  # fmt: skip
 
-HELP = (
+HELP_ACTIONS = (
     Action("guide", "Help", "Guide", view.guide, ("F1",), "Open the illustrated guide"),
     Action("tour", "Help", "Tour", view.tour, tooltip="A first edit in five steps, on the sample", enabled=_viewing),
     Action("palette", "Help", "Search actions…", view.palette, ("Ctrl+K",), "Find any action by its name"),
@@ -434,17 +434,17 @@ SCENE_ACTIONS = tuple(
 )
 
 ACTIONS: tuple[Action, ...] = (
-    *FILE,
+    *FILE_ACTIONS,
     *SCENE_ACTIONS,
-    *EDIT,
-    *CHARACTER,
-    *CLIP,
-    *CONSTRAINT,
-    *PROP,
-    *LIBRARY,
-    *BEHAVIOUR,
-    *PLAY,
+    *EDIT_ACTIONS,
+    *CHARACTER_ACTIONS,
+    *CLIP_ACTIONS,
+    *CONSTRAINT_ACTIONS,
+    *PROP_ACTIONS,
+    *LIBRARY_ACTIONS,
+    *BEHAVIOUR_ACTIONS,
+    *PLAY_ACTIONS,
     *LIVE_ACTIONS,
-    *VIEW,
-    *HELP,
+    *VIEW_ACTIONS,
+    *HELP_ACTIONS,
 )

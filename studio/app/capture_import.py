@@ -32,7 +32,7 @@ from studio.io.source_files import SourceMissing
 from studio.panels.message_strip import Lifetime
 
 PROJECT_UNCHANGED = "Your project was not changed."
-READ_SHARE = 0.7
+READING_FRACTION = 0.7
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def read_motion_ready(
     capture = with_floor_reported(capture)
     capture = with_reference_kept(capture)
     expect(capture)
-    progress(READ_SHARE, "detecting contacts")
+    progress(READING_FRACTION, "detecting contacts")
     remarks_on(capture)  # here, beside the window, whose views show them
     motion_id = new_id()
     return ReadMotion(capture, known_of_motion(capture, read.annotations, motion_id), read_as, motion_id, path)
@@ -113,7 +113,7 @@ def project_unchanged_on_error() -> Iterator[None]:
 
 
 def _reading(progress: Progress) -> Progress:
-    return lambda share, text: progress(READ_SHARE * share, text)
+    return lambda share, text: progress(READING_FRACTION * share, text)
 
 
 def import_motion(bench: Workbench, path: Path, options: ImportOptions = GUESS_ALL) -> int:

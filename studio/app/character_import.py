@@ -25,7 +25,7 @@ from studio.io.importing import GUESS_ALL, load_character
 from studio.io.project.character_file import actor_character
 from studio.io.registry import Progress, ReadCharacter, known_formats
 
-ARM_ROOM = 0.6
+ARM_ROOM_METRES = 0.6
 """Metres that are left for the arms between the torsos of two characters placed side by side."""
 
 
@@ -114,7 +114,7 @@ def add_read_character(document: Document, character: Character, text: str) -> s
     taken = {each.name for each in project.characters.values()} | {each.name for each in project.performers.values()}
     character = replace(character, name=free_name(character.name, taken))
     active = project.performers.get(document.active_performer_id or "")
-    room = ARM_ROOM + _half_breadth(character)
+    room = ARM_ROOM_METRES + _half_breadth(character)
     gaps = {
         key: room + _half_breadth(project.characters[each.character_id]) for key, each in project.performers.items()
     }

@@ -41,13 +41,13 @@ class ExportKind:
     text: str
 
 
-PICTURE_SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160), (1080, 1080), (1080, 1920))
-RATES = (24.0, 25.0, 30.0, 60.0)
-MOTION_RATES = (*RATES, 120.0)
-WITH_BODIES = (ExportContent.ADAPTED, ExportContent.STAGE)
+IMAGE_SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160), (1080, 1080), (1080, 1920))
+FRAME_RATES = (24.0, 25.0, 30.0, 60.0)
+MOTION_FRAME_RATES = (*FRAME_RATES, 120.0)
+CONTENTS_WITH_BODIES = (ExportContent.ADAPTED, ExportContent.STAGE)
 """Contents with skeletons, to which the options for joints and rest pose apply."""
-OWN_NAMES = "Original names"
-HINTS = {
+ORIGINAL_NAMES_LABEL = "Original names"
+FORMAT_HINTS = {
     ".bvh": "Skeleton and rotations; supported by nearly every program.",
     ".fbx": "Joints, skin, materials and animation for Maya, MotionBuilder, Unreal, Unity and Blender.",
     ".s4d": "The motion as it was captured, with its contacts and constraints, for any character.",
@@ -99,7 +99,7 @@ class ExportDialog(QDialog):
         self.what = Choice("Content", [(what, self._said(what)) for what in self._offered()])
         self.kind = Choice("Format", ())
         self.names = Choice(
-            "Joint naming", [("", OWN_NAMES), *((key, each.name) for key, each in joint_namings().items())]
+            "Joint naming", [("", ORIGINAL_NAMES_LABEL), *((key, each.name) for key, each in joint_namings().items())]
         )
         self.rest = Choice("Rest pose", list(REST_POSES.items()))
         self._carried = self._carriable()
@@ -108,12 +108,12 @@ class ExportDialog(QDialog):
         self.others = Choice("Other joints", [("carry", words), ("leave", "Leave out")])
         self.range = Choice("Range", [("all", "All frames"), ("timeline", "Play range")])
         self.frame_rate = Choice(
-            "Frame rate", [(None, "As captured"), *((rate, f"{rate:g} fps") for rate in MOTION_RATES)]
+            "Frame rate", [(None, "As captured"), *((rate, f"{rate:g} fps") for rate in MOTION_FRAME_RATES)]
         )
         self.root = Choice("Root", list(ROOTS.items()))
         self.position = Choice("Position", [("stage", "On the stage"), ("origin", "At the origin")])
-        self.picture_size = Choice("Size", [(size, f"{size[0]} × {size[1]}") for size in PICTURE_SIZES])
-        self.rate = Choice("Frame rate", [(rate, f"{rate:g} fps") for rate in RATES])
+        self.picture_size = Choice("Size", [(size, f"{size[0]} × {size[1]}") for size in IMAGE_SIZES])
+        self.rate = Choice("Frame rate", [(rate, f"{rate:g} fps") for rate in FRAME_RATES])
         self.hint = QLabel()
         self.hint.setProperty("role", "hint")
         self.hint.setWordWrap(True)
@@ -154,7 +154,7 @@ class ExportDialog(QDialog):
         """Export options chosen for the current format."""
         chosen = self.kind.value
         assert isinstance(chosen, ExportKind)
-        if chosen.what not in WITH_BODIES:
+        if chosen.what not in CONTENTS_WITH_BODIES:
             return ExportOptions()
         playhead, rate = self._bench.document.playhead, self.frame_rate.value
         begin, end = playhead.first / playhead.frame_rate, playhead.last / playhead.frame_rate
@@ -192,7 +192,7 @@ class ExportDialog(QDialog):
             self.names: "",
             self.rest: "t",
             self.others: "carry",
-            self.picture_size: PICTURE_SIZES[0],
+            self.picture_size: IMAGE_SIZES[0],
             self.rate: 30.0,
         }
         for choice, value in (
@@ -251,20 +251,20 @@ class ExportDialog(QDialog):
     def _show_options(self, kind: object) -> None:
         assert isinstance(kind, ExportKind)
         shown = {
-            self.range: kind.what in WITH_BODIES,
-            self.frame_rate: kind.what in WITH_BODIES,
-            self.names: kind.what in WITH_BODIES,
-            self.rest: kind.what in WITH_BODIES and kind.suffix in RESTING,
-            self.root: kind.what in WITH_BODIES and kind.suffix != ".s4d",
+            self.range: kind.what in CONTENTS_WITH_BODIES,
+            self.frame_rate: kind.what in CONTENTS_WITH_BODIES,
+            self.names: kind.what in CONTENTS_WITH_BODIES,
+            self.rest: kind.what in CONTENTS_WITH_BODIES and kind.suffix in RESTING,
+            self.root: kind.what in CONTENTS_WITH_BODIES and kind.suffix != ".s4d",
             self.position: kind.what is ExportContent.ADAPTED,
-            self.others: kind.what in WITH_BODIES and kind.suffix in SKELETAL and bool(self._carried),
+            self.others: kind.what in CONTENTS_WITH_BODIES and kind.suffix in SKELETAL and bool(self._carried),
             self.picture_size: kind.what is ExportContent.FILM,
             self.rate: kind.what is ExportContent.FILM,
         }
         for choice, is_shown in shown.items():
             choice.setVisible(is_shown)
             self._labels[choice].setVisible(is_shown)
-        self.hint.setText(HINTS.get(kind.suffix, ""))
+        self.hint.setText(FORMAT_HINTS.get(kind.suffix, ""))
 
     def _ask_where(self) -> None:
         """Show the system's file dialog. Edits made while it is open do not change what is exported."""

@@ -13,7 +13,7 @@ from studio.io.takes.exported_stage import exported_stage, write_stage
 from studio.jobs.performances import stage_performances
 
 Progress = Callable[[float, str], None]
-ADAPTING_SHARE = 0.3
+ADAPTING_FRACTION = 0.3
 
 
 def chosen_performers(bench: Workbench) -> list[str]:
@@ -31,13 +31,13 @@ def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | No
     def work(progress: Progress) -> list[Path]:
         progress(0.0, "Adapting")
         made = stage_performances(project)
-        each_share = (1.0 - ADAPTING_SHARE) / len(paths)
+        each_share = (1.0 - ADAPTING_FRACTION) / len(paths)
         for place, (key, path) in enumerate(paths.items()):
             if key not in made.performances:
                 reason = made.failures.get(key, "Add a clip to it first.")
                 raise StudioError(f"{project.performers[key].name} cannot be exported. {reason}")
             take = take_of_performer(project, key, made.performances[key], along=chosen.carries(path))
-            begun = ADAPTING_SHARE + place * each_share
+            begun = ADAPTING_FRACTION + place * each_share
             write_take(chosen.applied_to(take, path), path, partial_progress(progress, begun, each_share))
         return list(paths.values())
 
@@ -55,7 +55,7 @@ def export_stage(bench: Workbench, path: Path, options: ExportOptions | None = N
         for key, reason in made.failures.items():
             raise StudioError(f"{project.performers[key].name} cannot be exported. {reason}")
         stage = exported_stage(project, made.performances, chosen, path)
-        write_stage(stage, path, partial_progress(progress, ADAPTING_SHARE, 1.0 - ADAPTING_SHARE))
+        write_stage(stage, path, partial_progress(progress, ADAPTING_FRACTION, 1.0 - ADAPTING_FRACTION))
         return [path]
 
     task: int = bench.runner.run("Export", work, lambda written: bench.inform(exported_text(written)))

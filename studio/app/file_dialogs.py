@@ -11,14 +11,14 @@ from studio.io.media.footage_file import FILM_SUFFIXES, PICTURE_SUFFIXES
 from studio.io.media.sound_file import SOUND_SUFFIXES
 from studio.io.registry import known_formats
 
-PROJECTS = "Morpho Studio projects (*.studio)"
+PROJECT_FILTER = "Morpho Studio projects (*.studio)"
 CONSTRAINTS_FILTER = "Constraints (*.json)"
 MEDIA_FILTERS = {
     "sounds": f"Sounds and videos ({' '.join(f'*{suffix}' for suffix in SOUND_SUFFIXES)})",
     "footage": f"Videos and images ({' '.join(f'*{suffix}' for suffix in (*FILM_SUFFIXES, *PICTURE_SUFFIXES))})",
 }
 """File filters for sounds and footage, by collection of the project."""
-EVERYTHING = "All files (*)"
+ALL_FILES_FILTER = "All files (*)"
 
 
 def motions(job: str) -> str:
@@ -59,7 +59,7 @@ def ask_new_file(
 
 def ask_folder(bench: Workbench, title: str, then: Callable[[Path], object]) -> QFileDialog:
     """Ask for a folder to write to, and call ``then`` with it."""
-    dialog = _make(bench, title, EVERYTHING)
+    dialog = _make(bench, title, ALL_FILES_FILTER)
     dialog.setFileMode(QFileDialog.FileMode.Directory)
     dialog.setOption(QFileDialog.Option.ShowDirsOnly)
     return _open(bench, dialog, then)
@@ -68,8 +68,8 @@ def ask_folder(bench: Workbench, title: str, then: Callable[[Path], object]) -> 
 def _make(bench: Workbench, title: str, kind: str) -> QFileDialog:
     dialog = QFileDialog(bench.window, title, bench.settings.folder)
     dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-    if kind != EVERYTHING:
-        dialog.setNameFilters([kind, EVERYTHING])
+    if kind != ALL_FILES_FILTER:
+        dialog.setNameFilters([kind, ALL_FILES_FILTER])
     return dialog
 
 

@@ -24,9 +24,9 @@ from studio.viewport.shots import Shots, send_shots
 
 Progress = Callable[[float, str], None]
 
-RENDERER = (sys.executable, "-m", "studio.viewport.film_child")
+RENDER_COMMAND = (sys.executable, "-m", "studio.viewport.film_child")
 
-MOST_PICTURES = 1_000_000
+MAX_VIDEO_FRAMES = 1_000_000
 """Maximum number of images: nine hours at 30 fps."""
 
 
@@ -43,9 +43,9 @@ def render_film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate:
     playhead = bench.document.playhead
     begin, end = playhead.first / playhead.frame_rate, playhead.last / playhead.frame_rate
     count = int((end - begin) * frame_rate + 1e-6) + 1
-    if count > MOST_PICTURES:
+    if count > MAX_VIDEO_FRAMES:
         raise StudioError(
-            f"{count} frames are too many for a video. Set a shorter range; the limit is {MOST_PICTURES}."
+            f"{count} frames are too many for a video. Set a shorter range; the limit is {MAX_VIDEO_FRAMES}."
         )
     times = begin + np.arange(count) / frame_rate
     shots = Shots(_played(bench.document.project), bench.viewport.view, tuple(times.tolist()), size)
@@ -80,7 +80,7 @@ def _renderer(shots: Shots) -> Iterator["subprocess.Popen[bytes]"]:
     with tempfile.TemporaryFile() as asked:
         send_shots(shots, asked)
         asked.seek(0)
-        with child_process(RENDERER, asked, subprocess.PIPE, subprocess.PIPE) as renderer:
+        with child_process(RENDER_COMMAND, asked, subprocess.PIPE, subprocess.PIPE) as renderer:
             yield renderer
 
 

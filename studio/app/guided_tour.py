@@ -62,7 +62,7 @@ def _kinds_of_targets(project: Project) -> dict[str, type]:
     return {key: type(target) for key, target in _targets(project).items()}
 
 
-STEPS = (
+TOUR_STEPS = (
     Step("Press Space to play the motion, and Space again to pause it where the foot kicks highest.", _has_played),
     Step("Click a joint of a character, such as the kicking foot, or press Shift+J to choose one.", _has_picked),
     Step("Press C to constrain the joint. A bar for the constraint appears in the timeline.", _has_constrained),
@@ -110,20 +110,20 @@ class GuidedTour(QObject):
         self._strip.clear()
 
     def _show(self, number: int) -> None:
-        if number == len(STEPS):
+        if number == len(TOUR_STEPS):
             self.end()
             self._strip.show_sentence(END_SENTENCE)
             return
         self._number, self._start = number, self._start_now()
         self._strip.show_sentence(
-            f"Tour, step {number + 1} of {len(STEPS)}. {STEPS[number].sentence}",
+            f"Tour, step {number + 1} of {len(TOUR_STEPS)}. {TOUR_STEPS[number].sentence}",
             ("Skip", lambda: self._show(number + 1)),
             ("End tour", self.end),
         )
         self._update()  # a joint may have been picked before
 
     def _update(self, *_: object) -> None:
-        if STEPS[self._number].is_done(self._bench, self._start):
+        if TOUR_STEPS[self._number].is_done(self._bench, self._start):
             self._show(self._number + 1)
         elif _kinds_of_targets(self._bench.document.project) != _kinds_of_targets(self._start.project):
             self._start = self._start_now()  # a target that comes, goes or becomes shared is where the step starts

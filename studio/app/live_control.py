@@ -17,7 +17,7 @@ from studio.app.workbench import Workbench
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
-from studio.engine.performance import displayed_stage
+from studio.engine.posed_performer import displayed_stage
 from studio.live.recording import Recorder, Replay
 from studio.live.streamer import Broadcast, StreamedPose
 from studio.live.tracker import LOOPBACK, PORT, Inbox, UdpInput
@@ -32,11 +32,11 @@ FloatArray = NDArray[np.float64]
 OUT_PORT = PORT + 1
 POLL_MILLISECONDS, REPORT_MILLISECONDS = 16, 500
 """Interval at which received values are taken, and interval at which the panel's counts are updated."""
-HEAD_MOVE, HEAD_REST_SECONDS = 0.001, 0.3
+HEAD_MOVE_METRES, HEAD_REST_SECONDS = 0.001, 0.3
 """Metres by which a tracked head must move to count as moving, and seconds without movement after which whole motions
 are solved.
 """
-RECORDINGS = "OSC recordings (*.osc)"
+RECORDING_FILTER = "OSC recordings (*.osc)"
 
 
 @dataclass
@@ -92,7 +92,7 @@ class LiveControl:
         self._telling.timeout.connect(self.update_counts)
         panel = self.panel
         panel.listen_requested.connect(self.listen)
-        panel.replay_requested.connect(lambda: ask_file(bench, "Replay OSC recording", RECORDINGS, self.replay))
+        panel.replay_requested.connect(lambda: ask_file(bench, "Replay OSC recording", RECORDING_FILTER, self.replay))
         panel.record_requested.connect(self._ask_recording)
         panel.close_requested.connect(self.close_source)
         panel.sender_switched.connect(self.switch)
@@ -247,7 +247,7 @@ class LiveControl:
             return
         x, y, z = place.tolist()
         before = prop.position if isinstance(prop.position, tuple) else (0.0, 0.0, -1e9)
-        if max(abs(new - old) for new, old in zip((x, y, z), before, strict=True)) < HEAD_MOVE:
+        if max(abs(new - old) for new, old in zip((x, y, z), before, strict=True)) < HEAD_MOVE_METRES:
             return
         followed = any(
             follow.prop_id == tracked.prop_id
@@ -360,7 +360,7 @@ class LiveControl:
         if self.recorder is not None:
             self.stop_recording()
         else:
-            ask_new_file(self.bench, "Record OSC input", RECORDINGS, "session.osc", self.record, "osc")
+            ask_new_file(self.bench, "Record OSC input", RECORDING_FILTER, "session.osc", self.record, "osc")
 
     def _offer(self) -> None:
         project = self.bench.document.project

@@ -42,7 +42,7 @@ from studio.app.sound_playback import SoundPlayback
 from studio.app.strike_search import StrikeSearchController
 from studio.app.top_bar import TopBar
 from studio.app.verbs import editing, files
-from studio.app.verbs.behaviours import READY_MADE
+from studio.app.verbs.behaviours import READY_MADE_PARTS
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.engine.problem_search import ProblemSearch
@@ -52,9 +52,9 @@ from studio.panels.console import Console
 from studio.panels.fields import styled_label
 from studio.panels.history import History
 from studio.panels.inspector import Inspector
-from studio.panels.library_drops import BODIES, LibraryDrops
+from studio.panels.library_drops import BODY_COLLECTIONS, LibraryDrops
 from studio.panels.library_panel import LibraryPanel
-from studio.panels.library_rows import OPENED
+from studio.panels.library_rows import SCENE_COLLECTIONS
 from studio.panels.message_strip import Lifetime, MessageStrip, RecoveryBar
 from studio.panels.problem_table import ProblemTable
 from studio.panels.status_line import StatusLine
@@ -65,11 +65,11 @@ if TYPE_CHECKING:
 
 MAIN_WINDOW_SIZE = (1680, 1050)
 LIBRARY_WIDTH, INSPECTOR_WIDTH = 236, 316
-TIMELINE_SHARE, TIMELINE_MOST = 0.35, 0.45
-HISTORY_HEIGHT, HISTORY_SHARE = 160, 0.24
-TITLE_BAR = 36
+TIMELINE_FRACTION, MAX_TIMELINE_FRACTION = 0.35, 0.45
+HISTORY_HEIGHT_PX, HISTORY_FRACTION = 160, 0.24
+TITLE_BAR_PX = 36
 """Pixels reserved for the title bar that a window manager puts above the window."""
-ABOVE_NOTES = 48
+CHIP_STRIP_PX = 48
 """Pixels at the upper and lower edge of the 3D view that are left to its chips, so that no message covers them."""
 
 Area = Qt.DockWidgetArea
@@ -125,7 +125,9 @@ class MainWindow(QMainWindow):
             note.raise_()
         viewport.strike_drops.dropped.connect(self.striking.play)
         viewport.pose_drops.dropped.connect(self.pose_library.apply_to)
-        LibraryDrops(viewport, ("captures", *BODIES, *OPENED)).dropped.connect(self.library.open_item)
+        LibraryDrops(viewport, ("captures", *BODY_COLLECTIONS, *SCENE_COLLECTIONS)).dropped.connect(
+            self.library.open_item
+        )
         viewport.covered_below = self._covered_below
         self.bench.set_viewport(viewport)
         self._apply_preferences()
@@ -144,7 +146,7 @@ class MainWindow(QMainWindow):
         timeline.message_posted.connect(self.status.show_hint)
         timeline.action_requested.connect(lambda key: self.actions_by_id.by_id[key].trigger())
         timeline.tracks.strike_dropped.connect(self.striking.play)
-        LibraryDrops(timeline.tracks, BODIES).dropped.connect(self.library.open_item)
+        LibraryDrops(timeline.tracks, BODY_COLLECTIONS).dropped.connect(self.library.open_item)
         self.bench.set_timeline(timeline)
         self._show_progress(*self.status.progress.now)
         self.bench.views_changed.emit()
@@ -261,7 +263,7 @@ class MainWindow(QMainWindow):
         self._waiting.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._stage_layout.addWidget(self._waiting, 0, 0)
         notes = QVBoxLayout()  # over the view, whose size is the same with them and without
-        notes.setContentsMargins(12, ABOVE_NOTES, 12, ABOVE_NOTES)
+        notes.setContentsMargins(12, CHIP_STRIP_PX, 12, CHIP_STRIP_PX)
         notes.setSpacing(8)
         notes.addWidget(self.recovery)
         notes.addWidget(self.question)
@@ -281,7 +283,7 @@ class MainWindow(QMainWindow):
         self.live_control = LiveControl(self.bench)
         self.pose_library = PoseLibrary(self.bench)
         self.footage_playback = FootagePlayback(self.bench, self)
-        ready_made = [(key, text, tip) for key, (text, tip, _) in READY_MADE.items()]
+        ready_made = [(key, text, tip) for key, (text, tip, _) in READY_MADE_PARTS.items()]
         self.behaviour = BehaviourPanel(self.bench.document, ready_made)
         self.behaviour.action_requested.connect(lambda key: self.actions_by_id.by_id[key].trigger())
         self.console = Console(self.bench.document)
@@ -332,10 +334,10 @@ class MainWindow(QMainWindow):
         self.resizeDocks(
             [docks["Library"], docks["Inspector"]], [LIBRARY_WIDTH, INSPECTOR_WIDTH], Qt.Orientation.Horizontal
         )
-        height = round(self.height() * TIMELINE_SHARE)
+        height = round(self.height() * TIMELINE_FRACTION)
         self.resizeDocks([docks["Timeline"]], [height], Qt.Orientation.Vertical)
         left = self.height() - height
-        history = min(HISTORY_HEIGHT, round(left * HISTORY_SHARE))
+        history = min(HISTORY_HEIGHT_PX, round(left * HISTORY_FRACTION))
         self.resizeDocks([docks["Library"], docks["History"]], [left - history, history], Qt.Orientation.Vertical)
 
     def _connect(self) -> None:
@@ -381,10 +383,10 @@ class MainWindow(QMainWindow):
 
     def _stay_on_screen(self) -> None:
         """Limit size and position of the window to the screen."""
-        room = self.screen().availableGeometry().adjusted(0, TITLE_BAR, 0, 0)
+        room = self.screen().availableGeometry().adjusted(0, TITLE_BAR_PX, 0, 0)
         self.resize(self.size().boundedTo(room.size()))
         if not room.contains(self.geometry()):
-            self.move(room.topLeft() - QPoint(0, TITLE_BAR))
+            self.move(room.topLeft() - QPoint(0, TITLE_BAR_PX))
 
     # What it answers to
 
@@ -473,7 +475,7 @@ class MainWindow(QMainWindow):
         QTimer.singleShot(0, self, self._bound_timeline)
 
     def _bound_timeline(self) -> None:
-        most, dock = round(self.height() * TIMELINE_MOST), self.docks["Timeline"]
+        most, dock = round(self.height() * MAX_TIMELINE_FRACTION), self.docks["Timeline"]
         # One that was dragged out onto another, as its tab, floats with that one and not by itself.
         placed = self.dockWidgetArea(dock) is not Qt.DockWidgetArea.NoDockWidgetArea and not dock.isFloating()
         if dock.height() > most and placed:

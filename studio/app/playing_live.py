@@ -14,16 +14,16 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import clips_until, copies_for_parts
 from studio.core.stage.conditions import KeyCondition
 from studio.core.stage.project import Entity, Performer, Project, new_id
-from studio.document.clip_edits import put_copies
+from studio.document.clip_edits import add_copies
 from studio.live.recorded_take import StageTake, edits_of
 from studio.panels.fields import NumberField
 from studio.panels.message_strip import Lifetime
 
-TYPING = (QLineEdit, QAbstractSpinBox, QComboBox, QTextEdit, QPlainTextEdit)
+TYPING_WIDGETS = (QLineEdit, QAbstractSpinBox, QComboBox, QTextEdit, QPlainTextEdit)
 KEY_EVENTS = (QEvent.Type.ShortcutOverride, QEvent.Type.KeyPress)
 
 
-PLAYS_LIVE = "Live play is on."
+LIVE_PLAY_MESSAGE = "Live play is on."
 
 
 class LivePlayController(QObject):
@@ -42,7 +42,7 @@ class LivePlayController(QObject):
         if event.type() not in KEY_EVENTS or not isinstance(event, QKeyEvent):
             return False
         focused = QApplication.focusWidget()
-        if isinstance(focused, TYPING) and not (isinstance(focused, NumberField) and focused.leaves(event)):
+        if isinstance(focused, TYPING_WIDGETS) and not (isinstance(focused, NumberField) and focused.leaves(event)):
             return False
         if event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
             return False
@@ -85,7 +85,7 @@ class LivePlayController(QObject):
         application = QApplication.instance()
         if application is not None:
             (application.installEventFilter if running else application.removeEventFilter)(self)
-        if not running and self._bench.window.strip.text.startswith(PLAYS_LIVE):
+        if not running and self._bench.window.strip.text.startswith(LIVE_PLAY_MESSAGE):
             self._bench.clear_message()
 
     def _start_chosen(self) -> None:
@@ -117,7 +117,7 @@ def toggle(bench: Workbench) -> None:
     heard = [f"{key}: {'; '.join(words)}." for key, words in keys_of(bench.document.project).items()]
     record_keys = bench.window.actions_by_id.by_id["record_take"].shortcut().toString()
     recording = [f"{record_keys}: record."] if record_keys else []
-    bench.inform(" ".join([PLAYS_LIVE, *own, *heard, *recording, "Esc: stop."]))
+    bench.inform(" ".join([LIVE_PLAY_MESSAGE, *own, *heard, *recording, "Esc: stop."]))
 
 
 def record(bench: Workbench) -> None:
@@ -144,7 +144,7 @@ def insert_take(bench: Workbench, take: StageTake) -> None:
         for _, key, entity in made if begin != take.begin else ():
             if isinstance(entity, Performer):
                 kept = [clip for clip in entity.clips if clip.start < begin]
-                put_copies(document, copies_for_parts(document.project, project.performers[key], kept), "Record take")
+                add_copies(document, copies_for_parts(document.project, project.performers[key], kept), "Record take")
     rate = document.playhead.frame_rate
     document.playhead.set_range(round(begin * rate), round((begin + take.end - take.begin) * rate))
     document.playhead.set_time(begin)

@@ -12,12 +12,12 @@ from studio.core.names import free_name
 from studio.core.stage.correction import PoseOffsets
 from studio.core.stage.local_pose import POSE_REGIONS, local_pose, turns_to
 from studio.document.correction_edits import correction_at, set_pose
-from studio.engine.performance import PosedPerformer, pose_of
+from studio.engine.posed_performer import PosedPerformer, pose_of
 from studio.library.saved_poses import SavedPose, delete_pose, read_poses, rename_pose, write_pose
 from studio.panels.pose_list import PosePanel
 from studio.panels.thumbnails import pose_picture
 
-HIPS_REGIONS = ("Whole body", "Legs")
+REGIONS_WITH_HIPS = ("Whole body", "Legs")
 """Body regions with which the saved height of the hips is applied too."""
 NO_POSE_MESSAGE = (
     "No selected character shows a pose at the playhead. Select one that plays a clip, and wait until it is adapted."
@@ -58,10 +58,10 @@ class PoseLibrary:
         layout, rotations = shown.motion.morphology.layout, shown.motion.rotations[shown.row]
         turns = turns_to(layout, rotations, saved.pose, POSE_REGIONS[region], fraction, dict(acting.turns))
         x, y, z = acting.hips
-        rise = fraction * (saved.pose.hips_height - _hips_height(shown)) if region in HIPS_REGIONS else 0.0
+        rise = fraction * (saved.pose.hips_height - _hips_height(shown)) if region in REGIONS_WITH_HIPS else 0.0
         wanted = PoseOffsets(tuple(turns.items()), (x, y, z + rise)).scaled(1.0 / weight)
         keyed = {part: wanted.turn(part) for part in turns}
-        hips = wanted.hips if region in HIPS_REGIONS else None
+        hips = wanted.hips if region in REGIONS_WITH_HIPS else None
         set_pose(document, performer_id, time, keyed, hips, text=f"Apply pose {saved.name}")
 
     def apply_to(self, row: int, performer_id: str) -> None:

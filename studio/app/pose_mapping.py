@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from studio.library.clusters import PoseMap
     from studio.library.library import Library, LibraryClip
 
-GROUPS = 24
+POSE_GROUP_COUNT = 24
 HIP_JOINTS, KNEE_JOINT = (12, 16), 1
 
 
@@ -36,7 +36,7 @@ class PoseMapController:
         def work(_: object) -> "tuple[PoseMap, list[PoseGroup]]":
             from studio.library.clusters import map_of
 
-            made = map_of(library.table, GROUPS)
+            made = map_of(library.table, POSE_GROUP_COUNT)
             return made, groups_of(made, library)
 
         def done(made: "tuple[PoseMap, list[PoseGroup]]") -> None:

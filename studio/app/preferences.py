@@ -18,7 +18,7 @@ from studio.viewport.snap_steps import SnapSteps
 KeyTable = Mapping[str, tuple[str, ...]]
 """Shortcuts by action id."""
 STUDIO_KEYS = "studio"
-LEAST_SNAP = 1e-3
+MIN_SNAP_STEP = 1e-3
 INTEGER_RANGES = (
     ("onion_before", 0, 20),
     ("onion_after", 0, 20),
@@ -27,7 +27,7 @@ INTEGER_RANGES = (
     ("interface_scale", 50, 300),
 )
 FITTED, WHOLE_CLIP_ACTIVATION = "fitted", "whole_clip"
-CHOICES: Mapping[str, tuple[str, ...]] = {
+PREFERENCE_CHOICES: Mapping[str, tuple[str, ...]] = {
     "activation": (FITTED, WHOLE_CLIP_ACTIVATION),
     "theme": tuple(colours.THEMES),
     "lengths": tuple(LENGTH_CHOICES),
@@ -66,7 +66,7 @@ class Preferences:
     def __post_init__(self) -> None:
         for each in ("move_step", "rotate_step", "scale_step"):
             value = getattr(self, each)
-            if not (isinstance(value, float | int) and math.isfinite(value) and value >= LEAST_SNAP):
+            if not (isinstance(value, float | int) and math.isfinite(value) and value >= MIN_SNAP_STEP):
                 raise ValueError(f"The preference '{each}' must be greater than zero, not {value!r}.")
         for each, least, most in INTEGER_RANGES:
             value = getattr(self, each)
@@ -74,7 +74,7 @@ class Preferences:
                 raise ValueError(
                     f"The preference '{each}' must be a whole number from {least} to {most}, not {value!r}."
                 )
-        for each, allowed in CHOICES.items():
+        for each, allowed in PREFERENCE_CHOICES.items():
             if getattr(self, each) not in allowed:
                 raise ValueError(
                     f"The preference '{each}' must be one of {', '.join(allowed)}, not {getattr(self, each)!r}."

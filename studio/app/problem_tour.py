@@ -7,7 +7,7 @@ from studio.engine.problem_search import ProblemSearch
 from studio.engine.quality_summary import FoundProblem, SummaryRow
 from studio.panels.message_strip import Lifetime
 
-NO_PROBLEMS = "No problems: all constraints are met; no foot sliding, penetration or pops."
+NO_PROBLEMS_MESSAGE = "No problems: all constraints are met; no foot sliding, penetration or pops."
 
 
 class ProblemTour(QObject):
@@ -49,7 +49,7 @@ class ProblemTour(QObject):
             return
         if not problems:
             self._at = None
-            self._bench.inform(NO_PROBLEMS, until=Lifetime.EDITED)
+            self._bench.inform(NO_PROBLEMS_MESSAGE, until=Lifetime.EDITED)
             return
         places = {each.key: place for place, each in enumerate(problems)}
         at = places.get(self._at) if self._at is not None else None

@@ -13,7 +13,7 @@ from PySide6.QtCore import QObject, Signal
 
 from studio.core.errors import INTERNAL_ERROR, StudioError
 
-LOG_BYTES = 1_000_000
+MAX_LOG_BYTES = 1_000_000
 _log = logging.getLogger("studio")
 
 
@@ -26,7 +26,9 @@ def start_log() -> None:
     """Log warnings and errors to the log file and to standard error."""
     file = log_file()
     file.parent.mkdir(parents=True, exist_ok=True)
-    handlers: list[logging.Handler] = [RotatingFileHandler(file, maxBytes=LOG_BYTES, backupCount=2, encoding="utf-8")]
+    handlers: list[logging.Handler] = [
+        RotatingFileHandler(file, maxBytes=MAX_LOG_BYTES, backupCount=2, encoding="utf-8")
+    ]
     if sys.stderr is not None:
         handlers.append(logging.StreamHandler())
     logging.basicConfig(

@@ -7,7 +7,7 @@ from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.document.recovery import (
     Session,
-    decline_session,
+    move_damaged_session,
     put_damaged_aside,
     recoverable_sessions,
     remove_useless_sessions,
@@ -52,7 +52,7 @@ def _recover(bench: Workbench, session: Session) -> None:
     try:
         bench.document.recover(session)
     except StudioError as error:
-        raise StudioError(decline_session(session, str(error))) from error
+        raise StudioError(move_damaged_session(session, str(error))) from error
 
 
 def session_message(session: Session) -> str:

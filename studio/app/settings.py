@@ -8,8 +8,8 @@ from PySide6.QtCore import QByteArray, QSettings
 
 from studio.io.json_text import JsonObject
 
-MOST_RECENT = 10
-MOST_CORRECTED = 100
+MAX_RECENT_PROJECTS = 10
+MAX_CORRECTIONS = 100
 LAYOUT_VERSION = 1
 
 
@@ -31,7 +31,7 @@ class Settings:
         """Add a project at the head of the recent ones."""
         path = path.resolve()
         names = [str(path), *(str(other) for other in self.recent if other != path)]
-        self._store.setValue("recent", names[:MOST_RECENT])
+        self._store.setValue("recent", names[:MAX_RECENT_PROJECTS])
 
     @property
     def folder(self) -> str:
@@ -53,7 +53,7 @@ class Settings:
         """Add the folder of a capture's file at the head of the folders that are searched for sources."""
         folder = path.resolve().parent
         names = [str(folder), *(str(other) for other in self.source_folders if other != folder)]
-        self._store.setValue("sources", names[:MOST_RECENT])
+        self._store.setValue("sources", names[:MAX_RECENT_PROJECTS])
 
     @property
     def exported(self) -> JsonObject:
@@ -82,7 +82,7 @@ class Settings:
         kept = {key: value for key, value in self.corrections.items() if key != kind}
         if options:
             kept[kind] = options
-        newest = dict(list(kept.items())[-MOST_CORRECTED:])
+        newest = dict(list(kept.items())[-MAX_CORRECTIONS:])
         self._store.setValue("corrections", json.dumps(newest))
 
     @property

@@ -20,18 +20,18 @@ from studio.core.errors import StudioError
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.placement import Placement
 from studio.engine.background_tasks import CancelledError, Progress
-from studio.engine.performance import row_at
+from studio.engine.posed_performer import row_at
 from studio.io.importing import GUESS_ALL
 from studio.library.clip_labels import Kind, Limb
 from studio.panels.strikes import (
+    EVALUATING_HINT,
     NO_MATCH_HINT,
     NO_STRIKES_HINT,
-    NO_TARGET,
-    OF_A_POSE,
+    NO_TARGET_HINT,
     OWN_FACE_HINT,
-    READY,
-    TRYING,
-    UNSOLVED,
+    POSE_CLIPS_HINT,
+    READY_HINT,
+    UNSOLVED_HINT,
     Strikes,
 )
 from studio.resources_folder import bundled_strikes_folder
@@ -271,11 +271,11 @@ class StrikeSearchController:
         self._end_trial()
         if asked is None or active is None or not isinstance(target, StrikeTarget):
             hint = self._unasked(active or "")
-            self._waits = hint == UNSOLVED
+            self._waits = hint == UNSOLVED_HINT
             self._show(hint)
             return
         self._waits, self.listed, self._searched_for = False, [], active
-        self.panel.show_results([], TRYING)
+        self.panel.show_results([], EVALUATING_HINT)
         self._sought = asked, Placement.of(self.bench.document.project.performers[active])
         scene = strike_scene(self.bench, active, now, target, self._frozen(target, now))
 
@@ -291,7 +291,7 @@ class StrikeSearchController:
         def done(found: "list[TriedStrike]") -> None:
             if self._trial == number:
                 self.found = found
-                self._show(READY if found else NO_MATCH_HINT)
+                self._show(READY_HINT if found else NO_MATCH_HINT)
 
         number = self._trial = self.bench.runner.run("Evaluating strikes", work, done)
 
@@ -304,13 +304,13 @@ class StrikeSearchController:
         """Sentence why strikes cannot be ranked now."""
         target = self.panel.target.value
         if not isinstance(target, StrikeTarget):
-            return NO_TARGET
-        return OWN_FACE_HINT if target == StrikeTarget("performers", performer_id) else UNSOLVED
+            return NO_TARGET_HINT
+        return OWN_FACE_HINT if target == StrikeTarget("performers", performer_id) else UNSOLVED_HINT
 
     def _show(self, hint: str) -> None:
         self.listed = [each.found.clip for each in self.found]
         texts = [(each.found.clip.name, ", ".join(each.reasons)) for each in self.found]
-        if hint not in (READY, NO_MATCH_HINT) and self.library is not None:
+        if hint not in (READY_HINT, NO_MATCH_HINT) and self.library is not None:
             self.listed = [clip for clip in self.library.clips if self._is_wanted(clip)]
             texts = [(clip.name, _state(clip)) for clip in self.listed]
         self.panel.show_results(
@@ -326,7 +326,7 @@ class StrikeSearchController:
         self._end_trial()
         self.listed, self._outdated, self._searched_for = clips, False, ""
         aimed = isinstance(self.panel.target.value, StrikeTarget)
-        self.panel.show_results([(clip.name, _state(clip)) for clip in clips], OF_A_POSE, aimed)
+        self.panel.show_results([(clip.name, _state(clip)) for clip in clips], POSE_CLIPS_HINT, aimed)
 
     def _posed(self, performer_id: str, time: float) -> "StrikeQuery | None":
         """Search query of a performer's pose at ``time``, without a target; None without a motion, or if its pose is

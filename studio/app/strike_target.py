@@ -9,12 +9,12 @@ from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp
 from studio.core.stage.project import Project
-from studio.engine.performance import Results, posed_performers
+from studio.engine.posed_performer import ResultOf, posed_performers
 from studio.engine.prop_places import prop_at
 
 FloatArray = NDArray[np.float64]
 
-FACE = BodyPoint(BodyPart.HEAD, (0.1, 0.0, 0.05))
+FACE_POINT = BodyPoint(BodyPart.HEAD, (0.1, 0.0, 0.05))
 
 
 @dataclass(frozen=True)
@@ -31,9 +31,9 @@ class StrikeTarget:
     @property
     def follow(self) -> Follow:
         """Constraint target that follows the prop, or the face of the performer."""
-        return FollowProp(self.id) if self.collection == "props" else FollowPerformer(self.id, FACE)
+        return FollowProp(self.id) if self.collection == "props" else FollowPerformer(self.id, FACE_POINT)
 
-    def place(self, project: Project, result_of: Results, time: float) -> FloatArray | None:
+    def place(self, project: Project, result_of: ResultOf, time: float) -> FloatArray | None:
         """(3,) position of the target on the stage at ``time``; None if it is not solved."""
         posed = posed_performers(project, result_of, time)
         if project.get(self.collection, self.id) is None:
@@ -45,8 +45,8 @@ class StrikeTarget:
         from studio.core.solver.asking.points import point_indices  # not before it is needed: it loads kernels
 
         pose = posed[self.id]
-        origin, segment = point_indices(FACE, pose.motion.morphology.layout)
-        turned = pose.motion.rotations[pose.row, segment] @ np.array(FACE.offset)
+        origin, segment = point_indices(FACE_POINT, pose.motion.morphology.layout)
+        turned = pose.motion.rotations[pose.row, segment] @ np.array(FACE_POINT.offset)
         return pose.placement.to_stage(pose.motion.positions[pose.row, origin] + turned)
 
 

@@ -12,10 +12,10 @@ from studio.document import colours
 from studio.document.document import Document
 
 TOP_BAR_HEIGHT = 34
-SEARCH_WIDTH, LEAST_SEARCH = 232, 64
-KEYS_FROM = 180
+SEARCH_WIDTH_PX, MIN_SEARCH_WIDTH_PX = 232, 64
+SHORTCUT_FROM_WIDTH_PX = 180
 """Width in pixels of the search field from which its shortcut is shown beside its text."""
-PRODUCT_FROM = 1100
+PRODUCT_NAME_FROM_WIDTH_PX = 1100
 
 
 @dataclass(frozen=True)
@@ -97,16 +97,16 @@ class TopBar(QWidget):
         self._fit()
 
     def _fit(self) -> None:
-        self._product.setVisible(self.width() >= PRODUCT_FROM)
+        self._product.setVisible(self.width() >= PRODUCT_NAME_FROM_WIDTH_PX)
         for short, named, tools in ((False, True, True), (True, True, True), (True, False, True), (True, False, False)):
             for tool in self._tools:
                 tool.shorten(short)
                 tool.button.setVisible(tools)  # the menu View has them, and keys choose them
             self._label.setVisible(named)  # the title of the window says it as well
-            if (room := self._room()) >= LEAST_SEARCH:
+            if (room := self._room()) >= MIN_SEARCH_WIDTH_PX:
                 break
-        self._search.setFixedWidth(min(max(room, LEAST_SEARCH), SEARCH_WIDTH))
-        self._keys.setVisible(room >= KEYS_FROM)
+        self._search.setFixedWidth(min(max(room, MIN_SEARCH_WIDTH_PX), SEARCH_WIDTH_PX))
+        self._keys.setVisible(room >= SHORTCUT_FROM_WIDTH_PX)
 
     def _room(self) -> int:
         """Pixels that remain for the search field."""

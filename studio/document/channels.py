@@ -31,11 +31,11 @@ SHOWN_EULER_ORDER = "ZYX"
 ANGLE_NAMES = ("heading", "pitch", "roll")
 AXIS_NAMES = ("x", "y", "z")
 DEGREES_PER_RADIAN = 180.0 / np.pi
-RATE_STEP = 1e-5
+RATE_STEP_SECONDS = 1e-5
 """Step in seconds of the finite differences for rates of angles."""
 ANGLE_SAMPLES = 24
 """Samples from one key to the next, dense enough to follow angles beyond half a turn."""
-HANDLE = 3.0
+HANDLE_DIVISOR = 3.0
 """Divisor of a handle's length: a tangent of weight 1 reaches a third of the way to the next key."""
 
 
@@ -133,12 +133,12 @@ def handle_of(channel: Channel, keyed: Keyed, index: int, side: Side) -> tuple[f
     if isinstance(keyed, ActivationCurve):
         if (index, side) not in _EASES or gap == 0.0:
             return None
-        return keyed.weights[index] * gap / HANDLE, 0.0
+        return keyed.weights[index] * gap / HANDLE_DIVISOR, 0.0
     own = keyed.tangents[index] if keyed.tangents else None
     if side is Side.LEAVING and own is not None and own.is_stepped:
         return None
     weight = own.weights[side] if own is not None else 1.0
-    seconds = weight * gap / HANDLE
+    seconds = weight * gap / HANDLE_DIVISOR
     return seconds, seconds * _rate(channel, keyed, index, side)
 
 
@@ -168,10 +168,10 @@ def with_handle(
     """
     other = index + (1 if side is Side.LEAVING else -1)
     gap = keyed.times[other] - keyed.times[index]
-    weight = min(max(HANDLE * seconds / gap, LIGHTEST), HEAVIEST)
+    weight = min(max(HANDLE_DIVISOR * seconds / gap, LIGHTEST), HEAVIEST)
     if isinstance(keyed, ActivationCurve):
         return keyed.with_weight(index, weight)
-    least = LIGHTEST * gap / HANDLE
+    least = LIGHTEST * gap / HANDLE_DIVISOR
     seconds = seconds if seconds / gap > least / gap else least
     rate = _stored_rate(channel, keyed, index, side, value / seconds / channel.factor)
     own = (keyed.tangents[index] if keyed.tangents else None) or Tangents()
@@ -254,7 +254,7 @@ def _stored_rate(channel: Channel, keyed: Keys, index: int, side: Side, rate: fl
     angles = to_euler(SHOWN_EULER_ORDER, np.array(keyed.values[index]))
     turning = _angle_rates(keyed, index, rates)
     turning[channel.component] = rate
-    step = RATE_STEP / max(1.0, float(np.abs(turning).max()))
+    step = RATE_STEP_SECONDS / max(1.0, float(np.abs(turning).max()))
     later = _rotation(from_euler(SHOWN_EULER_ORDER, angles + step * turning))
     return tuple((_rotation(np.array(keyed.values[index])).inv() * later).as_rotvec() / step)
 
@@ -264,7 +264,7 @@ def _angle_rates(keyed: KeyedTurn, index: int, rate: FloatArray) -> FloatArray:
     body axes.
     """
     here = np.array(keyed.values[index])
-    step = RATE_STEP / max(1.0, float(np.linalg.norm(rate)))
+    step = RATE_STEP_SECONDS / max(1.0, float(np.linalg.norm(rate)))
     later = (_rotation(here) * type(_rotation(here)).from_rotvec(step * rate)).as_quat()
     change = to_euler(SHOWN_EULER_ORDER, later) - to_euler(SHOWN_EULER_ORDER, here)
     return np.asarray((np.mod(change + np.pi, 2.0 * np.pi) - np.pi) / step)

@@ -24,7 +24,7 @@ from studio.core.stage.project import Entity, Project, new_id, new_ids
 from studio.core.stage.prop import Carried, InHand
 from studio.document.edited_project import EditedProject
 
-BLEND = 0.3
+DEFAULT_BLEND_SECONDS = 0.3
 """Seconds by which an added clip overlaps the clip before it."""
 
 
@@ -74,7 +74,7 @@ def split_clip(document: EditedProject, clip_id: str, time: float) -> str:
         edit_clip(document, clip_id, lambda each: clip_halves(each, rate, time, iter(names)), text)
         made = [name for name in names if name in document.project.clips]
         for name in made:
-            ask_also(document, clip_id, name, text)
+            copy_scoped_entities(document, clip_id, name, text)
     return made[-1]
 
 
@@ -118,7 +118,7 @@ def duplicate_clip(document: EditedProject, clip_id: str) -> str:
 
     with document.group(text):
         edit_clip(document, clip_id, twice, text)
-        ask_also(document, clip_id, name, text)
+        copy_scoped_entities(document, clip_id, name, text)
     return name
 
 
@@ -132,7 +132,7 @@ def add_clip(document: EditedProject, performer_ids: Iterable[str], motion_id: s
     with document.group(text):
         for key in performer_ids:
             performer = project.performers[key]
-            end = timing_of(project, performer).end - BLEND if performer.clips else 0.0
+            end = timing_of(project, performer).end - DEFAULT_BLEND_SECONDS if performer.clips else 0.0
             placed = replace(clip, start=max(end, 0.0) if start is None else start)
             document.replace("performers", key, with_row(performer, (*performer.clips, placed)), text)
     return clip.id
@@ -189,7 +189,7 @@ def detach_clip(document: EditedProject, performer_id: str, clip_id: str) -> str
     with document.group(text):
         own = with_clip_edited(performer, clip_id, lambda clip: (replace(clip, id=name),))
         document.replace("performers", performer_id, own, text)
-        ask_also(document, clip_id, name, text)
+        copy_scoped_entities(document, clip_id, name, text)
     return name
 
 
@@ -198,12 +198,12 @@ def name_of(project: Project, clip: Clip) -> str:
     return project.motions[clip.motion_id].name
 
 
-def ask_also(document: EditedProject, clip_id: str, other: str, text: str) -> None:
+def copy_scoped_entities(document: EditedProject, clip_id: str, other: str, text: str) -> None:
     """Copy the constraints and contacts whose scope is ``clip_id`` to the clip ``other``."""
-    put_copies(document, scoped_copies(document.project, clip_id, other), text)
+    add_copies(document, scoped_copies(document.project, clip_id, other), text)
 
 
-def put_copies(document: EditedProject, copies: Mapping[str, Mapping[str, Entity]], text: str) -> None:
+def add_copies(document: EditedProject, copies: Mapping[str, Mapping[str, Entity]], text: str) -> None:
     """Add entities to the project, given by collection and id."""
     for collection, entities in copies.items():
         document.put_all(collection, entities, text)

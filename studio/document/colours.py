@@ -28,9 +28,9 @@ VIEWPORT_TOP = "#2a3038"
 VIEWPORT_BOTTOM = "#1d2126"
 GRID = "#3a424b"
 
-CHARACTERS = ("#7FB4E6", "#E8A95B", "#8FCB8A", "#D98BB5", "#B9A6E8")
+CHARACTER_COLOURS = ("#7FB4E6", "#E8A95B", "#8FCB8A", "#D98BB5", "#B9A6E8")
 
-KINDS = {
+KIND_COLOURS = {
     **{kind: each.value.shown.colour for kind, each in CONSTRAINTS.items()},
     "contact": "#95ad74",
     "label": "#8fa8cf",
@@ -79,8 +79,8 @@ def use_theme(name: str) -> None:
 
 def character_colour(number: int) -> str:
     """Colour of the ``number``-th character: one of five, then darker and lighter variants of them."""
-    colour = CHARACTERS[number % len(CHARACTERS)]
-    turn = number // len(CHARACTERS)
+    colour = CHARACTER_COLOURS[number % len(CHARACTER_COLOURS)]
+    turn = number // len(CHARACTER_COLOURS)
     if turn == 0:
         return colour
     factor = 0.72 ** ((turn + 1) // 2)
@@ -89,7 +89,7 @@ def character_colour(number: int) -> str:
 
 def kind_colour(kind: str) -> str:
     """Colour of a constraint kind; the grey of secondary text for kinds without a colour."""
-    return KINDS.get(kind, TEXT_SECOND)
+    return KIND_COLOURS.get(kind, TEXT_SECOND)
 
 
 def mixed_colour(colour: str, other: str, share: float) -> str:

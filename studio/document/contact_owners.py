@@ -8,7 +8,7 @@ from studio.core.constraints.scope import Scope
 from studio.document.edited_project import EditedProject
 
 
-def ask_contact_of(document: EditedProject, contact_id: str, scope: Scope, text: str) -> str:
+def move_contact_to_scope(document: EditedProject, contact_id: str, scope: Scope, text: str) -> str:
     """Move a contact, with all contacts of its point, to another scope; returns the id of the contact there.
 
     Contacts of a single performer begin as copies of the shared ones, and are removed when it returns to the shared

@@ -23,7 +23,7 @@ from studio.io.project.project_file import (
     write_project,
 )
 
-LOCKS = "locks"
+LOCKS_FOLDER = "locks"
 """Name of the folder of file locks, within the folder of the journals."""
 PLAYHEAD_SAVE_MILLISECONDS = 500
 """Minimum time between two writes of the playhead's position to the journal."""
@@ -156,7 +156,7 @@ class Document(EditedProject):
             raise StudioError(self._read_only)
         document_id = self._document_id if own or self._path is None else new_document_id()
         expected = self._stamp if own and not overwrite else None
-        locks = None if own or overwrite or self._folder is None else self._folder / LOCKS
+        locks = None if own or overwrite or self._folder is None else self._folder / LOCKS_FOLDER
         return SaveSnapshot(self.project, target, document_id, self.revision, expected, thumbnail, locks)
 
     def note_saved(self, saving: SaveSnapshot, stamp: Stamp) -> None:
@@ -249,7 +249,7 @@ class Document(EditedProject):
         if self._lock is not None:
             self._lock.release()
         try:
-            self._lock = FileLock.acquired(lock_of_document(self._folder / LOCKS, self._document_id))
+            self._lock = FileLock.acquired(lock_of_document(self._folder / LOCKS_FOLDER, self._document_id))
         except OSError as error:
             self._lock = None
             self.problem_reported.emit(

@@ -36,7 +36,7 @@ from studio.document.keyed_fields import (
 
 LEAST_TIME_SCALE, MOST_TIME_SCALE = 0.01, 100.0
 """Minimum and maximum factor by which key times can be scaled at once."""
-TURNS = ("heading", "tilt")
+ROTATION_FIELDS = ("heading", "tilt")
 """Fields with the rotation of a volume constraint or a prop."""
 
 
@@ -196,7 +196,7 @@ def set_keys(document: EditedProject, turning: bool = False) -> int:
     }
     keyed = {field.item for field in values}
     for field, value in _fixed_fields(document, items, turning).items():
-        if field.item not in keyed or field.name in TURNS:
+        if field.item not in keyed or field.name in ROTATION_FIELDS:
             values[field] = value
     if values:
         replace_fields(document, values, "Set key" if len(values) == 1 else f"Set {len(values)} keys")
@@ -242,7 +242,7 @@ def _fixed_fields(document: EditedProject, items: Iterable[tuple[str, str]], tur
             "clips": ("speed",),
         }  # fmt: skip
         turned = turning and isinstance(entity, Prop | AreaConstraint) and not _is_half_space(entity)
-        for name in TURNS if turned else names.get(collection, ()):
+        for name in ROTATION_FIELDS if turned else names.get(collection, ()):
             field = KeyedField(collection, entity_id, name)
             keys = _first_key(time_at_playhead(document, field), getattr(entity, name, None))
             if keys is not None:

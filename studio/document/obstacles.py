@@ -11,7 +11,7 @@ from studio.document.document import Document
 
 PROP_AREAS = {PropShape.TABLE: AreaShape.TABLE, PropShape.BALL: AreaShape.SPHERE, PropShape.STICK: AreaShape.CYLINDER}
 """Shapes of volume constraints for props by prop shape; other props are boxes."""
-FADE = 0.5
+OBSTACLE_FADE_SECONDS = 0.5
 """Seconds before and after a motion during which the activation of an obstacle fades in and out."""
 
 
@@ -41,7 +41,7 @@ def set_obstacle(document: Document, prop_id: str, collides: bool) -> None:
             last = (project.captures[project.motions[motion_id].capture_id].frame_count - 1) / rate
             area = AreaConstraint(
                 motion_id, f"Outside {prop.name}", BodyPoint(BodyPart.PELVIS), Chain(root=1.0), 0,
-                ActivationCurve(-FADE, 0.0, last, last + FADE),
+                ActivationCurve(-OBSTACLE_FADE_SECONDS, 0.0, last, last + OBSTACLE_FADE_SECONDS),
                 shape=PROP_AREAS.get(prop.shape, AreaShape.BOX), centre=FollowProp(prop_id), size=prop.size, whole=True,
             )  # fmt: skip
             document.add("constraints", area, text)

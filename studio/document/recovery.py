@@ -24,7 +24,7 @@ from studio.io.project.archive import Stamp
 from studio.io.project.entity_json import entity_of, parsed, project_of
 from studio.io.project.value_json import Array
 
-KEPT_WHEN_DECLINED = timedelta(days=30)
+DECLINED_KEPT_FOR = timedelta(days=30)
 
 
 _DAMAGE = (sqlite3.Error, StudioError, ValueError, TypeError, KeyError, ArithmeticError, OSError)
@@ -75,10 +75,10 @@ def recoverable_sessions(folder: Path, declined: bool = False) -> tuple[Session,
 def put_damaged_aside(folder: Path) -> tuple[str, ...]:
     """Move unreadable journals to the folder of damaged ones; returns one sentence about each."""
     damaged = [session for _, session in _abandoned(folder) if session is not None and session.damage]
-    return tuple(decline_session(session, session.damage) for session in damaged)
+    return tuple(move_damaged_session(session, session.damage) for session in damaged)
 
 
-def decline_session(session: Session, reason: str) -> str:
+def move_damaged_session(session: Session, reason: str) -> str:
     """Move an unreadable journal to a folder in which nothing is deleted; returns a sentence with ``reason`` about
     it.
     """
@@ -93,7 +93,7 @@ def decline_session(session: Session, reason: str) -> str:
 
 def remove_useless_sessions(folder: Path, now: datetime | None = None) -> None:
     """Remove sessions without unsaved edits, and sessions declined more than 30 days ago."""
-    long_ago = (now or datetime.now()) - KEPT_WHEN_DECLINED
+    long_ago = (now or datetime.now()) - DECLINED_KEPT_FOR
     for file, session in _abandoned(folder):
         if session is None or (session.declined and not session.damage and session.begun < long_ago):
             remove_session(file)

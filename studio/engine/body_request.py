@@ -38,7 +38,7 @@ from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import Prop
 
 Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
-Results = Callable[[str], AdaptedMotion | None]
+ResultOf = Callable[[str], AdaptedMotion | None]
 Skin = tuple[SkinnedMesh, Morphology, Morphology]
 """Skin mesh, the morphology to which it is bound, and the morphology to which it is fitted."""
 
@@ -73,7 +73,7 @@ class BodyRequest:
         )  # fmt: skip
 
 
-def body_request_of(project: Project, key: str, cycle: tuple[str, ...], result_of: Results) -> BodyRequest | None:
+def body_request_of(project: Project, key: str, cycle: tuple[str, ...], result_of: ResultOf) -> BodyRequest | None:
     """Inputs of the solve of a performer; None while a performer that it follows has no result."""
     performer = project.performers[key]
     character = project.characters[performer.character_id]

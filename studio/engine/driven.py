@@ -13,7 +13,7 @@ from studio.core.stage.project import Project
 from studio.engine.body_request import BodyRequest, Prepare, body_request_of, player_of
 
 if TYPE_CHECKING:
-    from studio.live.planting import LiveGrounding
+    from studio.live.live_grounding import LiveGrounding
 
 PoseSource = Callable[[], NormalizedMotion | None]
 """Function that returns the newest received pose as a still motion; None if there is none."""
@@ -64,7 +64,7 @@ class DrivenPerformers:
         self, project: Project, key: str, seconds: float, pose: NormalizedMotion, results: Mapping[str, AdaptedMotion]
     ) -> AdaptedMotion:
         from studio.live.driving import driven_frame  # loads the solver
-        from studio.live.planting import LiveGrounding
+        from studio.live.live_grounding import LiveGrounding
 
         performer, clock = project.performers[key], time.monotonic()
         planted = self._planted.setdefault(key, LiveGrounding())

@@ -18,9 +18,9 @@ Picture = NDArray[np.uint8]
 
 CACHED_BYTES = 192 * 2**20
 """Memory for cached frames in bytes: at least three seconds of video."""
-READ_AHEAD = 24
+READ_AHEAD_FRAMES = 24
 """Number of frames read ahead in the direction of playback."""
-WORTH_READING_ON = 60
+MAX_READ_ON_FRAMES = 60
 """Number of frames up to which reading on is faster than seeking."""
 
 
@@ -107,14 +107,14 @@ class FootageFrames(QObject):
         wanted = self._wanted
         if wanted is None or wanted.path in self._refused:
             return None
-        first, last = wanted.index, min(wanted.index + READ_AHEAD, wanted.count - 1)
+        first, last = wanted.index, min(wanted.index + READ_AHEAD_FRAMES, wanted.count - 1)
         if (wanted.path, first + 1) in self._kept and (wanted.path, first) not in self._kept:
-            first, last = max(first - READ_AHEAD, 0), first  # played backwards
+            first, last = max(first - READ_AHEAD_FRAMES, 0), first  # played backwards
         return next((k for k in range(first, last + 1) if (wanted.path, k) not in self._kept), None)
 
     def _read(self, frame: FootageFrame, index: int) -> None:
         """Read the next frame on the way to ``index``; seek to ``index`` if that is faster."""
-        if self._place is None or self._place[0] != frame.path or not 0 <= index - self._place[1] <= WORTH_READING_ON:
+        if self._place is None or self._place[0] != frame.path or not 0 <= index - self._place[1] <= MAX_READ_ON_FRAMES:
             self._let_go()
             self._reading, self._place = footage_frames(frame.path, frame.file_rate, index), (frame.path, index)
         assert self._reading is not None

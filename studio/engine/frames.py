@@ -28,9 +28,9 @@ Solve = Callable[[AdaptRequest, int, int | None], AdaptedMotion]
 Cycle = tuple[str, ...]
 """Ids of performers that follow each other and are solved together; usually a single one."""
 
-BUDGET = 0.002
+FRAME_BUDGET_SECONDS = 0.002
 """Processor seconds per image for performers that are not being edited; the rest are solved in the background."""
-LONG_SECONDS = 0.2
+EDITED_FRAME_BUDGET_SECONDS = 0.2
 """Processor seconds per image for performers that are being edited.
 
 Together with 50 ms of rendering, one event loop iteration takes at most a quarter of a second. In the background, a
@@ -200,8 +200,8 @@ class FrameStore:
         """Solve the frames of performers at the stage time ``seconds``, leaders before their followers.
 
         Performers ``driven`` by live input are not solved here; their followers are, in every image. Cycles whose last
-        cost exceeds the remaining time (``LONG_SECONDS`` for ``first``, ``BUDGET`` for ``others``) are left to the
-        returned function: any thread may call it, and its results are passed to ``take``.
+        cost exceeds the remaining time (``EDITED_FRAME_BUDGET_SECONDS`` for ``first``, ``FRAME_BUDGET_SECONDS`` for
+        ``others``) are left to the returned function: any thread may call it, and its results are passed to ``take``.
         """
         if not self._driven <= driven.keys():
             self._frames.clear()  # who followed somebody that was driven follows its clips again
@@ -226,7 +226,10 @@ class FrameStore:
             if not (solved or left or follows) and self._is_seen(cycle, project, seconds):
                 continue  # nor has anybody moved whom it may follow
             moving |= {*cycle} if follows else set()
-            elapsed, limit = time.thread_time() - begun, LONG_SECONDS if whole in first else BUDGET
+            elapsed, limit = (
+                time.thread_time() - begun,
+                EDITED_FRAME_BUDGET_SECONDS if whole in first else FRAME_BUDGET_SECONDS,
+            )
             has_room = elapsed + self._costs.get(cycle, 0.0) <= limit and not _is_long(cycle, project)
             waits = bool(left) and any(leaders_of(project, key) & {*chain(*left)} for key in cycle)
             if not follows and (waits or not has_room):

@@ -10,7 +10,7 @@ from studio.core.captures.contacts import Touch
 from studio.core.stage.holding import HAND_REACH_SECONDS
 from studio.core.stage.project import Project
 from studio.core.stage.prop import Carried, Prop
-from studio.engine.performance import PosedPerformer, Results, posed_performers, stage_time
+from studio.engine.posed_performer import PosedPerformer, ResultOf, posed_performers, stage_time
 
 FloatArray = NDArray[np.float64]
 GRASP_SAMPLES = 16
@@ -36,7 +36,7 @@ class Grasp:
         return max(prop.size[2] / 2 - self.lowest, 0.0)
 
 
-def grasp_near(project: Project, results: Results, performer_id: str, now: float) -> Grasp | None:
+def grasp_near(project: Project, results: ResultOf, performer_id: str, now: float) -> Grasp | None:
     """Grasp of a performer at the stage time ``now``, else the next one, else the last one; None if there is none."""
     spans = captured_grasps(project, performer_id)
     if not spans:
@@ -45,7 +45,7 @@ def grasp_near(project: Project, results: Results, performer_id: str, now: float
     return _grasp(project, results, performer_id, (first, last), max(first, now) if now <= last else first)
 
 
-def grasp_at(project: Project, results: Results, performer_id: str, now: float) -> Grasp | None:
+def grasp_at(project: Project, results: ResultOf, performer_id: str, now: float) -> Grasp | None:
     """Grasp of a performer at the stage time ``now``, else the next one; None if there is none."""
     for first, last in captured_grasps(project, performer_id):
         if first - HAND_REACH_SECONDS <= now <= last:
@@ -54,7 +54,7 @@ def grasp_at(project: Project, results: Results, performer_id: str, now: float) 
 
 
 def _grasp(
-    project: Project, results: Results, performer_id: str, span: tuple[float, float], seconds: float
+    project: Project, results: ResultOf, performer_id: str, span: tuple[float, float], seconds: float
 ) -> Grasp | None:
     moments = (seconds, *np.linspace(*span, GRASP_SAMPLES).tolist())
     posed = [posed_performers(project, results, moment).get(performer_id) for moment in moments]

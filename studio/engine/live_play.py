@@ -20,13 +20,13 @@ from studio.engine.background_tasks import CLOSE_WAIT_SECONDS, join_threads
 if TYPE_CHECKING:
     from studio.live.playing_stage import LiveStage
 
-STAGE_STEP, UNSEEN_STEP = 1.0 / 60.0, 1.0 / 30.0
+STAGE_STEP_SECONDS, UNSEEN_STEP_SECONDS = 1.0 / 60.0, 1.0 / 30.0
 """Seconds from one step to the next if there is time for it (a slow step is as long as it took), and longest wait of
 the next step for the image of the last one: steps that nobody sees cost the window time.
 """
-ANSWERING = 2.0
+ANSWER_TIMEOUT_SECONDS = 2.0
 """Longest time in seconds for which the window waits for an answer of the worker; a step takes a hundredth of that."""
-LONGEST_STAGE_STEP = 0.1
+MAX_STAGE_STEP_SECONDS = 0.1
 """Longest step in seconds of stage time; time lost beyond that is not made up for."""
 
 
@@ -226,7 +226,7 @@ class _Worker:
             answered.set()
 
         self.orders.append(order)
-        answered.wait(ANSWERING)
+        answered.wait(ANSWER_TIMEOUT_SECONDS)
         return answers[0] if answers else None
 
     def _run(self) -> None:
@@ -237,11 +237,11 @@ class _Worker:
                 if self._seen:
                     self._seen = False
                     self._made()
-                self._stopped.wait(max(last + STAGE_STEP - time.monotonic(), 0.0))
-                self.drawn.wait(max(last + UNSEEN_STEP - time.monotonic(), 0.0))
+                self._stopped.wait(max(last + STAGE_STEP_SECONDS - time.monotonic(), 0.0))
+                self.drawn.wait(max(last + UNSEEN_STEP_SECONDS - time.monotonic(), 0.0))
                 self.drawn.clear()
                 now = time.monotonic()
-                last, dt = now, min(now - last, LONGEST_STAGE_STEP)
+                last, dt = now, min(now - last, MAX_STAGE_STEP_SECONDS)
         except Exception as error:  # noqa: BLE001 - told on the window's thread
             if not self._stopped.is_set():
                 self._broken(error)

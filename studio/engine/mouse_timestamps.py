@@ -4,9 +4,9 @@ import time
 
 from PySide6.QtCore import QCoreApplication, QEvent, QObject, Qt, QTimer, Signal
 
-BUSY = 0.1
+BUSY_DELAY_SECONDS = 0.1
 """Delay of a timer in seconds from which the window counts as busy."""
-LATEST_EVENT = 1.0
+MAX_EVENT_DELAY_SECONDS = 1.0
 """Maximum delay of an event in seconds; beyond it the event's time is missing or from another clock."""
 
 
@@ -57,7 +57,7 @@ class RestTimer(QTimer):
         self.start()
 
     def _end(self) -> None:
-        if time.monotonic() > self._due + BUSY:
+        if time.monotonic() > self._due + BUSY_DELAY_SECONDS:
             self.begin()
         else:
             self.rested.emit()
@@ -68,4 +68,4 @@ def monotonic_time(milliseconds: int) -> float:
     current time if that is not plausible.
     """
     now = time.monotonic()
-    return 0.001 * milliseconds if 0.0 <= now - 0.001 * milliseconds < LATEST_EVENT else now
+    return 0.001 * milliseconds if 0.0 <= now - 0.001 * milliseconds < MAX_EVENT_DELAY_SECONDS else now

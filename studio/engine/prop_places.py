@@ -18,17 +18,17 @@ from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.project import Project
 from studio.core.stage.prop import Carried, InHand, Prop, quarter_turns
 from studio.engine.grasps import chest_heading
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 
 FloatArray = NDArray[np.float64]
 
 HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
 HELD_GAP_METRES = 0.3
 """Distance in metres from a body point to the surface of a prop up to which an attached prop stays where it is."""
-CARRIED_AHEAD, CARRIED_HEIGHT = 0.28, 0.2
+CARRIED_AHEAD_LEGS, CARRIED_HEIGHT_LEGS = 0.28, 0.2
 """Minimum distance in leg lengths from the root forward to a carried prop, and from the root up to its centre."""
 
-RESTS_WITHIN = 0.01
+REST_GAP_METRES = 0.01
 """Maximum gap in metres between the ground and a prop that rests on it."""
 
 
@@ -99,7 +99,7 @@ def resized_prop(pose: PropPose, size: Vector, ground: Ground) -> Prop:
     prop, extent = replace(pose.prop, size=size), np.abs(pose.axes[2]) / 2.0
     gap = float(pose.place[2] - extent @ np.array(pose.prop.size) - ground.height_at(pose.place))
     rise = float(extent @ (np.array(size) - np.array(pose.prop.size)))
-    return raised_prop(prop, rise) if prop.lies_at(pose.time) and abs(gap) < RESTS_WITHIN else prop
+    return raised_prop(prop, rise) if prop.lies_at(pose.time) and abs(gap) < REST_GAP_METRES else prop
 
 
 def raised_prop(prop: Prop, rise: float) -> Prop:
@@ -235,9 +235,9 @@ def hold_between_hands(
         track = carried_track(held, known.positions[:], known.rotations[:], body)
         ways = np.einsum("fji,fj->fi", track.rotations, track.positions - known.positions[:, 0]) / body.leg_length
         ahead, _, up = ways.mean(axis=0).tolist()
-        needed = CARRIED_AHEAD + prop.size[turned % 2] / 2 / body.leg_length
+        needed = CARRIED_AHEAD_LEGS + prop.size[turned % 2] / 2 / body.leg_length
         if ahead < needed:
-            held = replace(held, offset=(needed, 0.0, max(CARRIED_HEIGHT, up)), steady=True)
+            held = replace(held, offset=(needed, 0.0, max(CARRIED_HEIGHT_LEGS, up)), steady=True)
     return replace(held, heading=wrapped_angle(turned * math.pi / 2))
 
 

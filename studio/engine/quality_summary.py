@@ -15,8 +15,8 @@ from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
-from studio.engine.performance import stage_time
-from studio.engine.residual_measures import LENGTH_MEASURE, PEAK, SKATE, Measure
+from studio.engine.posed_performer import stage_time
+from studio.engine.residual_measures import LENGTH_MEASURE, PEAK_MEASURE, SKATE_MEASURE, Measure
 from studio.engine.residuals import worst_residual
 
 FloatArray = NDArray[np.float64]
@@ -160,12 +160,12 @@ def _tracks(
     depths = np.concatenate([-heights, swing_depths(motion, contacts, ground)])
     tracks = {
         "slide": (np.fmax.reduce(slides, axis=0), LENGTH_MEASURE),
-        "skate": (skate_distances(motion, ground).max(axis=0), SKATE),
+        "skate": (skate_distances(motion, ground).max(axis=0), SKATE_MEASURE),
         "penetration": (np.maximum(np.fmax.reduce(depths, axis=0), 0.0), LENGTH_MEASURE),
     }
     source = sources.get(performer.clips[0].motion_id)
     if source is not None and (composite is None or composite.is_plain):
-        tracks["peak"] = (_peaks(motion, source), PEAK)
+        tracks["peak"] = (_peaks(motion, source), PEAK_MEASURE)
     return tracks
 
 

@@ -9,7 +9,7 @@ from studio.core.stage.project import Project
 from studio.engine.background_tasks import CLOSE_WAIT_SECONDS
 from studio.startup.kernel_warm_up import WarmUp
 
-LOOKED_AT_MILLISECONDS = 100
+KERNEL_POLL_MILLISECONDS = 100
 
 
 class SolverKernels(QObject):
@@ -24,7 +24,7 @@ class SolverKernels(QObject):
         super().__init__(parent)
         self._warm_up = warm_up
         self._known = self.grounded, self.ready
-        self._looking = QTimer(self, interval=LOOKED_AT_MILLISECONDS)
+        self._looking = QTimer(self, interval=KERNEL_POLL_MILLISECONDS)
         self._looking.timeout.connect(self._look)
         if not self.ready:
             self._looking.start()

@@ -14,7 +14,7 @@ from studio.engine.paged_array import paged_rows
 if TYPE_CHECKING:
     from studio.core.solver.standing.stand import GroundedMotion
 
-KEPT_STANDING = 16
+MAX_CACHED_GROUNDINGS = 16
 
 Body = tuple[NormalizedMotion, AnyMorphology]
 """Motion and body that are grounded."""
@@ -68,7 +68,7 @@ class GroundingSolver:
             if windows is None:
                 self._partly.clear()  # the hand rests
             held = self._whole if windows is None else self._partly
-            while len(held) >= KEPT_STANDING:
+            while len(held) >= MAX_CACHED_GROUNDINGS:
                 held.pop(next(iter(held)))
             held[body] = CachedGrounding(on, windows, standing)
         return standing

@@ -13,7 +13,7 @@ from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.asking.tracks import OwnPath
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.live import vmc
-from studio.live.planting import LiveGrounding
+from studio.live.live_grounding import LiveGrounding
 from studio.live.tracker import Inbox
 
 FloatArray = NDArray[np.float64]

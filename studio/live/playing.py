@@ -26,7 +26,7 @@ from studio.live.takeover import LAST_POSE_SECONDS, SPEED_FRAMES, take_over
 
 FloatArray = NDArray[np.float64]
 
-SOLVE_MARGIN = 0.5
+SOLVE_MARGIN_SECONDS = 0.5
 """Seconds before and after the activation of a constraint in which it still affects how the body is solved."""
 
 
@@ -60,7 +60,9 @@ class PlayingMotion:
         time = self.time_of(frame)
         every = (*(each for _, each in self.asked), *self.going)
         return tuple(
-            each for each in every if each.activation.start - SOLVE_MARGIN <= time <= each.activation.end + SOLVE_MARGIN
+            each
+            for each in every
+            if each.activation.start - SOLVE_MARGIN_SECONDS <= time <= each.activation.end + SOLVE_MARGIN_SECONDS
         )
 
     @cached_property

@@ -31,20 +31,20 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import ConditionInput
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Performer, Project
-from studio.live.acting import StageView, StartedAct, condition_input, started_act
-from studio.live.keeping import distance_step
+from studio.live.distance_keeping import distance_step
+from studio.live.live_behaviour import StageView, StartedAct, condition_input, started_act
 from studio.live.playing import PlayingMotion, motion_after_takeover, row_motion, with_constraints_of, with_grounding_of
 from studio.live.recorded_take import StageTake, StartedClips
 
 Expected = dict[FollowPerformer, NDArray[np.float64]]
 
-SWEEPS, FIRST_SWEEPS = 4, 6
+MAX_SWEEPS, MAX_FIRST_SWEEPS = 4, 6
 """Maximum number of iterations per step for performers that follow each other, and in their first step."""
-SOON = 1.0 / 60.0
+SOON_SECONDS = 1.0 / 60.0
 """Seconds per performer before the end of a clip from which the next clip may begin."""
-SETTLED = 0.1
+SETTLED_SECONDS = 0.1
 """Seconds that a clip must have played since its takeover before another one may take over."""
-BEGUN_A_STEP = 1
+MAX_CLIPS_PER_STEP = 1
 """Maximum number of clips begun in one step by all performers together; the others begin in later steps."""
 
 
@@ -261,13 +261,13 @@ class LiveStage:
         """True if the motion of a performer is about to end; one step per performer is reserved to begin the next
         clips.
         """
-        return part.playing.composite.timing.end - self.seconds < min(self._step, SOON) * len(self._parts)
+        return part.playing.composite.timing.end - self.seconds < min(self._step, SOON_SECONDS) * len(self._parts)
 
     def _settled(self, part: _Part) -> bool:
-        """True if the last takeover has played for ``SETTLED`` seconds: clips that begin sooner each keep the velocity
-        that they find, and carry the body away.
+        """True if the last takeover has played for ``SETTLED_SECONDS`` seconds: clips that begin sooner each keep the
+        velocity that they find, and carry the body away.
         """
-        return part.act is None or self.seconds - part.act.clip.start > SETTLED
+        return part.act is None or self.seconds - part.act.clip.start > SETTLED_SECONDS
 
     def _next(self, key: str, part: _Part) -> StartedAct | None:
         """Act that follows without a request: the looped clip of a state, or the first clip of a row. None if the last
@@ -298,7 +298,7 @@ class LiveStage:
                 part.wish = self._next(key, part)
             if part.result is not None and part.wish is not None and self._settled(part):
                 waiting.append(key)
-        for key in waiting[:BEGUN_A_STEP]:
+        for key in waiting[:MAX_CLIPS_PER_STEP]:
             wish, self._parts[key].wish = self._parts[key].wish, None
             assert wish is not None
             self._begin(key, wish)
@@ -338,7 +338,7 @@ class LiveStage:
             self._paths.pop(circle, None)
             return {key: self._frame(key, each.request) for key, each in players.items()}
         expected = self._expected(circle, unasked)
-        found = solve_cycle(players, self._frame, expected, SWEEPS if expected else FIRST_SWEEPS)
+        found = solve_cycle(players, self._frame, expected, MAX_SWEEPS if expected else MAX_FIRST_SWEEPS)
         self._paths[circle] = found.paths, unasked
         for key, request in found.requests.items():
             self._parts[key].tracks = request.tracks

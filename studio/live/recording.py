@@ -11,11 +11,11 @@ from pathlib import Path
 from studio.core.errors import StudioError
 from studio.io.referenced_files import read_bytes
 from studio.live.osc import LARGEST_PACKET
-from studio.live.tracker import MOST_A_SLICE, SLICE, Inbox
+from studio.live.tracker import MAX_PACKETS_PER_SLICE, SLICE_SECONDS, Inbox
 
 MAX_DATAGRAM_SECONDS = 1e6
 """Maximum arrival time of a datagram in seconds after the start of its recording."""
-LONGEST_PAUSE, LEAST_PAUSE = 5.0, 0.02
+MAX_PAUSE_SECONDS, LOOP_PAUSE_SECONDS = 5.0, 0.02
 """Maximum silence of a replay in seconds, and pause between its end and the next start."""
 _RECORD = struct.Struct("<dI")
 _MAGIC = b"MSOSC1\0\0"
@@ -143,15 +143,15 @@ class Replay:
         while not self._stopped.is_set():
             before, until, fed = 0.0, 0.0, 0
             for seconds, packet in self._packets:
-                if self._stopped.wait(min(max(seconds - before, 0.0), LONGEST_PAUSE)):
+                if self._stopped.wait(min(max(seconds - before, 0.0), MAX_PAUSE_SECONDS)):
                     return
                 now, before = time.monotonic(), max(before, seconds)
                 if now >= until:
-                    until, fed = now + SLICE, 0
-                elif fed >= MOST_A_SLICE:
+                    until, fed = now + SLICE_SECONDS, 0
+                elif fed >= MAX_PACKETS_PER_SLICE:
                     if self._stopped.wait(until - now):
                         return
-                    until, fed = until + SLICE, 0
+                    until, fed = until + SLICE_SECONDS, 0
                 fed += 1
                 self.inbox.receive(packet)
-            self._stopped.wait(LEAST_PAUSE)
+            self._stopped.wait(LOOP_PAUSE_SECONDS)

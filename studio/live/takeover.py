@@ -24,7 +24,7 @@ LAST_POSE_SECONDS = 2.0
 """Seconds for which the last pose is held before the takeover, so that standing feet keep their contacts."""
 SPEED_FRAMES = 3
 """Number of last displayed frames from which velocities are computed."""
-SHOWN = (-1, 0)
+SHOWN_ORIGIN = (-1, 0)
 """Origin of the piece made of the last displayed frames, which belongs to no clip."""
 ACCELERATION_SECONDS = 1.0
 """Seconds of the previous motion from which the accelerations of its joints are computed."""
@@ -92,7 +92,7 @@ def _shown(before: GroundedMotion, rows: NDArray[np.int64], start: float) -> Mot
     motion = replace(seen, channels=held)
     last = len(held) - 1
     stands = tuple(replace(each, first=0, last=last) for each in standing.contacts if each.first <= frame <= each.last)
-    return MotionPiece(motion, stands, 0, last, start - len(held) / rate, origin=SHOWN)
+    return MotionPiece(motion, stands, 0, last, start - len(held) / rate, origin=SHOWN_ORIGIN)
 
 
 def _played(before: GroundedMotion, frame: int) -> NormalizedMotion:

@@ -23,13 +23,13 @@ from studio.live.osc import LARGEST_PACKET, Argument, BadPacket, Message, decode
 FloatArray = NDArray[np.float64]
 
 PORT, LOOPBACK = 39_539, "127.0.0.1"
-TRACKED_RANGE = 100.0
+TRACKED_RANGE_METRES = 100.0
 """Metres to which the coordinates of received positions are clamped, in both directions."""
-MOST_NAMES = 256
+MAX_NAMES = 256
 """Maximum number of bones, and of trackers: more names are refused, which limits the memory used."""
-MOST_SENDERS = 16
+MAX_SENDERS = 16
 """Number of senders, including listed ones, beyond which unknown senders are not remembered."""
-MOST_A_SLICE, SLICE = 250, 0.05
+MAX_PACKETS_PER_SLICE, SLICE_SECONDS = 250, 0.05
 """Maximum number of packets taken per slice of time, and length of a slice in seconds; further packets are dropped, so
 that decoding never blocks the window.
 """
@@ -93,7 +93,7 @@ class Inbox:
         if into is None:
             return
         name, bone = _named_bone(message.arguments)
-        if bone is None or (name not in into and len(into) >= MOST_NAMES):
+        if bone is None or (name not in into and len(into) >= MAX_NAMES):
             self.counts.refused_values += 1
         else:
             into[name] = bone
@@ -116,7 +116,7 @@ def _named_bone(arguments: tuple[Argument, ...]) -> tuple[str, vmc.Bone | None]:
     turn = math.hypot(*numbers[3:])
     if len(numbers) < 7 or not all(math.isfinite(each) for each in numbers) or not 1e-6 < turn < 1e6:
         return arguments[0], None
-    place = [min(max(each, -TRACKED_RANGE), TRACKED_RANGE) for each in numbers[:3]]
+    place = [min(max(each, -TRACKED_RANGE_METRES), TRACKED_RANGE_METRES) for each in numbers[:3]]
     return arguments[0], vmc.from_unity(place, [each / turn for each in numbers[3:]])
 
 
@@ -175,8 +175,8 @@ class UdpInput:
                 continue
             now = time.monotonic()
             if now >= until:
-                until, taken = now + SLICE, 0
-            elif taken >= MOST_A_SLICE:
+                until, taken = now + SLICE_SECONDS, 0
+            elif taken >= MAX_PACKETS_PER_SLICE:
                 self._stopped.wait(until - now)
                 continue
             taken += 1
@@ -185,7 +185,7 @@ class UdpInput:
 
     def _take(self, packet: bytes, address: str, now: float) -> None:
         sender = self.senders.get(address)
-        if sender is None and len(self.senders) < MOST_SENDERS:
+        if sender is None and len(self.senders) < MAX_SENDERS:
             sender = self.senders[address] = Sender(False)
         if sender is not None:
             sender.packets, sender.heard = sender.packets + 1, now

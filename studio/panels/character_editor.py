@@ -21,11 +21,11 @@ from studio.panels.fields import Choice, Section, TagField, press_button, styled
 from studio.panels.growth_row import GrowthRow
 from studio.panels.sliders import ValueSlider
 
-LEAST_PROPORTION, MOST_PROPORTION = 0.5, 1.6
-BUILD = Proportions()
-BLENDINGS = ((Blending.LINEAR, "Classic linear"), (Blending.DUAL_QUATERNIONS, "Dual quaternions"))
-PRESETS: dict[str, Proportions] = {
-    "Original": BUILD,
+MIN_PROPORTION, MAX_PROPORTION = 0.5, 1.6
+ORIGINAL_PROPORTIONS = Proportions()
+SKINNING_CHOICES = ((Blending.LINEAR, "Classic linear"), (Blending.DUAL_QUATERNIONS, "Dual quaternions"))
+PROPORTION_PRESETS: dict[str, Proportions] = {
+    "Original": ORIGINAL_PROPORTIONS,
     "Child": Proportions(stature=0.68, head=1.35, thighs=0.92, shanks=0.92, hands=0.95, shoulders=0.9),
     "Stocky": Proportions(stature=0.96, trunk=1.06, shoulders=1.18, hips=1.16, thighs=0.92, shanks=0.92),
     "Tall": Proportions(stature=1.14, thighs=1.05, shanks=1.05, head=0.94),
@@ -63,14 +63,16 @@ class BodySection(Section):
     def __init__(self, editor: Editor[Character | Performer], character_id: Callable[[], str]) -> None:
         super().__init__("Proportions")
         self._editor, self._character_id = editor, character_id
-        reset = press_button("Reset", lambda: self._put(BUILD, f"Reset proportions of {self._character.name}"), "link")
+        reset = press_button(
+            "Reset", lambda: self._put(ORIGINAL_PROPORTIONS, f"Reset proportions of {self._character.name}"), "link"
+        )
         reset.setToolTip("Reset all proportions")
         self.head.addWidget(reset)
-        self._preset = Choice("Preset", [(values, name) for name, values in PRESETS.items()])
+        self._preset = Choice("Preset", [(values, name) for name, values in PROPORTION_PRESETS.items()])
         self._preset.setPlaceholderText("Custom")
         self._preset.value_chosen.connect(self._choose)
         self.add_row("Preset", self._preset)
-        self._blending = Choice("Skinning", BLENDINGS)
+        self._blending = Choice("Skinning", SKINNING_CHOICES)
         self._blending.value_chosen.connect(self._blend)
         self.add_row("Skinning", self._blending)
         self._grip = ValueSlider("Finger curl", -1.0, 1.0)
@@ -95,7 +97,7 @@ class BodySection(Section):
 
     def _make_slider(self, name: str) -> ValueSlider:
         words = SLIDER_NAMES.get(name, name.replace("_", " ").capitalize())
-        slider = ValueSlider(words, LEAST_PROPORTION, MOST_PROPORTION)
+        slider = ValueSlider(words, MIN_PROPORTION, MAX_PROPORTION)
         slider.begun.connect(self._editor.begin)
         slider.edited.connect(lambda factor: self._set(name, words, factor))
         slider.ended.connect(self._editor.end)
@@ -139,7 +141,7 @@ class BodySection(Section):
 
     def _blend(self, blending: Blending) -> None:
         make = lambda: replace(self._character, blending=blending)  # noqa: E731
-        text = f"Set skinning of {self._character.name} to {dict(BLENDINGS)[blending].lower()}"
+        text = f"Set skinning of {self._character.name} to {dict(SKINNING_CHOICES)[blending].lower()}"
         self._editor.put_other("characters", self._character_id(), make, text)
 
     def _close_hands(self, grip: float) -> None:

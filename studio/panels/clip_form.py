@@ -18,8 +18,10 @@ if TYPE_CHECKING:
     from studio.library.label_motion import OpenedClip
 
 FIGURES_PX, CAPTION_PX = 104, 16
-HINT = "Labelled automatically. Drag trim handles and hit marker, set the type, and confirm; indexing keeps your label."
-SAID = "Confirmed (kept on re-indexing)"
+AUTOMATIC_LABEL_HINT = (
+    "Labelled automatically. Drag trim handles and hit marker, set the type, and confirm; indexing keeps your label."
+)
+CONFIRMED_LABEL_HINT = "Confirmed (kept on re-indexing)"
 
 
 class ClipForm(QScrollArea):
@@ -46,7 +48,7 @@ class ClipForm(QScrollArea):
         self.frames = {mark: NumberField(f"Frame: {mark}", "", 0, 0, 1, 0) for mark in ClipMark}
         self.undo = press_button("Undo", self._undo)
         self.confirm = press_button("Confirm", self._confirm, "main")
-        self.title, self.hint = styled_label("", "title"), styled_label(HINT, "hint")
+        self.title, self.hint = styled_label("", "title"), styled_label(AUTOMATIC_LABEL_HINT, "hint")
         self._lay_out()
         self._connect()
 
@@ -66,7 +68,7 @@ class ClipForm(QScrollArea):
 
     def tell_confirmed(self) -> None:
         """Show that the label was stored in the library."""
-        self.hint.setText(SAID)
+        self.hint.setText(CONFIRMED_LABEL_HINT)
         self.confirm.setEnabled(False)
 
     def event(self, event: QEvent) -> bool:
@@ -143,7 +145,7 @@ class ClipForm(QScrollArea):
         self.figures.show_label(opened, label)
         self.undo.setEnabled(len(self._steps) > 1)
         self.confirm.setEnabled(True)
-        self.hint.setText(SAID if label.confirmed and len(self._steps) == 1 else HINT)
+        self.hint.setText(CONFIRMED_LABEL_HINT if label.confirmed and len(self._steps) == 1 else AUTOMATIC_LABEL_HINT)
 
     def _lay_out(self) -> None:
         inside = QWidget()

@@ -13,7 +13,7 @@ from studio.document import colours
 from studio.library.clip_labels import ClipLabel
 
 CLIP_LINE_HEIGHT, CLIP_LINE_HEAD, CLIP_LINE_FOOT, CLIP_LINE_SIDE = 116, 18, 18, 10
-GRAB = 8.0
+MARK_GRAB_PIXELS = 8.0
 """Distance in pixels within which a press grabs a mark."""
 SECONDS_AROUND_CUT = 0.75
 """Seconds that are shown before and after the trim range."""
@@ -156,7 +156,7 @@ class ClipLine(QWidget):
             for mark in (ClipMark.HIT, ClipMark.FIRST, ClipMark.LAST)
         }
         nearest = min(away, key=lambda mark: away[mark])
-        return nearest if away[nearest] <= GRAB else None
+        return nearest if away[nearest] <= MARK_GRAB_PIXELS else None
 
     def _look(self) -> None:
         if self._label is not None:

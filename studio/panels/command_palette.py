@@ -22,9 +22,9 @@ from PySide6.QtWidgets import (
 from studio.document import colours
 from studio.panels.fields import room_on_screen, styled_label
 
-PALETTE_WIDTH, MOST_PALETTE_ROWS, PALETTE_ROW_PX = 480, 12, 28
-SCROLL_BAR = 12
-ACTION = Qt.ItemDataRole.UserRole
+PALETTE_WIDTH, MAX_PALETTE_ROWS, PALETTE_ROW_PX = 480, 12, 28
+SCROLL_BAR_PX = 12
+ACTION_ROLE = Qt.ItemDataRole.UserRole
 ROW_STEPS = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
 PALETTE_KEYS = {*ROW_STEPS, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Escape}
 """Keys that the palette handles itself; other keys go to the text field."""
@@ -158,7 +158,7 @@ class CommandPalette(QFrame):
         self.list.clear()
         for action in ranked_actions(self._actions, words):
             item = QTreeWidgetItem([plain_text(action), detail_text(action)])
-            item.setData(0, ACTION, action)
+            item.setData(0, ACTION_ROLE, action)
             item.setForeground(1, QColor(colours.TEXT_SECOND))
             item.setTextAlignment(1, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
             item.setDisabled(not action.isEnabled())
@@ -168,7 +168,7 @@ class CommandPalette(QFrame):
             item.setDisabled(True)
             self.list.addTopLevelItem(item)
         self._go_to(0)
-        rows = min(max(self.list.topLevelItemCount(), 1), MOST_PALETTE_ROWS)
+        rows = min(max(self.list.topLevelItemCount(), 1), MAX_PALETTE_ROWS)
         self.resize(PALETTE_WIDTH, 48 + rows * PALETTE_ROW_PX)
 
     def _leave(self) -> None:
@@ -176,7 +176,7 @@ class CommandPalette(QFrame):
         self._window.setFocus()
 
     def _run(self, item: QTreeWidgetItem | None) -> None:
-        action = item.data(0, ACTION) if item is not None else None
+        action = item.data(0, ACTION_ROLE) if item is not None else None
         self._leave()
         if action is not None:
             action.trigger()
@@ -205,7 +205,7 @@ class ShortcutSheet(QDialog):
         column.addWidget(area)
         wanted = content.sizeHint() + QSize(2, 2)
         room = room_on_screen(window)
-        self.resize(wanted.boundedTo(room) + QSize(SCROLL_BAR if wanted.height() > room.height() else 0, 0))
+        self.resize(wanted.boundedTo(room) + QSize(SCROLL_BAR_PX if wanted.height() > room.height() else 0, 0))
 
 
 def _halves(menus: dict[str, list[QAction]]) -> tuple[list[str], list[str]]:

@@ -10,8 +10,8 @@ from studio.document.document import Document
 from studio.panels.console_session import ConsoleSession
 from studio.panels.fields import FIELD_ICON_PX
 
-WELCOME = "scene: the open project; api: studio.api (docs/scripts.md). Edits can be undone.\n"
-MOST_LINES = 5000
+WELCOME_TEXT = "scene: the open project; api: studio.api (docs/scripts.md). Edits can be undone.\n"
+MAX_OUTPUT_LINES = 5000
 ENTRY_LINES = 4
 _INDENT = "    "
 
@@ -89,7 +89,7 @@ class Console(QWidget):
         font = QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont)
         self.shown = QPlainTextEdit(readOnly=True)
         self.shown.setAccessibleName("Python console")
-        self.shown.setMaximumBlockCount(MOST_LINES)
+        self.shown.setMaximumBlockCount(MAX_OUTPUT_LINES)
         self.entry = ConsoleEntry(self)
         self.stop_button = QPushButton("Stop")
         self.stop_button.setToolTip("Interrupt the statement that is running")
@@ -108,7 +108,7 @@ class Console(QWidget):
         self.setFocusProxy(self.entry)
         self.session.written.connect(self.show_text)
         self.session.ended.connect(self._ended)
-        self.show_text(WELCOME)
+        self.show_text(WELCOME_TEXT)
 
     def run(self, source: str) -> bool:
         """Run statements; returns False if others are still running."""

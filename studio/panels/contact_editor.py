@@ -2,7 +2,7 @@
 
 from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval, ContactPoint, Touch
 from studio.core.constraints.scope import Scope
-from studio.document.contact_owners import ask_contact_of
+from studio.document.contact_owners import move_contact_to_scope
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
@@ -16,7 +16,7 @@ def contact_words(point: ContactPoint | Touch) -> str:
 
 
 ON_BODY_SENTENCE = "The {what} keeps the actor's contact point on the surface"
-KEPT = {
+KEPT_SENTENCES = {
     "together": "The distance between the hands is the actor's, scaled by arm length",
     "thing": "The size of the object between the hands is kept",
     **dict.fromkeys(("head", "trunk", "hips", "thigh"), ON_BODY_SENTENCE),
@@ -55,7 +55,7 @@ class ContactEditor(Editor[ContactInterval]):
         self._last.show_value(contact.last)
         seconds = (contact.last - contact.first + 1) / self.document.playhead.frame_rate
         what = contact_words(contact.point).lower()
-        kept = KEPT.get(contact.point.member, "The {what} is planted on the ground").format(what=what)
+        kept = KEPT_SENTENCES.get(contact.point.member, "The {what} is planted on the ground").format(what=what)
         self._words.setText(f"{kept} for {seconds:.2f} s{self._whose(contact)}.")
 
     def _whose(self, contact: ContactInterval) -> str:
@@ -67,7 +67,7 @@ class ContactEditor(Editor[ContactInterval]):
 
     def _ask(self, scope: Scope) -> None:
         text = f"Set scope of {contact_words(self.entity.point).lower()} contacts"
-        contact_id = ask_contact_of(self.document, self.entity_id, scope, text)
+        contact_id = move_contact_to_scope(self.document, self.entity_id, scope, text)
         self.document.selection.set(("contacts", contact_id))
 
     def _set_first(self, frame: float) -> None:

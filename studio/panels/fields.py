@@ -26,10 +26,10 @@ from studio.core.names import tags_in
 from studio.document.length_units import shown_unit
 from studio.document.mnemonics import escaped_mnemonics
 
-FIELD_LABEL_WIDTH, LONGEST_NAME = 84, 90
-ROW_HEIGHT = 26
+FIELD_LABEL_WIDTH, MAX_NAME_WIDTH_PX = 84, 90
+FORM_ROW_HEIGHT_PX = 26
 FIELD_ICON_PX = 12
-SCRUB_START = 3
+SCRUB_START_PIXELS = 3
 DIALOG_MARGIN = QSize(80, 120)
 PER_CENT = 100.0
 
@@ -51,7 +51,7 @@ def elided_name(name: str, among: QWidget) -> str:
     """Name, elided if necessary so that a form does not become wider; ``among`` is the widget that will show it among
     other words.
     """
-    return among.fontMetrics().elidedText(name, Qt.TextElideMode.ElideRight, LONGEST_NAME)
+    return among.fontMetrics().elidedText(name, Qt.TextElideMode.ElideRight, MAX_NAME_WIDTH_PX)
 
 
 class ElidedText(QLabel):
@@ -216,7 +216,7 @@ class NumberField(QDoubleSpinBox):
         elif kind == QEvent.Type.MouseMove and self._press is not None:
             start, value = self._press
             distance = place.x() - start.x()
-            if not self._scrubbing and abs(distance) >= SCRUB_START:
+            if not self._scrubbing and abs(distance) >= SCRUB_START_PIXELS:
                 self._scrubbing = True
                 self.begun.emit()
             if self._scrubbing:

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QWidget
 
 from studio.document import colours
 
-BELOW_PX = 20
+FOOTAGE_TEXT_HEIGHT_PX = 20
 NO_FOOTAGE_HINT = "No footage yet. File > Add footage… adds a video or an image sequence."
 
 
@@ -54,7 +54,7 @@ class FootageView(QWidget):
 
     def paintEvent(self, _: QPaintEvent) -> None:
         """Draw the image in its aspect ratio, above the text."""
-        area = self.rect().adjusted(0, 0, 0, -BELOW_PX)
+        area = self.rect().adjusted(0, 0, 0, -FOOTAGE_TEXT_HEIGHT_PX)
         with QPainter(self) as painter:
             painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
             if not self._image.isNull():

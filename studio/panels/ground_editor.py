@@ -20,7 +20,7 @@ GROUND_CHOICES: tuple[tuple[type[Ground], str], ...] = (
     (HeightMap, "Height map"),
     (SurfaceMesh, "Mesh"),
 )
-MADE_HERE = (Ground, Slope, Steps, Bumps)
+NUMERIC_GROUND_KINDS = (Ground, Slope, Steps, Bumps)
 """Ground types defined by numbers; the other types come from files and are offered only if one is loaded."""
 
 
@@ -48,7 +48,7 @@ class GroundSlider:
 
 SHOWN_DEGREES = math.degrees(1.0)
 DIRECTION_SLIDER = GroundSlider("direction", "Direction", -math.pi, math.pi, "°", SHOWN_DEGREES, 0)
-MEASURES: dict[type[Ground], tuple[GroundSlider, ...]] = {
+GROUND_SLIDERS: dict[type[Ground], tuple[GroundSlider, ...]] = {
     Slope: (
         GroundSlider("angle", "Angle", -math.radians(30.0), math.radians(30.0), "°", SHOWN_DEGREES, 1),
         DIRECTION_SLIDER,
@@ -65,7 +65,7 @@ MEASURES: dict[type[Ground], tuple[GroundSlider, ...]] = {
         GroundSlider("seed", "Seed", 0, 50, "", decimals=0, whole=True),
     ),
 }
-GROUND_PLACES: dict[type[Ground], tuple[str, str]] = {
+GROUND_ORIGINS: dict[type[Ground], tuple[str, str]] = {
     Slope: ("foot", "Start position"),
     Steps: ("start", "First step position"),
     HeightMap: ("origin", "Origin"),
@@ -78,7 +78,9 @@ class GroundEditor(Editor[Ground]):
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Ground")
-        self._kind = Choice("Ground type", [(kind, words) for kind, words in GROUND_CHOICES if kind in MADE_HERE])
+        self._kind = Choice(
+            "Ground type", [(kind, words) for kind, words in GROUND_CHOICES if kind in NUMERIC_GROUND_KINDS]
+        )
         self._kind.value_chosen.connect(self._choose)
         section.add_row("Type", self._kind)
         self._height = self.bind(
@@ -87,7 +89,7 @@ class GroundEditor(Editor[Ground]):
         )
         section.add_row("Height", self._height)
         self.column.addWidget(section)
-        self._forms = {kind: _KindSection(self, kind) for kind in (*MEASURES, HeightMap)}
+        self._forms = {kind: _KindSection(self, kind) for kind in (*GROUND_SLIDERS, HeightMap)}
         for form in self._forms.values():
             self.column.addWidget(form)
         hint = styled_label("Planted feet follow the ground, on every character.", "hint")
@@ -115,7 +117,7 @@ class GroundEditor(Editor[Ground]):
         words = dict(GROUND_CHOICES)[kind].lower()
         names = {field.name for field in fields(kind)} & {field.name for field in fields(self.entity)}
         kept = {name: getattr(self.entity, name) for name in names}
-        if kind in MADE_HERE:
+        if kind in NUMERIC_GROUND_KINDS:
             self.replace_entity(lambda: kind(**kept), f"Set ground to {words}")
         self.refresh()
 
@@ -127,11 +129,11 @@ class _KindSection(Section):
         self._words = dict(GROUND_CHOICES)[kind]
         super().__init__(self._words)
         self._editor = editor
-        self._sliders = {measure: self._make_slider(measure, kind) for measure in MEASURES.get(kind, ())}
+        self._sliders = {measure: self._make_slider(measure, kind) for measure in GROUND_SLIDERS.get(kind, ())}
         self._place = ""
         self._fields: list[NumberField] = []
-        if kind in GROUND_PLACES:
-            self._place, words = GROUND_PLACES[kind]
+        if kind in GROUND_ORIGINS:
+            self._place, words = GROUND_ORIGINS[kind]
             self._fields = [self._make_field(words, axis) for axis in range(2)]
             self.add_row(words, *self._fields)
 

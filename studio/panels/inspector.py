@@ -44,7 +44,7 @@ ENTITY_EDITORS: dict[str, Callable[[Document, Live, str, str], Editor[object]]] 
     "states": StateEditor,
     "transitions": TransitionEditor,
 }
-DRAGGED_MILLISECONDS = 100
+DRAG_REFRESH_MILLISECONDS = 100
 """Milliseconds between two updates of the form during a drag, so that characters are updated first."""
 
 
@@ -83,7 +83,7 @@ class Inspector(QScrollArea):
         document.selection.changed.connect(self._show_current)
         document.entity_changed.connect(self._entity_changed)
         document.project_opened.connect(self._show_current)
-        self._dragged = QTimer(self, singleShot=True, interval=DRAGGED_MILLISECONDS)
+        self._dragged = QTimer(self, singleShot=True, interval=DRAG_REFRESH_MILLISECONDS)
         self._dragged.timeout.connect(self._refresh)
         self._show_current()
 

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QWidget
 
 from studio.document.dragging import item_in
 
-BODIES = ("performers", "characters")
+BODY_COLLECTIONS = ("performers", "characters")
 
 
 class LibraryDrops(QObject):

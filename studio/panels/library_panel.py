@@ -25,9 +25,9 @@ from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QListView, QVBoxLayo
 
 from studio.core.stage.project import Performer
 from studio.document.document import Document
-from studio.document.dragging import CAPTURE, LIBRARY_ITEM, carried_item
-from studio.panels.library_delegate import EYE_WIDTH, LIBRARY_ROW_ROLE, LibraryDelegate
-from studio.panels.library_rows import BUNDLED, OPENED, SAVED, LibraryRow, rows_of, scene_rows
+from studio.document.dragging import CAPTURE_MIME, LIBRARY_ITEM_MIME, item_drag_data
+from studio.panels.library_delegate import EYE_COLUMN_PX, LIBRARY_ROW_ROLE, LibraryDelegate
+from studio.panels.library_rows import BUNDLED_SCENE, SAVED_PROJECT, SCENE_COLLECTIONS, LibraryRow, rows_of, scene_rows
 from studio.panels.thumbnails import Thumbnails
 
 EYE_HINT = "Click the eye to show/hide the selected items; Alt+click to solo."
@@ -71,17 +71,17 @@ class LibraryModel(QAbstractListModel):
         row = self.rows[index.row()] if index.isValid() else None
         if row is None or row.item is None:
             return Qt.ItemFlag.NoItemFlags
-        can_be_dragged = row.item[0] in ("captures", *OPENED) or row.shown is False
+        can_be_dragged = row.item[0] in ("captures", *SCENE_COLLECTIONS) or row.shown is False
         dragged = Qt.ItemFlag.ItemIsDragEnabled if can_be_dragged else Qt.ItemFlag.NoItemFlags
         return Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable | dragged
 
     def mimeTypes(self) -> list[str]:
-        return [LIBRARY_ITEM, CAPTURE]
+        return [LIBRARY_ITEM_MIME, CAPTURE_MIME]
 
     def mimeData(self, indexes: Sequence[QModelIndex]) -> QMimeData:
         """MIME data of the first dragged row: a capture, a character that is not on the stage, or a scene."""
         items = [row.item for row in (self.rows[each.row()] for each in indexes) if row.item]
-        return carried_item(items[0])
+        return item_drag_data(items[0])
 
 
 class LibraryView(QListView):
@@ -126,7 +126,7 @@ class LibraryView(QListView):
 
     def _eye(self, event: QMouseEvent) -> QRect:
         rect = self.visualRect(self.indexAt(event.position().toPoint()))
-        return rect.adjusted(rect.width() - EYE_WIDTH, 0, 0, 0)
+        return rect.adjusted(rect.width() - EYE_COLUMN_PX, 0, 0, 0)
 
 
 class SearchField(QLineEdit):
@@ -284,7 +284,7 @@ class LibraryPanel(QWidget):
 
     def _select(self) -> None:
         rows = [index.data(LIBRARY_ROW_ROLE) for index in self.view.selectionModel().selectedIndexes()]
-        entities = [row.item for row in rows if row.item is not None and row.item[0] not in OPENED]
+        entities = [row.item for row in rows if row.item is not None and row.item[0] not in SCENE_COLLECTIONS]
         if entities or not rows:  # a scene is no part of the project
             self.document.selection.set(*entities)
 
@@ -335,9 +335,9 @@ class LibraryPanel(QWidget):
         match row.item:
             case ("captures", capture_id):
                 self.performance_requested.emit(capture_id)
-            case (collection, key) if collection == BUNDLED:
+            case (collection, key) if collection == BUNDLED_SCENE:
                 self.scene_requested.emit(key)
-            case (collection, path) if collection == SAVED:
+            case (collection, path) if collection == SAVED_PROJECT:
                 self.project_requested.emit(Path(path))
             case _ if row.shown is not None:
                 self._toggle(row)

@@ -15,9 +15,9 @@ from studio.engine.point_names import point_words
 from studio.library.scenes import SCENES
 
 Item = tuple[str, str]
-BUNDLED, SAVED = "scenes", "projects"
+BUNDLED_SCENE, SAVED_PROJECT = "scenes", "projects"
 """Pseudo-collections in the items of scenes: the id is the key of a bundled scene, or the path of a project file."""
-OPENED = (BUNDLED, SAVED)
+SCENE_COLLECTIONS = (BUNDLED_SCENE, SAVED_PROJECT)
 
 
 @dataclass(frozen=True)
@@ -66,9 +66,11 @@ def rows_of(
 
 def scene_rows(recent: Iterable[Path]) -> list[LibraryRow]:
     """Rows of the ``recent`` project files and of all bundled scenes."""
-    saved = [LibraryRow(path.name, str(path.parent), (SAVED, str(path))) for path in recent]
+    saved = [LibraryRow(path.name, str(path.parent), (SAVED_PROJECT, str(path))) for path in recent]
     bundled = [
-        LibraryRow(scene.title, ", ".join(scene.tags), (BUNDLED, scene.key), tags=scene.tags, description=scene.text)
+        LibraryRow(
+            scene.title, ", ".join(scene.tags), (BUNDLED_SCENE, scene.key), tags=scene.tags, description=scene.text
+        )
         for scene in SCENES
     ]
     return saved + bundled

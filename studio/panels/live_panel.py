@@ -20,9 +20,9 @@ from PySide6.QtWidgets import (
 from studio.document import colours
 from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, check_box, press_button, styled_label
 
-OWN_CLIPS, NO_INPUT, NO_PROP = "Own clips", "Nothing", "No prop yet"
-NO_INPUTS = "Not listening. Choose a port and press Listen, or replay a recording."
-LIST_HEIGHT = 98
+OWN_CLIPS_LABEL, NO_INPUT_LABEL, NO_PROP_LABEL = "Own clips", "Nothing", "No prop yet"
+NO_INPUTS_HINT = "Not listening. Choose a port and press Listen, or replay a recording."
+INPUT_LIST_HEIGHT_PX = 98
 CENTRED = Qt.AlignmentFlag.AlignVCenter
 KEY_ROLE, SENDER_ROLE = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1
 
@@ -82,17 +82,17 @@ class LivePanel(QScrollArea):
         self.address.setToolTip("Network: senders are listed; enable each to accept it")
         self.inputs = self._make_list()
         self.record = press_button("Record…", self.record_requested.emit)
-        self.performer, self.body = Choice("Character", ()), Choice("Driven by", ((None, OWN_CLIPS),))
+        self.performer, self.body = Choice("Character", ()), Choice("Driven by", ((None, OWN_CLIPS_LABEL),))
         self.head, self.prop = (
-            Choice("Head tracking input", ((None, NO_INPUT),)),
-            Choice("Driven prop", ((None, NO_PROP),)),
+            Choice("Head tracking input", ((None, NO_INPUT_LABEL),)),
+            Choice("Driven prop", ((None, NO_PROP_LABEL),)),
         )
         self.names = QLineEdit("Head")
         self.names.setToolTip("One bone, or trackers separated by commas (their mean is used)")
         self.stream = check_box("Stream visible characters as VMC")
         self.out_address, self.out_port = QLineEdit(loopback), NumberField("Port", "", 1, 65_535, 1, 0)
         self.out_port.show_value(out_port)
-        self.told, self.out_told = styled_label(NO_INPUTS, "hint"), styled_label("", "hint")
+        self.told, self.out_told = styled_label(NO_INPUTS_HINT, "hint"), styled_label("", "hint")
         self._lay_out()
         self._connect()
 
@@ -116,8 +116,8 @@ class LivePanel(QScrollArea):
                 top.setExpanded(True)
             for place in range(self.inputs.topLevelItemCount() - 1, len(rows) - 1, -1):
                 self.inputs.takeTopLevelItem(place)
-        self.told.setText(told if rows else NO_INPUTS)
-        for choice, none in ((self.body, OWN_CLIPS), (self.head, NO_INPUT)):
+        self.told.setText(told if rows else NO_INPUTS_HINT)
+        for choice, none in ((self.body, OWN_CLIPS_LABEL), (self.head, NO_INPUT_LABEL)):
             chosen = choice.value
             choice.offer([(None, none), *((row.key, row.name) for row in rows)])
             choice.show_value(chosen if choice.offers(chosen) else None)
@@ -125,7 +125,7 @@ class LivePanel(QScrollArea):
     def offer(self, performers: Sequence[tuple[str, str]], props: Sequence[tuple[str, str]]) -> None:
         """Set the performers and props that can be driven."""
         offered: list[tuple[Choice, list[tuple[object, str]]]]
-        offered = [(self.performer, [*performers]), (self.prop, [*props] or [(None, NO_PROP)])]
+        offered = [(self.performer, [*performers]), (self.prop, [*props] or [(None, NO_PROP_LABEL)])]
         for choice, items in offered:
             chosen = choice.value
             choice.offer(items)
@@ -153,7 +153,7 @@ class LivePanel(QScrollArea):
         made.setObjectName("live_inputs")
         made.setAccessibleName("Inputs (ports, recordings) and their senders")
         made.setHeaderLabels(["Input", "Packets/s", "Last packet"])
-        made.setFixedHeight(LIST_HEIGHT)
+        made.setFixedHeight(INPUT_LIST_HEIGHT_PX)
         made.setRootIsDecorated(False)
         made.setIndentation(14)
         made.setUniformRowHeights(True)

@@ -37,9 +37,9 @@ class UserMessage:
     warns: bool = True
 
 
-LONG_WORD = re.compile(r"\S{60}(?=\S)")
+LONG_WORD_PATTERN = re.compile(r"\S{60}(?=\S)")
 """Pattern for breaking long words, such as paths, which would otherwise widen the window."""
-PRESSING = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+PRESS_KEYS = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
 class MessageStrip(QWidget):
@@ -78,7 +78,7 @@ class MessageStrip(QWidget):
             self._make_button(*answer, main=place == 0 and bool(answers)) for place, answer in enumerate(chosen)
         ]
         self._sentence = sentence
-        self._label.setText(LONG_WORD.sub("\\g<0>\u200b", sentence))
+        self._label.setText(LONG_WORD_PATTERN.sub("\\g<0>\u200b", sentence))
         self.setAccessibleName(sentence)
         self.show()
 
@@ -106,7 +106,7 @@ class MessageStrip(QWidget):
 
     def event(self, event: QEvent) -> bool:
         """Reserve the keys of answers from shortcuts while an answer has the focus."""
-        keys = (*PRESSING, Qt.Key.Key_Space, Qt.Key.Key_Escape)
+        keys = (*PRESS_KEYS, Qt.Key.Key_Space, Qt.Key.Key_Escape)
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride and event.key() in keys:
             event.accept()
             return True
@@ -115,7 +115,7 @@ class MessageStrip(QWidget):
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Press the focused answer with Enter, or the last one with Esc."""
         focused = next((button for button in self._answers if button.hasFocus()), None)
-        if event.key() in PRESSING and focused is not None:
+        if event.key() in PRESS_KEYS and focused is not None:
             focused.click()
         elif event.key() == Qt.Key.Key_Escape:
             self._answers[-1].click()

@@ -6,12 +6,12 @@ from PySide6.QtCore import QMimeData, QSignalBlocker, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
-from studio.document.dragging import POSE, carried_row
+from studio.document.dragging import POSE_MIME, row_drag_data
 from studio.panels.fields import PER_CENT, Choice, press_button, styled_label
 from studio.panels.sliders import ValueSlider
 from studio.panels.thumbnails import THUMBNAIL_PIXELS
 
-NO_POSES = "No pose is saved yet. Save pose stores the selected character's pose at the playhead."
+NO_POSES_HINT = "No pose is saved yet. Save pose stores the selected character's pose at the playhead."
 
 
 class PoseList(QListWidget):
@@ -32,11 +32,11 @@ class PoseList(QListWidget):
         self.setEditTriggers(QListWidget.EditTrigger.EditKeyPressed)
 
     def mimeTypes(self) -> list[str]:
-        return [POSE]
+        return [POSE_MIME]
 
     def mimeData(self, items: Sequence[QListWidgetItem]) -> QMimeData:
         """MIME data with the index of the dragged pose."""
-        return carried_row(POSE, self.row(items[0]))
+        return row_drag_data(POSE_MIME, self.row(items[0]))
 
 
 class PosePanel(QWidget):
@@ -101,7 +101,7 @@ class PosePanel(QWidget):
                 item.setToolTip(f"{name}. Double-click to apply, F2 to rename, or drag it onto a character")
                 self.poses.addItem(item)
             self.poses.setCurrentRow(current)
-        self._hint.setText("\n".join(problems) if poses or problems else NO_POSES)
+        self._hint.setText("\n".join(problems) if poses or problems else NO_POSES_HINT)
         self._hint.setVisible(bool(self._hint.text()))
         self._row_changed(current)
 

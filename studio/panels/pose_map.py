@@ -17,11 +17,11 @@ FloatArray = NDArray[np.float64]
 FIGURE_CELL_PX, FIGURE_CAPTION_PX, FIGURE_MARGIN_PX = 92.0, 16.0, 8.0
 """Minimum width in pixels of a figure's cell, height of the text below it, and margin around the map."""
 NO_CLIPS_HINT = "The motion library has no clips yet. Add a folder of captures in the Strikes panel."
-FACING = (1.0, 0.35)
+FIGURE_FACING = (1.0, 0.35)
 """Direction that the figures face: to the right, and slightly towards the viewer."""
 LETTER_PX, LETTER_AWAY_PX = 9, 6.0
 """Height of the letters at the ends of limbs, and their distance from the ends, in pixels."""
-LISTED_CLIPS = 4
+MAX_LISTED_CLIPS = 4
 """Number of clips that a tooltip names."""
 SIDES_HINT = "L and R mark left and right."
 
@@ -120,8 +120,8 @@ class PoseMapView(QWidget):
         if group < 0:
             return ""
         names = self._groups[group].clips
-        more = [f"and {len(names) - LISTED_CLIPS} more"] if len(names) > LISTED_CLIPS else []
-        return "\n".join([self._groups[group].words, *names[:LISTED_CLIPS], *more, SIDES_HINT])
+        more = [f"and {len(names) - MAX_LISTED_CLIPS} more"] if len(names) > MAX_LISTED_CLIPS else []
+        return "\n".join([self._groups[group].words, *names[:MAX_LISTED_CLIPS], *more, SIDES_HINT])
 
     def _at(self, position: QPointF) -> int:
         return next((number for number, cell in enumerate(self._cells) if cell.contains(position)), -1)
@@ -183,7 +183,7 @@ class PoseMapView(QWidget):
         self, painter: QPainter, group: PoseGroup, cell: QRectF, tallest: float, looked: bool, near: bool
     ) -> None:
         x, y = group.forward.tolist()
-        turned = (FACING[0] * x - FACING[1] * y, FACING[1] * x + FACING[0] * y)
+        turned = (FIGURE_FACING[0] * x - FIGURE_FACING[1] * y, FIGURE_FACING[1] * x + FIGURE_FACING[0] * y)
         figure = cell.adjusted(0.0, 0.0, 0.0, -FIGURE_CAPTION_PX)
         colour = colours.TEXT if looked or near else colours.TEXT_SECOND
         paint_sticks(painter, group.points, self._sticks, FigureView(turned, tallest), figure, colours.PANEL, 5.0)

@@ -10,8 +10,12 @@ from studio.engine.quality_summary import ASPECT_HINTS, ASPECTS, Finding, Summar
 from studio.panels.fields import styled_label
 
 PROBLEM_COLUMNS = ("Character", "Constraint", *(aspect.capitalize() for aspect in ASPECTS))
-NO_ROWS = "Nothing is adapted yet. Drop a capture and add constraints; how well they hold is listed here."
-ROW, ASPECT, BADNESS_ROLE = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1, Qt.ItemDataRole.UserRole + 2
+NO_ROWS_HINT = "Nothing is adapted yet. Drop a capture and add constraints; how well they hold is listed here."
+ROW_ROLE, ASPECT_ROLE, BADNESS_ROLE = (
+    Qt.ItemDataRole.UserRole,
+    Qt.ItemDataRole.UserRole + 1,
+    Qt.ItemDataRole.UserRole + 2,
+)
 
 
 class _Cell(QTableWidgetItem):
@@ -50,7 +54,7 @@ class ProblemTable(QWidget):
         self.table.sortByColumn(2, Qt.SortOrder.DescendingOrder)
         self.table.cellClicked.connect(self._choose)
         self.table.cellActivated.connect(self._choose)
-        self._hint = styled_label(NO_ROWS, "hint")
+        self._hint = styled_label(NO_ROWS_HINT, "hint")
         self._hint.setContentsMargins(12, 8, 12, 8)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
@@ -75,8 +79,8 @@ class ProblemTable(QWidget):
 
     def _put(self, line: int, column: int, row: SummaryRow, aspect: str, text: str, finding: Finding | None) -> None:
         cell = _Cell(text if column < 2 else finding.text if finding else "–")
-        cell.setData(ROW, row)
-        cell.setData(ASPECT, aspect)
+        cell.setData(ROW_ROLE, row)
+        cell.setData(ASPECT_ROLE, aspect)
         if column >= 2:
             cell.setData(BADNESS_ROLE, finding.weight if finding else -1.0)
             cell.setTextAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
@@ -88,7 +92,7 @@ class ProblemTable(QWidget):
     def _choose(self, line: int, column: int) -> None:
         cell = self.table.item(line, column)
         if cell is not None:
-            self.problem_chosen.emit(cell.data(ROW), cell.data(ASPECT))
+            self.problem_chosen.emit(cell.data(ROW_ROLE), cell.data(ASPECT_ROLE))
 
     def showEvent(self, event: QShowEvent) -> None:
         """Resume updates while the table is visible."""

@@ -16,8 +16,8 @@ from studio.document.document import Document
 from studio.document.grips import remove_ended_grips
 from studio.document.obstacles import obstacles_of, set_obstacle
 from studio.engine.live_interface import Live
-from studio.engine.performance import posed_performers
 from studio.engine.point_names import POINT_NAMES, point_words
+from studio.engine.posed_performer import posed_performers
 from studio.engine.prop_places import (
     PropPose,
     hold_between_hands,
@@ -28,7 +28,7 @@ from studio.engine.prop_places import (
     turned_prop,
     with_fixed_position,
 )
-from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled_position
+from studio.panels.constraint_editors.procedural_rows import PROCEDURAL_KINDS, ProceduralRows, ruled_position
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import Choice, Section, check_box, press_button, styled_label
@@ -39,7 +39,7 @@ STAYING, KEYED_PLACE = "stays", "keyed"
 PLACE_CHOICES = (
     (STAYING, "Fixed"),
     (KEYED_PLACE, "Animated"),
-    *RULES,
+    *PROCEDURAL_KINDS,
     (InHand.kind, "Attached to a body point"),
     (Carried.kind, "Carried in both hands"),
 )
@@ -189,7 +189,7 @@ class PropEditor(Editor[Prop]):
     def _place(self, where: str) -> None:
         if where in (STAYING, KEYED_PLACE):
             self._put_made("Release", lambda: with_fixed_position(self.pose, keyed=where == KEYED_PLACE))
-        elif where in dict(RULES):
+        elif where in dict(PROCEDURAL_KINDS):
             x, y, z = self.pose.place.tolist()
             self._put_made(
                 "Set procedural motion of",

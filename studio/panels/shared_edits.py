@@ -7,7 +7,7 @@ from studio.core.changed_records import RecordT, with_fields
 from studio.core.stage.project import Entity
 from studio.document.commands.replace import same_value
 
-INDIVIDUAL = frozenset(
+INDIVIDUAL_FIELDS = frozenset(
     {"name", "motion_id", "priority", "character_id", "clips", "layers", "position", "heading", "holds"}
 )
 """Fields that are not transferred to the other entities."""
@@ -16,7 +16,7 @@ _WORDS = {"enabled": "on or off", "scope": "applies to", "end_segment": "end"}
 
 def with_edit(other: RecordT, before: object, after: object) -> RecordT:
     """``other`` with the values in which ``after`` differs from ``before``."""
-    names = [each.name for each in fields(other) if each.name not in INDIVIDUAL]
+    names = [each.name for each in fields(other) if each.name not in INDIVIDUAL_FIELDS]
     edits = {
         name: _edited(getattr(other, name), getattr(before, name), getattr(after, name))
         for name in names
@@ -48,7 +48,7 @@ def different_fields(entities: Iterable[Entity]) -> list[str]:
     return [
         _WORDS.get(each.name, each.name.replace("_", " "))
         for each in fields(first)
-        if each.name not in INDIVIDUAL
+        if each.name not in INDIVIDUAL_FIELDS
         and any(
             not hasattr(other, each.name) or not same_value(getattr(first, each.name), getattr(other, each.name))
             for other in others

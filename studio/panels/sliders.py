@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QSlider, QWidget
 from studio.panels.fields import styled_label
 
 SLIDER_STEPS = 1000
-VALUE_WIDTH = 62
+SLIDER_VALUE_WIDTH_PX = 62
 
 
 class QuietSlider(QSlider):
@@ -51,7 +51,7 @@ class ValueSlider(QWidget):
         self.slider.setAccessibleName(name)
         self.slider.setToolTip(f"{name}. Double-click to reset.")
         self._value: QLabel = styled_label("", "value")
-        self._value.setFixedWidth(VALUE_WIDTH)
+        self._value.setFixedWidth(SLIDER_VALUE_WIDTH_PX)
         self._value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)

@@ -13,7 +13,7 @@ from studio.document.mnemonics import escaped_mnemonics
 from studio.panels.fields import ElidedText, press_button
 
 STATUS_BAR_WIDTH = 120
-LEAST_TIMED_SECONDS, LEAST_TIMED_SHARE = 3.0, 0.02
+MIN_TIMED_SECONDS, MIN_TIMED_FRACTION = 3.0, 0.02
 """Seconds, and fraction of a job, that must have been timed before the time left is shown."""
 SECONDS_SHOWN_BELOW = 120
 """Time left in seconds from which it is shown in minutes."""
@@ -43,7 +43,7 @@ class Pace:
     def time_left(self) -> str:
         """Time left as text; empty until enough was timed, and at the end."""
         seconds, share = self.last_seconds - self.first_seconds, self.last_share - self.first_share
-        if seconds < LEAST_TIMED_SECONDS or share < LEAST_TIMED_SHARE or self.last_share >= 1.0:
+        if seconds < MIN_TIMED_SECONDS or share < MIN_TIMED_FRACTION or self.last_share >= 1.0:
             return ""
         left = (1.0 - self.last_share) * seconds / share
         whole = f"{math.ceil(left)} s" if left < SECONDS_SHOWN_BELOW else f"{math.ceil(left / 60.0)} min"

@@ -9,7 +9,7 @@ from PySide6.QtGui import QColor, QPainter, QPen
 
 FloatArray = NDArray[np.float64]
 
-ASLANT = 0.35
+DEPTH_FORESHORTENING = 0.35
 """Foreshortening of the depth axis in the oblique projection, so that legs and arms do not hide each other."""
 STICK_FIGURE_MARGIN = 4.0
 
@@ -28,7 +28,7 @@ class FigureView:
         along = np.array(self.heading) / max(float(np.hypot(*self.heading)), 1e-9)
         across = np.array([-along[1], along[0]])
         middle = points[:, :2].mean(axis=0)
-        right = (points[:, :2] - middle) @ (along - ASLANT * across)
+        right = (points[:, :2] - middle) @ (along - DEPTH_FORESHORTENING * across)
         scale = (box.height() - 2.0 * STICK_FIGURE_MARGIN) / self.height
         return np.column_stack(
             [box.center().x() + scale * right, box.bottom() - STICK_FIGURE_MARGIN - scale * points[:, 2]]

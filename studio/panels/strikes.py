@@ -6,21 +6,21 @@ from PySide6.QtCore import QEvent, QMimeData, QObject, Qt, Signal
 from PySide6.QtGui import QHideEvent, QShowEvent
 from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QSizePolicy, QVBoxLayout, QWidget
 
-from studio.document.dragging import STRIKE, carried_row
+from studio.document.dragging import STRIKE_MIME, row_drag_data
 from studio.panels.fields import FIELD_ICON_PX, Choice, Section, Segments, press_button, styled_label
 from studio.panels.two_lines import TwoLines
 
-ALL = "None (list all strikes)"
+NO_TARGET_CHOICE = "None (list all strikes)"
 NO_STRIKES_HINT = "No clips yet. Add a folder of captures: strikes are found in them automatically."
-READY = "Hover to preview a strike. Drag it onto a character or a track, or insert it at the playhead."
-TRYING = "Evaluating strikes in this scene…"
+READY_HINT = "Hover to preview a strike. Drag it onto a character or a track, or insert it at the playhead."
+EVALUATING_HINT = "Evaluating strikes in this scene…"
 NO_MATCH_HINT = "No clip in the library matches that limb and type."
-OF_A_POSE = "Clips that contain the selected pose, best match first."
+POSE_CLIPS_HINT = "Clips that contain the selected pose, best match first."
 INSERT_TIP = "Insert the strike at the playhead, blended in and constrained to the target"
-TARGET_NEEDED = "Choose a target first: a strike is inserted so that it meets it"
-UNSOLVED = "All strikes of the library. Ranking starts when this character and its target are solved."
+TARGET_NEEDED_TIP = "Choose a target first: a strike is inserted so that it meets it"
+UNSOLVED_HINT = "All strikes of the library. Ranking starts when this character and its target are solved."
 OWN_FACE_HINT = "All strikes of the library. A character cannot target its own face: choose another target."
-NO_TARGET = "All strikes of the library. Choose a target, a box or a face, to rank them."
+NO_TARGET_HINT = "All strikes of the library. Choose a target, a box or a face, to rank them."
 
 
 class Strikes(QWidget):
@@ -43,7 +43,7 @@ class Strikes(QWidget):
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self._looked, self._usable = -1, False
         section = Section("Target of the strike")
-        self.target = Choice("Target", ((None, ALL),))
+        self.target = Choice("Target", ((None, NO_TARGET_CHOICE),))
         self.aim = Segments("Aim", ((True, "Moving target"), (False, "Position at search")))
         self.aim.setToolTip("Meet the target where it is at the hit frame, or where it was at the search")
         self.aim.value_chosen.connect(self._choose_aim)
@@ -72,7 +72,7 @@ class Strikes(QWidget):
         self.use = press_button(
             "Insert on selected character", lambda: self.strike_chosen.emit(self.results.currentRow())
         )
-        self.use.setToolTip(TARGET_NEEDED)
+        self.use.setToolTip(TARGET_NEEDED_TIP)
         self.use.setEnabled(False)
         self.correct = press_button("Label…", lambda: self.opened.emit(self.results.currentRow()))
         self.correct.setToolTip("Confirm or correct trim range, hit frame, limb and type")
@@ -84,8 +84,8 @@ class Strikes(QWidget):
         column.addLayout(below)
 
     def offer_targets(self, targets: Sequence[tuple[object, str]], wanted: object) -> None:
-        """Set the targets; select ``wanted`` if it is among them, else ``ALL``."""
-        self.target.offer([(None, ALL), *targets])
+        """Set the targets; select ``wanted`` if it is among them, else ``NO_TARGET_CHOICE``."""
+        self.target.offer([(None, NO_TARGET_CHOICE), *targets])
         self.target.show_value(wanted if self.target.offers(wanted) else None)
 
     def show_results(self, results: Sequence[tuple[str, str]], hint: str, usable: bool = True) -> None:
@@ -94,7 +94,7 @@ class Strikes(QWidget):
         """
         self._look(-1)
         self._usable = usable
-        self.use.setToolTip(INSERT_TIP if usable else TARGET_NEEDED)
+        self.use.setToolTip(INSERT_TIP if usable else TARGET_NEEDED_TIP)
         self.results.clear()
         for name, reasons in results:
             item = QListWidgetItem(f"{name}\n{reasons}")
@@ -171,8 +171,8 @@ class ResultList(QListWidget):
         self.setDragEnabled(True)
 
     def mimeTypes(self) -> list[str]:
-        return [STRIKE]
+        return [STRIKE_MIME]
 
     def mimeData(self, items: Sequence[QListWidgetItem]) -> QMimeData:
         """MIME data with the index of the dragged result."""
-        return carried_row(STRIKE, self.row(items[0]))
+        return row_drag_data(STRIKE_MIME, self.row(items[0]))

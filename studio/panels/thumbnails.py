@@ -21,7 +21,7 @@ from studio.document import colours
 from studio.document.document import Document
 from studio.io.project.project_file import read_thumbnail
 from studio.library.scenes import SCENES
-from studio.panels.library_rows import BUNDLED, SAVED
+from studio.panels.library_rows import BUNDLED_SCENE, SAVED_PROJECT
 
 FloatArray = NDArray[np.float64]
 
@@ -58,9 +58,9 @@ class Thumbnails(QObject):
 
     def of(self, collection: str, entity_id: str) -> QPixmap | None:
         """Thumbnail of a capture, character, performer or scene; None if there is none, or it is not drawn yet."""
-        if collection == BUNDLED:
+        if collection == BUNDLED_SCENE:
             return self._picture((collection, entity_id), None, lambda: bundled_picture(entity_id))
-        if collection == SAVED:
+        if collection == SAVED_PROJECT:
             return self._picture((collection, entity_id), None, lambda: saved_picture(Path(entity_id)))
         project = self._document.shown_project
         if collection == "performers" and entity_id in project.performers:
@@ -74,7 +74,7 @@ class Thumbnails(QObject):
 
     def forget_saved(self) -> None:
         """Read the thumbnails of project files again when they are next shown."""
-        for key in [key for key in self._pictures if isinstance(key, tuple) and key[0] == SAVED]:
+        for key in [key for key in self._pictures if isinstance(key, tuple) and key[0] == SAVED_PROJECT]:
             del self._pictures[key]
 
     def _picture(self, key: Hashable, drawn: object, draw: Callable[[], QImage]) -> QPixmap | None:

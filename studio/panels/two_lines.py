@@ -8,7 +8,7 @@ from studio.document import colours
 from studio.panels.fields import FIELD_ICON_PX
 
 LINE_TOP_PX, LINE_GAP_PX, DETAIL_FONT_PX = 7, 2, 12
-WRAPPED = Qt.TextFlag.TextWordWrap
+WRAPPED_TEXT = Qt.TextFlag.TextWordWrap
 Index = QModelIndex | QPersistentModelIndex
 
 
@@ -32,7 +32,7 @@ class TwoLines(QStyledItemDelegate):
         painter.drawText(self._name(option, option.rect), Qt.AlignmentFlag.AlignLeft, name)
         painter.setFont(_small(option.font))
         painter.setPen(QColor(colours.TEXT_SECOND))
-        painter.drawText(self._words(option, index, option.rect), WRAPPED, words)
+        painter.drawText(self._words(option, index, option.rect), WRAPPED_TEXT, words)
 
     def _name(self, option: QStyleOptionViewItem, row: QRect) -> QRect:
         height = option.fontMetrics.height()
@@ -41,7 +41,7 @@ class TwoLines(QStyledItemDelegate):
     def _words(self, option: QStyleOptionViewItem, index: Index, row: QRect) -> QRect:
         above, words = self._name(option, row), str(index.data()).partition("\n")[2]
         room = QRect(above.left(), above.bottom() + LINE_GAP_PX, above.width(), 1000)
-        return QFontMetrics(_small(option.font)).boundingRect(room, int(WRAPPED), words)
+        return QFontMetrics(_small(option.font)).boundingRect(room, int(WRAPPED_TEXT), words)
 
 
 def _small(font: QFont) -> QFont:

@@ -24,7 +24,7 @@ from studio.timeline.subject import ActiveMotion, BodyOnTimeline
 
 FloatArray = NDArray[np.float64]
 
-PIECES = 1
+BINS_PER_PIXEL = 1
 """Bins per pixel for a curve with many frames per pixel."""
 
 
@@ -283,7 +283,7 @@ def displayed_curve(curve: Curve, axis: TimeAxis) -> tuple[FloatArray, FloatArra
     first, last = np.searchsorted(curve.times, [axis.time_at(axis.left), axis.time_at(axis.right + AXIS_MARGIN)])
     seen = slice(max(int(first) - 1, 0), int(last) + 1)
     times, values = curve.times[seen], curve.values[seen]
-    size = int(len(times) / (PIECES * axis.width)) if axis.width else 0
+    size = int(len(times) / (BINS_PER_PIXEL * axis.width)) if axis.width else 0
     if size < 2:
         return times, values
     pieces = len(times) // size

@@ -18,10 +18,10 @@ from studio.timeline.clip_actions import nudged_clip
 from studio.timeline.gestures.activation import time_of, with_time
 from studio.timeline.gestures.begin import name_of
 from studio.timeline.gestures.contact import gap_between_contacts, new_contact
-from studio.timeline.shown import EDGES, HANDLES, ItemPart, RowContext
+from studio.timeline.shown import EDGE_PARTS, HANDLE_PARTS, ItemPart, RowContext
 from studio.timeline.tracks.keys import growth_fields, keys_between, sheet_fields, stage_times
 
-DELETABLE = ("constraints", "contacts", "clips", "labels", "corrections", "sounds", "footage")
+DELETABLE_COLLECTIONS = ("constraints", "contacts", "clips", "labels", "corrections", "sounds", "footage")
 
 
 def add_contact(shown: RowContext, point: ContactPoint | Touch, frame: int) -> str | None:
@@ -65,7 +65,7 @@ def delete_selected(shown: RowContext) -> bool:
     document = shown.document
     if document.keys.items:
         return delete_keys(document)
-    items = [item for item in document.selection.items if item[0] in DELETABLE]
+    items = [item for item in document.selection.items if item[0] in DELETABLE_COLLECTIONS]
     if not items:
         return False
     text = f"Delete {_words(shown.project, *items[0])}" if len(items) == 1 else f"Delete {len(items)} items"
@@ -93,7 +93,7 @@ def go_to_key(shown: RowContext, direction: int) -> None:
     times = [
         shown.subject.to_stage(time)
         for each in shown.project.constraints_of(shown.subject.motion_id).values()
-        for time in (*(time_of(each.activation, part) for part in HANDLES), *key_times(each))
+        for time in (*(time_of(each.activation, part) for part in HANDLE_PARTS), *key_times(each))
     ] + [
         shown.subject.stage_time(frame)
         for each in shown.project.contacts_of(shown.subject.motion_id).values()
@@ -126,9 +126,9 @@ def handles_of(shown: RowContext) -> tuple[ItemPart, ...]:
     """Handles of the selected entity that can be moved by keyboard."""
     match shown.document.selection.current:
         case ("constraints", _):
-            return HANDLES
+            return HANDLE_PARTS
         case ("contacts" | "clips", _):
-            return EDGES
+            return EDGE_PARTS
     return ()
 
 

@@ -7,7 +7,7 @@ from studio.engine.residuals import unsolved_words
 from studio.timeline.gestures.activation import time_of
 from studio.timeline.gestures.begin import name_of
 from studio.timeline.sheet import TimelineLayout
-from studio.timeline.shown import EDGES, HANDLES, ROW_LABEL_WIDTH, Hit, ItemPart
+from studio.timeline.shown import EDGE_PARTS, HANDLE_PARTS, ROW_LABEL_WIDTH, Hit, ItemPart
 from studio.timeline.strip_states import StripState
 from studio.timeline.time_words import time_text
 from studio.timeline.tracks import clip, constraint, keys, remarks
@@ -113,7 +113,7 @@ def _clip_text(sheet: TimelineLayout, hit: Hit) -> str:
     players = len(players_of(shown.project, hit.id))
     shared = f", shared by {players} characters" if players > 1 else ""
     text = f"{clip.clip_text(shown, entity)}: frames {entity.first} to {entity.last}, {length:.3f} s{shared}"
-    if hit.part in EDGES:
+    if hit.part in EDGE_PARTS:
         text += "\nDrag to trim; Shift+drag changes the speed. Later clips move along"
     comes = clip_transition(shown, hit.performer_id, entity)
     return f"{text}\n{comes.words(entity)}" if comes else text
@@ -134,7 +134,7 @@ def _correction_text(sheet: TimelineLayout, hit: Hit) -> str:
     entity = sheet.context.project.corrections[hit.id]
     where = "above" if entity.above else "below"
     curve = entity.activation
-    if hit.part in HANDLES:
+    if hit.part in HANDLE_PARTS:
         time = time_of(curve, hit.part)
         return f"{entity.name}, {hit.part}: {time_text(time * sheet.context.axis.frame_rate, time)}"
     return f"{entity.name}: {curve.start:.3f} s to {curve.end:.3f} s, {where} the constraints"
@@ -163,7 +163,7 @@ def _hold_text(sheet: TimelineLayout, hit: Hit, position: QPointF) -> str:
 def _constraint_text(sheet: TimelineLayout, hit: Hit, position: QPointF) -> str:
     entity = sheet.context.project.constraints[hit.id]
     rate = sheet.context.subject.frame_rate
-    if hit.part in HANDLES:
+    if hit.part in HANDLE_PARTS:
         time = time_of(entity.activation, hit.part)
         return f"{entity.name}, {hit.part}: {sheet.context.moment(time * rate)}"
     frame = round(sheet.context.frame_at(position.x()))

@@ -13,9 +13,9 @@ if TYPE_CHECKING:
 
 Key, Modifier = Qt.Key, Qt.KeyboardModifier
 FRAME_STEPS = {Key.Key_Left: -1, Key.Key_Right: 1}
-FRAMING = (Key.Key_A, Key.Key_F)
+FRAMING_KEYS = (Key.Key_A, Key.Key_F)
 """Keys that frame all curves, or the selected keys, in the curve editor."""
-JUMPS = {Key.Key_Up: -1, Key.Key_Down: 1}
+JUMP_DIRECTIONS = {Key.Key_Up: -1, Key.Key_Down: 1}
 
 
 def handles_key(canvas: "TrackCanvas", key: int, modifiers: Qt.KeyboardModifier) -> bool:
@@ -24,7 +24,7 @@ def handles_key(canvas: "TrackCanvas", key: int, modifiers: Qt.KeyboardModifier)
         return canvas.gesture is not None or canvas.handle is not None or bool(canvas.document.keys.items)
     if _moves_keys(key, modifiers) or _jumps_to_key(key, modifiers):
         return True
-    if canvas.editing and key in FRAMING and modifiers == Modifier.NoModifier:
+    if canvas.editing and key in FRAMING_KEYS and modifiers == Modifier.NoModifier:
         return True
     if (key, modifiers) == (Key.Key_A, Modifier.ControlModifier):
         return True
@@ -39,9 +39,9 @@ def press_key(canvas: "TrackCanvas", key: Qt.Key, modifiers: Qt.KeyboardModifier
     if _moves_keys(key, modifiers) and canvas.gesture is None:
         _move_keys(shown, key, modifiers)
     elif _jumps_to_key(key, modifiers):
-        edits.go_to_key(shown, JUMPS[key])
+        edits.go_to_key(shown, JUMP_DIRECTIONS[key])
         edits.select_keys_at_playhead(shown)
-    elif canvas.editing and key in FRAMING and modifiers == Modifier.NoModifier:
+    elif canvas.editing and key in FRAMING_KEYS and modifiers == Modifier.NoModifier:
         canvas.frame_curves(key == Key.Key_F)
     elif (key, modifiers) == (Key.Key_A, Modifier.ControlModifier):
         edits.select_all_keys(shown)
@@ -62,7 +62,7 @@ def _moves_keys(key: int, modifiers: Qt.KeyboardModifier) -> bool:
 
 
 def _jumps_to_key(key: int, modifiers: Qt.KeyboardModifier) -> bool:
-    return modifiers == Modifier.ControlModifier and key in JUMPS
+    return modifiers == Modifier.ControlModifier and key in JUMP_DIRECTIONS
 
 
 def _move_keys(shown: RowContext, key: Qt.Key, modifiers: Qt.KeyboardModifier) -> None:
@@ -94,8 +94,8 @@ def _move_playhead(canvas: "TrackCanvas", key: Qt.Key, to_end: bool) -> bool:
         playhead.set_frame(playhead.last)
     elif key in FRAME_STEPS:
         playhead.step(FRAME_STEPS[key])
-    elif key in JUMPS and canvas.shown is not None:
-        edits.go_to_key(canvas.shown, JUMPS[key])
+    elif key in JUMP_DIRECTIONS and canvas.shown is not None:
+        edits.go_to_key(canvas.shown, JUMP_DIRECTIONS[key])
     else:
         return False
     return True

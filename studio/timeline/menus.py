@@ -46,7 +46,7 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
         offer_motions(menu, canvas.sheet.context, hit.id, start)
     elif hit.kind in ("ruler", "labels") and not hit.id and hit.part in (ItemPart.TIME, ItemPart.EMPTY):
         _offer_label(menu, canvas, round(canvas.sheet.context.frame_at(position.x())))
-    elif hit.kind in edits.DELETABLE and hit.id and hit.part != ItemPart.EMPTY:
+    elif hit.kind in edits.DELETABLE_COLLECTIONS and hit.id and hit.part != ItemPart.EMPTY:
         canvas.document.selection.set((hit.kind, hit.id))
         if hit.kind == "labels":
             menu.addAction("Rename label").triggered.connect(lambda: canvas.rename_label(hit.id))

@@ -6,7 +6,7 @@ from PySide6.QtCore import QEvent, QRect, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QLineEdit, QWidget
 
-LEAST_WIDTH = 120
+MIN_NAME_FIELD_PX = 120
 
 
 class NameField(QLineEdit):
@@ -16,7 +16,7 @@ class NameField(QLineEdit):
         super().__init__(name, parent)
         self._name, self._take = name, take
         self.setAccessibleName("Name of the label")
-        self.setGeometry(area.adjusted(0, -3, max(LEAST_WIDTH - area.width(), 0), 3))
+        self.setGeometry(area.adjusted(0, -3, max(MIN_NAME_FIELD_PX - area.width(), 0), 3))
         self.selectAll()
         self.editingFinished.connect(self._finish)
         self.show()

@@ -24,10 +24,10 @@ from studio.timeline.tracks.brush import time_area, translucent
 from studio.timeline.tracks.plot import FOLDED_PLOT_HEIGHT, PlotPicture
 from studio.timeline.tracks.value_curves import ValueCurves
 
-PLOT = ("plot", "")
+PLOT_ROW = ("plot", "")
 REFERENCE_CURVE_OPACITY = 0.3
 """Opacity of measured curves behind the animation curves in the curve editor."""
-RULER = ("ruler", "")
+RULER_ROW = ("ruler", "")
 
 
 class TimelineImage:
@@ -73,7 +73,7 @@ class TimelineImage:
         if self._all_stale:
             painter.fillRect(QRect(QPoint(), sheet.size), QColor(colours.PANEL))
             _paint_ground(painter, sheet.viewport, sheet.context)
-        if self._is_stale(RULER):
+        if self._is_stale(RULER_ROW):
             shown = sheet.context
             ruler.paint_ruler(painter, sheet.ruler, shown.axis, shown.document.playhead, shown.live.play.running)
             remarks.paint_remarks(painter, sheet.ruler, sheet.context)
@@ -81,7 +81,7 @@ class TimelineImage:
             labelled = self._is_stale((row.kind, row.id))
             if labelled or (row.kind, row.id) in self._stale_lanes:
                 _paint_row(painter, sheet, row, labelled)
-        if self._is_stale(PLOT):
+        if self._is_stale(PLOT_ROW):
             self._paint_plot(painter, sheet)
 
     def _is_stale(self, row: tuple[str, str]) -> bool:

@@ -19,9 +19,9 @@ from studio.timeline.tracks import (
     ruler,
 )
 
-PLAYHEAD_REACH = 4.0
+PLAYHEAD_GRAB_PIXELS = 4.0
 RIGHT_MARGIN = 12
-CURVE_EDITOR_PART, CURVE_EDITOR_LEAST_PX = 0.55, 150
+MIN_CURVE_EDITOR_FRACTION, MIN_CURVE_EDITOR_PX = 0.55, 150
 """Minimum height of the curve editor, as a fraction of the timeline's height and in pixels."""
 FOLDED_ROW_KINDS = ("constraints", "lane")
 """Kinds of tracks that can be collapsed individually."""
@@ -106,10 +106,12 @@ class TimelineLayout:
             return QRect(0, self.size.height() - plot.FOLDED_PLOT_HEIGHT, self.size.width(), plot.FOLDED_PLOT_HEIGHT)
         if self.context.curves:
             most = self.size.height() - ruler.RULER_HEIGHT
-            height = max(round(CURVE_EDITOR_PART * most), min(CURVE_EDITOR_LEAST_PX, most), most - self.content_height)
+            height = max(
+                round(MIN_CURVE_EDITOR_FRACTION * most), min(MIN_CURVE_EDITOR_PX, most), most - self.content_height
+            )
             return QRect(0, self.size.height() - height, self.size.width(), height)
         spare = self.size.height() - ruler.RULER_HEIGHT - self.content_height
-        height = min(max(spare, plot.LEAST_HEIGHT), plot.MOST_HEIGHT)
+        height = min(max(spare, plot.MIN_PLOT_HEIGHT_PX), plot.MAX_PLOT_HEIGHT_PX)
         return QRect(0, self.size.height() - height, self.size.width(), height)
 
     @property
@@ -135,7 +137,7 @@ class TimelineLayout:
         """Part under the mouse: entities first, then the line of the playhead, then empty space."""
         hit = self.part_under_playhead(position)
         line = self.context.axis.x_of_time(self.context.document.playhead.time)
-        over_line = position.x() >= ROW_LABEL_WIDTH and abs(position.x() - line) <= PLAYHEAD_REACH
+        over_line = position.x() >= ROW_LABEL_WIDTH and abs(position.x() - line) <= PLAYHEAD_GRAB_PIXELS
         return Hit("playhead", "", ItemPart.TIME) if hit.part == ItemPart.EMPTY and over_line else hit
 
     def part_under_playhead(self, position: QPointF) -> Hit:

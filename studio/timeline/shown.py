@@ -43,8 +43,8 @@ class ItemPart(StrEnum):
     TIME = "time"
 
 
-HANDLES = (ItemPart.START, ItemPart.FULL, ItemPart.FULL_END, ItemPart.END)
-EDGES = (ItemPart.FIRST, ItemPart.LAST)
+HANDLE_PARTS = (ItemPart.START, ItemPart.FULL, ItemPart.FULL_END, ItemPart.END)
+EDGE_PARTS = (ItemPart.FIRST, ItemPart.LAST)
 
 
 @dataclass(frozen=True)

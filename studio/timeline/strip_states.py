@@ -55,7 +55,7 @@ class ErrorStrip:
         frame = int(self.frames_at(seconds))
         if not 0 <= frame < len(self.errors):
             return StripState.INACTIVE
-        return STATES[int(self.state_indices[frame])]
+        return STRIP_STATES[int(self.state_indices[frame])]
 
     @property
     def span(self) -> tuple[float, float] | None:
@@ -67,7 +67,7 @@ class ErrorStrip:
 
     @cached_property
     def state_indices(self) -> NDArray[np.int64]:
-        """(F,) index in ``STATES`` of the state of each frame."""
+        """(F,) index in ``STRIP_STATES`` of the state of each frame."""
         return np.select(
             [
                 self.activation <= 0.0,
@@ -82,7 +82,7 @@ class ErrorStrip:
     @property
     def misses(self) -> bool:
         """True if the target is not reached in any frame, fades included."""
-        return bool((self.state_indices >= STATES.index(StripState.PARTLY)).any())
+        return bool((self.state_indices >= STRIP_STATES.index(StripState.PARTLY)).any())
 
     @property
     def yields(self) -> bool:
@@ -90,7 +90,7 @@ class ErrorStrip:
         return bool((self.state_indices == 1).any())
 
 
-STATES = tuple(StripState)
+STRIP_STATES = tuple(StripState)
 
 
 def strip_of(

@@ -4,7 +4,7 @@ import re
 
 DROP_RATES = (30, 60)
 """Nominal frame rates whose NTSC variant, 1000/1001 of them, drops frame numbers to stay in step with the clock."""
-NTSC = 1000.0 / 1001.0
+NTSC_FACTOR = 1000.0 / 1001.0
 TIMECODE = re.compile(r"\d+(?:[:;.]\d+){0,3}")
 
 
@@ -34,5 +34,5 @@ def frame_of_timecode(text: str, frame_rate: float) -> int:
 def _counting(frame_rate: float) -> tuple[int, int]:
     """Frame numbers per second, and dropped numbers per minute."""
     nominal = max(1, round(frame_rate))
-    is_drop = nominal in DROP_RATES and abs(frame_rate - nominal * NTSC) < 0.005
+    is_drop = nominal in DROP_RATES and abs(frame_rate - nominal * NTSC_FACTOR) < 0.005
     return nominal, nominal // 15 if is_drop else 0

@@ -13,7 +13,7 @@ from studio.timeline.shown import ItemPart
 from studio.timeline.strip_states import StripState
 from studio.timeline.track_canvas import TrackCanvas
 from studio.timeline.tracks import constraint, contacts
-from studio.timeline.tracks.error_strip import PITCH
+from studio.timeline.tracks.error_strip import STRIP_SPACING_PIXELS
 from studio.timeline.transport import Transport
 
 
@@ -84,7 +84,7 @@ class Timeline(QWidget):
         shown = self._sheet().context
         place = [body.performer_id for body in shown.subject.bodies].index(performer_id)
         top = constraint.strip_top(self.row_rect("constraints", constraint_id), place)
-        return QPoint(round(shown.x_of_frame(frame)), top + PITCH - 1)
+        return QPoint(round(shown.x_of_frame(frame)), top + STRIP_SPACING_PIXELS - 1)
 
     def strip_state(self, constraint_id: str, performer_id: str, frame: int) -> StripState:
         """State of a performer's error strip at a frame of the active motion."""

@@ -18,7 +18,7 @@ from PySide6.QtWidgets import QToolTip, QWidget
 
 from studio.core.captures.contacts import contact_point
 from studio.document.document import Document
-from studio.document.dragging import STRIKE, capture_in, row_in
+from studio.document.dragging import STRIKE_MIME, capture_in, row_in
 from studio.engine.live_interface import Live
 from studio.timeline import edits
 from studio.timeline.clip_actions import add_clip, try_edit
@@ -38,7 +38,7 @@ from studio.timeline.track_view import TrackView
 from studio.timeline.tracks.labels import flags
 from studio.timeline.tracks.value_curves import HandleRef, plot_area
 
-DRAG_BEGINS = 3
+TRACK_DRAG_START_PIXELS = 3
 ZOOM_PER_DEGREE = 1.0125
 SCROLL_PER_DEGREE = 3.2
 Modifier = Qt.KeyboardModifier
@@ -114,7 +114,7 @@ class TrackCanvas(TrackView):
         self.mouse = event.position()
         if self._pending is not None:
             hit, press = self._pending
-            if (event.position() - press).manhattanLength() >= DRAG_BEGINS:
+            if (event.position() - press).manhattanLength() >= TRACK_DRAG_START_PIXELS:
                 self._pending = None
                 self.gesture = self._gesture_at(hit, press, event.modifiers())
                 if hit.part == ItemPart.BODY:
@@ -175,11 +175,11 @@ class TrackCanvas(TrackView):
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
         """Accept dragged captures and strikes; files are left to the window."""
-        event.setAccepted(self._dropped(event) is not None or row_in(STRIKE, event.mimeData()) is not None)
+        event.setAccepted(self._dropped(event) is not None or row_in(STRIKE_MIME, event.mimeData()) is not None)
 
     def dragMoveEvent(self, event: QDragMoveEvent) -> None:
         """Accept captures everywhere and strikes over clip tracks, and show the start time of the new clip."""
-        motion_id, strike = self._dropped(event), row_in(STRIKE, event.mimeData()) is not None
+        motion_id, strike = self._dropped(event), row_in(STRIKE_MIME, event.mimeData()) is not None
         event.setAccepted(self._clip_row(event) is not None if strike else motion_id is not None)
         if event.isAccepted() and self.sheet is not None:
             time = self._dropped_at(event)
@@ -190,7 +190,7 @@ class TrackCanvas(TrackView):
         """Add the dropped motion to the track under the mouse, from that time on; outside of tracks, at the end of the
         active one.
         """
-        motion_id, strike, row = self._dropped(event), row_in(STRIKE, event.mimeData()), self._clip_row(event)
+        motion_id, strike, row = self._dropped(event), row_in(STRIKE_MIME, event.mimeData()), self._clip_row(event)
         event.setAccepted(motion_id is not None or (strike is not None and row is not None))
         self.message_posted.emit("")
         if strike is not None and row is not None:

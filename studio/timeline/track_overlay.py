@@ -87,6 +87,6 @@ def paint_prompt(painter: QPainter, area: QRect, text: str, share: float | None 
         paint_bar(
             painter,
             QRectF(bar.topLeft(), QSizeF(PROGRESS_BAR_WIDTH * share, 4.0)),
-            QColor(colours.KINDS["position"]),
+            QColor(colours.KIND_COLOURS["position"]),
             2,
         )

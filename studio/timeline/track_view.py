@@ -20,12 +20,12 @@ from studio.timeline.curves import Plotted
 from studio.timeline.gestures.gesture import TimelineGesture
 from studio.timeline.gestures.keys import BoxSelect
 from studio.timeline.gestures.value_curves import BoxSelectCurves
-from studio.timeline.picture import PLOT, TimelineImage
+from studio.timeline.picture import PLOT_ROW, TimelineImage
 from studio.timeline.sheet import FOLDED_ROW_KINDS, RIGHT_MARGIN, TimelineLayout, rows_of
 from studio.timeline.shown import ROW_LABEL_WIDTH, ItemPart, RowContext
 from studio.timeline.subject import play_different_rows, stage_extent, subject_of
 from studio.timeline.tracks.constraint import activation_look
-from studio.timeline.tracks.keys import SHEET, SUMMARY, sheet_id
+from studio.timeline.tracks.keys import SHEET_KIND, SUMMARY_KIND, sheet_id
 
 UNSOLVED_ROWS = ("characters", "grounds", "props")
 """Collections whose changes during a drag appear only in the tracks ``ROWS_WHILE_DRAGGED`` until they are solved."""
@@ -77,7 +77,7 @@ class TrackView(QWidget):
         self.live.reported_changed.connect(self._show_results)
         self.live.play.running_changed.connect(self._redraw_all)
         self.axis.changed.connect(self._redraw_all)
-        self.picture.plot.arrived.connect(partial(self._redraw, PLOT))
+        self.picture.plot.arrived.connect(partial(self._redraw, PLOT_ROW))
         self.scroll_bar.valueChanged.connect(self.lay_out)
 
     def leave(self) -> None:
@@ -173,7 +173,7 @@ class TrackView(QWidget):
 
     def _update_row(self, row: tuple[str, str]) -> None:
         found = self.sheet.find(*row) if self.sheet else None
-        if self.sheet is not None and (row == PLOT or found is not None):
+        if self.sheet is not None and (row == PLOT_ROW or found is not None):
             self.update(self.sheet.rect(found) if found is not None else self.sheet.plot)
 
     def _show_project(self) -> None:
@@ -194,7 +194,7 @@ class TrackView(QWidget):
         """Show the curve editor in place of the graph, or the graph again."""
         if self.editing != editing:
             self.editing = editing
-            self.folded -= {PLOT}
+            self.folded -= {PLOT_ROW}
             self.lay_out()
 
     def frame_curves(self, selected: bool) -> None:
@@ -203,12 +203,12 @@ class TrackView(QWidget):
             if not selected:
                 self.axis.fit()
             self.picture.curves.frame(self.shown, selected)
-            self._redraw(PLOT)
+            self._redraw(PLOT_ROW)
 
     def set_normalized(self, normalized: bool) -> None:
         """Scale each curve of the curve editor to the full height, or show curves of the same unit on one scale."""
         self.picture.curves.set_normalized(normalized)
-        self._redraw(PLOT)
+        self._redraw(PLOT_ROW)
 
     def set_dope(self, dope: bool) -> None:
         """Show the dope sheet, or the usual tracks."""
@@ -227,7 +227,7 @@ class TrackView(QWidget):
     def fold_all(self) -> None:
         """Collapse every track that can be; expand them if all are collapsed."""
         rows = self.sheet.rows if self.sheet else ()
-        foldable = frozenset({PLOT} | {(row.kind, row.id) for row in rows if row.kind in FOLDED_ROW_KINDS})
+        foldable = frozenset({PLOT_ROW} | {(row.kind, row.id) for row in rows if row.kind in FOLDED_ROW_KINDS})
         self.folded = frozenset() if foldable <= self.folded else foldable
         self.lay_out()
 
@@ -236,13 +236,13 @@ class TrackView(QWidget):
         if collection == "behaviours":
             return
         if self.editing and collection in KEYED_COLLECTIONS:
-            self._redraw(PLOT)
+            self._redraw(PLOT_ROW)
             self.fields.show_keys(self.shown)
         if self.dope and collection == "constraints" and self.sheet and entity_id:
             own = [row.key for row in self.sheet.rows if row.id.startswith(f"{collection}/{entity_id}/")]
             fields = fields_of(collection, entity_id, self.document.project.get(collection, entity_id))
-            if own == [(SHEET, sheet_id(field)) for field in fields]:
-                self._redraw((SUMMARY, ""), *own)
+            if own == [(SHEET_KIND, sheet_id(field)) for field in fields]:
+                self._redraw((SUMMARY_KIND, ""), *own)
                 return
         if self.live.interactive and collection in UNSOLVED_ROWS:
             rows = self.sheet.rows if self.sheet else ()
@@ -275,7 +275,7 @@ class TrackView(QWidget):
             selection = self.document.selection
             rows = [row for row in rows if row in selection or (row[0] == "clip" and selection.of("clips"))]
         else:
-            rows.append(PLOT)
+            rows.append(PLOT_ROW)
         self._redraw(*rows)
 
     def _move_playhead(self) -> None:
@@ -290,7 +290,7 @@ class TrackView(QWidget):
     def set_quantity(self, quantity: Plotted) -> None:
         """Plot another quantity in the graph."""
         self.picture.plot.quantity = quantity
-        self._redraw(PLOT)
+        self._redraw(PLOT_ROW)
 
     def set_handle(self, handle: ItemPart | None) -> None:
         """Focus a handle of the selected entity."""

@@ -16,8 +16,8 @@ from studio.timeline.time_words import rate_text
 from studio.timeline.timecode import TIMECODE, frame_of_timecode, timecode
 
 TRANSPORT_HEIGHT = 32
-SPEEDS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
-LAST_FRAME = 9_999_999
+PLAYBACK_SPEEDS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
+MAX_FRAME = 9_999_999
 
 
 class Transport(QWidget):
@@ -87,9 +87,9 @@ class Transport(QWidget):
         self.speed.setAccessibleName("Playback speed")
         self.speed.setToolTip("Playback speed")
         self.speed.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves Space to the playback
-        for speed in SPEEDS:
+        for speed in PLAYBACK_SPEEDS:
             self.speed.addItem(f"{speed:g}×", speed)
-        self.speed.setCurrentIndex(SPEEDS.index(1.0))
+        self.speed.setCurrentIndex(PLAYBACK_SPEEDS.index(1.0))
         self.speed.currentIndexChanged.connect(self._set_speed)
         self.first = _frame_field("First frame of the range", lambda frame: self._set_range())
         self.last = _frame_field("Last frame of the range", lambda frame: self._set_range())
@@ -192,7 +192,7 @@ class TimecodeField(QSpinBox):
 
     def __init__(self) -> None:
         self._frame_rate = INITIAL_PLAYHEAD.frame_rate
-        super().__init__(maximum=LAST_FRAME)
+        super().__init__(maximum=MAX_FRAME)
         _dress(self, "SMPTE timecode (hours:minutes:seconds:frames)", 92)
 
     def show_frame(self, frame: int, frame_rate: float) -> None:
@@ -242,7 +242,7 @@ def _button(icon: str, text: str, action: Callable[[], object]) -> QToolButton:
 
 
 def _frame_field(text: str, action: Callable[[int], None]) -> QSpinBox:
-    field = QSpinBox(maximum=LAST_FRAME)
+    field = QSpinBox(maximum=MAX_FRAME)
     _dress(field, text, 56)
     field.valueChanged.connect(action)
     return field

@@ -14,12 +14,12 @@ from studio.core.mesh.character import Character
 from studio.core.mesh.skin import SkinnedMesh, skin_vertices, with_grip
 from studio.core.rigs.driven_fingers import bound_hands
 from studio.core.stage.placement import Placement
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.viewport.bone_figure import BoneFigure
 from studio.viewport.character_materials import material_actors
 from studio.viewport.coarse import coarse_skin_beside
 from studio.viewport.live_mesh import LiveMesh
-from studio.viewport.seams import FIELD, draw_seams, panel_field
+from studio.viewport.seams import PANEL_FIELD, draw_seams, panel_field
 
 
 def make_actor(mesh: LiveMesh, colour: str) -> pv.Actor:
@@ -113,8 +113,8 @@ class BodyVisual:
 
     def _give_panels(self, drawn: DrawnSkin) -> None:
         data = drawn.mesh.polydata.point_data
-        data[FIELD] = panel_field(drawn.skin, self._character.build.layout)
-        data.active_scalars_name = FIELD
+        data[PANEL_FIELD] = panel_field(drawn.skin, self._character.build.layout)
+        data.active_scalars_name = PANEL_FIELD
 
     def can_show(self, character: Character) -> bool:
         """True if these objects can show ``character``: its proportions and colour may differ, but not its skin."""

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.constraints.base import BodyPoint, Chain, Vector
 from studio.core.solver.request import AdaptedMotion
-from studio.engine.performance import PosedPerformer
 from studio.engine.point_names import POINT_NAMES
+from studio.engine.posed_performer import PosedPerformer
 
 _ARM = Chain(limb=1.0, clavicle=1.0, trunk=0.4, root=0.2)
 _HAND_END = Chain(limb=1.0, end_segment=0.5, clavicle=1.0, trunk=0.4, root=0.2)

@@ -13,7 +13,7 @@ FloatArray = NDArray[np.float64]
 
 MOST_CAMERA_PITCH = math.pi / 2
 LEAST_CAMERA_DISTANCE, MOST_CAMERA_DISTANCE = 0.15, 150.0
-VIEWS: dict[str, tuple[float, float]] = {
+NAMED_VIEWS: dict[str, tuple[float, float]] = {
     "perspective": (CAMERA_AZIMUTH, CAMERA_ELEVATION),
     "front": (0.0, 0.0),
     "side": (-math.pi / 2, 0.0),

@@ -6,18 +6,18 @@ from PySide6.QtCore import QEasingCurve, QObject, QVariantAnimation
 
 from studio.viewport.camera import OrbitCamera
 
-MILLISECONDS = 120
+ANIMATION_MILLISECONDS = 120
 
 
 class CameraAnimation(QObject):
-    """Animation of ``MILLISECONDS``; starting a new one replaces it."""
+    """Animation of ``ANIMATION_MILLISECONDS``; starting a new one replaces it."""
 
     def __init__(self, show: Callable[[OrbitCamera], None], parent: QObject) -> None:
         super().__init__(parent)
         self._show = show
         self._begin = self._end = OrbitCamera()
         self._animation = QVariantAnimation(self)
-        self._animation.setDuration(MILLISECONDS)
+        self._animation.setDuration(ANIMATION_MILLISECONDS)
         self._animation.setEasingCurve(QEasingCurve.Type.OutCubic)
         self._animation.setStartValue(0.0)
         self._animation.setEndValue(1.0)

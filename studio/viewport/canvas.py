@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 SMOOTHING_MILLISECONDS = 160
 """Milliseconds without motion after which the image is anti-aliased."""
-GATHER_MILLISECONDS = 5
+REDRAW_DELAY_MILLISECONDS = 5
 
 
 class Canvas(QWidget):
@@ -103,7 +103,7 @@ class Canvas(QWidget):
         """Update scene and image after a short delay, in which further changes are collected."""
         self._stale = True
         if not self._frame_timer.isActive():
-            self._frame_timer.start(GATHER_MILLISECONDS)
+            self._frame_timer.start(REDRAW_DELAY_MILLISECONDS)
 
     def set_camera(self, camera: OrbitCamera) -> None:
         """Set the camera."""

@@ -10,7 +10,7 @@ from studio.document.mnemonics import escaped_mnemonics
 
 CHIP_MARGIN = 8
 """Pixels between a chip and the edge of the view."""
-PROBLEM_FRAME = 60
+PROBLEM_MARGIN_PX = 60
 """Pixels of the view's width that the text of the problem chip must leave free."""
 _SHAPE = "border-radius: 11px; padding: 3px 10px; font-size: 12px; border: 1px solid transparent;"
 _BUTTON = f"""
@@ -174,7 +174,7 @@ class Chips:
     def show_problem(self, sentence: str | None) -> None:
         """Show a sentence about the worst problem, elided if it does not fit; None hides the chip."""
         words = sentence or ""
-        room = self._view.width() - PROBLEM_FRAME
+        room = self._view.width() - PROBLEM_MARGIN_PX
         self.problem.ensurePolished()
         self.problem.set_text(self.problem.fontMetrics().elidedText(words, Qt.TextElideMode.ElideRight, room))
         self.problem.setToolTip(words)

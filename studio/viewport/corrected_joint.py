@@ -13,7 +13,7 @@ from studio.core.rotations import from_matrix, to_rotation_vector
 from studio.core.stage.correction import STILL, PoseOffsets
 from studio.document.correction_edits import correction_at, set_pose
 from studio.document.document import Document
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.viewport.body_points import BodyJoint
 from studio.viewport.camera import FloatArray
 from studio.viewport.movables import Movable

@@ -14,11 +14,11 @@ from studio.viewport.camera import OrbitCamera
 
 Pixels = NDArray[np.uint8]
 
-EYE_SEPARATION = 1 / 30
+EYE_SEPARATION_FRACTION = 1 / 30
 """Distance of the eyes as a fraction of the distance to the screen; a larger one tires."""
-SCREEN = 0.34
+SCREEN_HEIGHT_METRES = 0.34
 """Assumed height of the screen in metres, which relates head motion to camera motion."""
-NEAREST = 0.3
+MIN_HEAD_DISTANCE_FRACTION = 0.3
 """Minimum distance of a head from the screen, as a fraction of the camera's distance."""
 _GREY = np.array([0.299, 0.587, 0.114])
 
@@ -70,8 +70,8 @@ class StereoView:
 
     def with_camera(self, camera: OrbitCamera, tall: float) -> EyePosition:
         """Position midway between both eyes, for a head in front of a window ``tall`` metres high."""
-        scale = tall / SCREEN
-        back = max(scale * self.head.back, (NEAREST - 1.0) * camera.distance)
+        scale = tall / SCREEN_HEIGHT_METRES
+        back = max(scale * self.head.back, (MIN_HEAD_DISTANCE_FRACTION - 1.0) * camera.distance)
         return EyePosition(scale * self.head.right, scale * self.head.up, back)
 
     def render(
@@ -85,7 +85,7 @@ class StereoView:
         middle = self.with_camera(camera, camera.metres_per_pixel(1.0))
         if self.stereo is Stereo.OFF:
             return scene.render(camera, size, offset, middle)
-        half = 0.5 * EYE_SEPARATION * (camera.distance + middle.back)
+        half = 0.5 * EYE_SEPARATION_FRACTION * (camera.distance + middle.back)
         own = (max(size[0] // 2, 1), max(size[1] // 2, 1)) if self.stereo is Stereo.SIDE_BY_SIDE else size
         left, right = (
             np.array(scene.render(camera, own, offset, replace(middle, right=middle.right + way)))

@@ -10,7 +10,7 @@ from studio.core.errors import StudioError
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
 from studio.engine.live_adaptation import as_recorded
-from studio.engine.performance import PosedPerformer, pose_of, posed_performers, resting_performers
+from studio.engine.posed_performer import PosedPerformer, pose_of, posed_performers, resting_performers
 from studio.engine.prop_places import props_at
 from studio.jobs.performances import stage_performances
 from studio.viewport.camera import FloatArray, OrbitCamera

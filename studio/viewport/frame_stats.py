@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 PACE_SECONDS = 1.0
 """Length in seconds of the window over which images are counted."""
-SAID_EVERY = 0.25
+STATS_UPDATE_SECONDS = 0.25
 """Seconds between two updates of the displayed figures."""
 
 
@@ -64,7 +64,7 @@ class FrameStats:
     def text(self) -> str:
         """Statistics as text, ``12 fps · latency 85 ms``, updated a few times a second; empty at rest."""
         now = self._clock()
-        if not self._words or now - self._said_at >= SAID_EVERY:
+        if not self._words or now - self._said_at >= STATS_UPDATE_SECONDS:
             self._words, self._said_at = self._now, now
         return self._words
 

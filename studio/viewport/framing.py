@@ -5,12 +5,12 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from studio.document.document import Document
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.engine.prop_places import PropPose
 from studio.viewport.camera import FloatArray
 from studio.viewport.handles import Handle
 
-ROOM_AROUND_TARGET = 0.6
+FRAMED_MARGIN_METRES = 0.6
 """Metres shown around a framed constraint or prop."""
 
 
@@ -18,7 +18,7 @@ def selected_points(
     document: Document, posed: Mapping[str, PosedPerformer], props: Mapping[str, PropPose], handles: Iterable[Handle]
 ) -> list[FloatArray]:
     """Stage points (N, 3) around the selected constraints and props; without any, of the selected performers."""
-    around = ROOM_AROUND_TARGET * np.concatenate([np.eye(3), -np.eye(3)])
+    around = FRAMED_MARGIN_METRES * np.concatenate([np.eye(3), -np.eye(3)])
     selection = document.selection
     chosen = [one for one in handles if one.is_primary and one.constraint_id in selection.of("constraints")]
     things = [one.extent for one in chosen]

@@ -8,12 +8,12 @@ import numpy as np
 
 from studio.viewport.camera import FloatArray, OrbitCamera
 
-ARROW_PIXELS, SHORTEST_ARROW = 90.0, 44.0
+ARROW_PIXELS, MIN_ARROW_PIXELS = 90.0, 44.0
 PLANE_NEAR, PLANE_FAR = 0.30, 0.48
 """Near and far edge of a plane handle's square, as fractions of an arrow's length."""
-LINE_REACH, BALL_REACH = 8.0, 10.0
+LINE_GRAB_PIXELS, BALL_GRAB_PIXELS = 8.0, 10.0
 GIZMO_AXES = ("x", "y", "z")
-PLANES = {"yz": 0, "zx": 1, "xy": 2}
+PLANE_NORMAL_AXES = {"yz": 0, "zx": 1, "xy": 2}
 """Plane handles, each with the axis normal to it."""
 BALL_HANDLE = "view"
 
@@ -31,7 +31,7 @@ def arrow_pixels(body_height: float) -> float:
     """Length in pixels of an arrow for a body ``body_height`` pixels high: at most a third, but long enough to be
     grabbed.
     """
-    return min(max(body_height / 3, SHORTEST_ARROW), ARROW_PIXELS)
+    return min(max(body_height / 3, MIN_ARROW_PIXELS), ARROW_PIXELS)
 
 
 def moved_axes(part: str) -> list[bool]:
@@ -78,7 +78,7 @@ class GizmoFrame:
     def extent(self) -> tuple[FloatArray, FloatArray]:
         """Minimum and maximum pixel (2,) of all visible parts."""
         pixels = np.vstack([self.centre, self.tips])
-        return pixels.min(axis=0) - BALL_REACH, pixels.max(axis=0) + BALL_REACH
+        return pixels.min(axis=0) - BALL_GRAB_PIXELS, pixels.max(axis=0) + BALL_GRAB_PIXELS
 
     @cached_property
     def sight(self) -> FloatArray:
@@ -122,7 +122,7 @@ class Gizmo(GizmoFrame):
     def squares(self) -> dict[str, FloatArray]:
         """(4, 2) corner pixels of each plane handle."""
         corners = {}
-        for name, across in PLANES.items():
+        for name, across in PLANE_NORMAL_AXES.items():
             first, second = np.delete(np.eye(3), across, axis=0)
             steps = (
                 (PLANE_NEAR, PLANE_NEAR),
@@ -141,12 +141,12 @@ class Gizmo(GizmoFrame):
             return False
         if part in GIZMO_AXES:
             return bool(self.facing[GIZMO_AXES.index(part)] < 0.985)
-        return bool(self.facing[PLANES[part]] > 0.12)
+        return bool(self.facing[PLANE_NORMAL_AXES[part]] > 0.12)
 
     def part_at(self, x: float, y: float) -> str | None:
         """Part at pixel (x, y), ball before planes before arrows; None if there is none."""
         mouse = np.array([x, y])
-        if np.hypot(*(mouse - self.centre)) <= BALL_REACH:
+        if np.hypot(*(mouse - self.centre)) <= BALL_GRAB_PIXELS:
             return BALL_HANDLE
         for name, corners in self.squares.items():
             if self.usable(name) and _inside(mouse, corners):
@@ -159,7 +159,13 @@ class Gizmo(GizmoFrame):
             return self.along_axis(GIZMO_AXES.index(part), x, y)
         level = part == BALL_HANDLE and self.flat
         return self.in_plane(
-            self.axes[2] if level else self.camera.axes[2] if part == BALL_HANDLE else self.axes[PLANES[part]], x, y
+            self.axes[2]
+            if level
+            else self.camera.axes[2]
+            if part == BALL_HANDLE
+            else self.axes[PLANE_NORMAL_AXES[part]],
+            x,
+            y,
         )
 
 
@@ -167,7 +173,7 @@ def nearest_axis(frame: GizmoFrame, mouse: FloatArray, usable: list[bool]) -> st
     """Usable axis whose line is at the pixel ``mouse`` (2,); None if there is none."""
     away = [_distance(mouse, frame.centre, tip) if use else np.inf for use, tip in zip(usable, frame.tips, strict=True)]
     nearest = int(np.argmin(away))
-    return GIZMO_AXES[nearest] if away[nearest] <= LINE_REACH else None
+    return GIZMO_AXES[nearest] if away[nearest] <= LINE_GRAB_PIXELS else None
 
 
 def _distance(point: FloatArray, begin: FloatArray, end: FloatArray) -> float:

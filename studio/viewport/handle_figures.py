@@ -22,19 +22,19 @@ from studio.core.constraints.target import own_place_of
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.rotations import to_matrix
 from studio.core.stage.placement import Placement
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.engine.residual_measures import measure_of
 from studio.viewport.body_points import point_path
 from studio.viewport.camera import FloatArray
 from studio.viewport.solid_figures import capsule_lines, mesh_lines
 
-REACHED_COLOUR = 0.003
+REACHED_METRES = 0.003
 """Residual in metres below which a point is drawn as on its target."""
 DISC_RADIUS, BALANCE_RING_RADIUS = 0.05, 0.08
 """Radii in metres of the disc under a centre of mass, and of the ring at its target."""
-AXIS = 0.13
+AXIS_LENGTH_METRES = 0.13
 """Length in metres of each of the three axes by which a rotation is drawn."""
-PATCH = 1.2
+PLANE_PATCH_METRES = 1.2
 """Side in metres of the square drawn for an endless plane."""
 _TURN = np.linspace(0.0, 2 * np.pi, 49)
 _CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN), np.zeros_like(_TURN)], axis=1)
@@ -109,7 +109,7 @@ def with_path(figure: HandleShape, target: object, time: float, position: FloatA
 def position_figure(constraint: PositionConstraint, pose: PosedPerformer, floor: float) -> HandleShape:
     """Link from the point to its target."""
     link = np.stack([_point(pose, constraint.point), np.array(constraint.target)])
-    return HandleShape(link=link, missed=_length(link) > REACHED_COLOUR)
+    return HandleShape(link=link, missed=_length(link) > REACHED_METRES)
 
 
 def look_at_figure(constraint: LookAtConstraint, pose: PosedPerformer, floor: float) -> HandleShape:
@@ -126,14 +126,14 @@ def distance_figure(constraint: DistanceConstraint, pose: PosedPerformer, floor:
     end = _point(pose, other) if isinstance(other, BodyPoint) else np.array(other)
     link = np.stack([_point(pose, constraint.point), end])
     distance = float(np.array(constraint.distance))
-    return HandleShape(link=link, link_always=True, missed=abs(_length(link) - distance) > REACHED_COLOUR)
+    return HandleShape(link=link, link_always=True, missed=abs(_length(link) - distance) > REACHED_METRES)
 
 
 def orientation_figure(constraint: OrientationConstraint, pose: PosedPerformer, floor: float) -> HandleShape:
     """Three axes of the target rotation, at the origin of the segment."""
     begin = _point(pose, constraint.point)
     asked, is_so = to_matrix(np.array(constraint.target)), _turn(pose, constraint.point)
-    lines = tuple(np.stack([begin, begin + AXIS * axis]) for axis in asked.T)
+    lines = tuple(np.stack([begin, begin + AXIS_LENGTH_METRES * axis]) for axis in asked.T)
     cosine = np.clip((np.trace(asked.T @ is_so) - 1.0) / 2.0, -1.0, 1.0)
     return HandleShape(lines=lines, missed=float(np.arccos(cosine)) > measure_of(constraint).held_below)
 
@@ -159,7 +159,7 @@ def balance_figure(constraint: BalanceConstraint, pose: PosedPerformer, floor: f
     asked = np.array([*constraint.place[:2], floor])
     link = np.stack([below, asked])
     return HandleShape(
-        (disc, asked + BALANCE_RING_RADIUS * _CIRCLE), (disc,), link, missed=_length(link) > REACHED_COLOUR
+        (disc, asked + BALANCE_RING_RADIUS * _CIRCLE), (disc,), link, missed=_length(link) > REACHED_METRES
     )
 
 
@@ -181,44 +181,44 @@ def area_figure(constraint: AreaConstraint, pose: PosedPerformer, floor: float) 
         tuple(line @ turn.T + centre for line in lines),
         tuple(face @ turn.T + centre for face in faces),
         link,
-        missed=_length(link) > REACHED_COLOUR,
+        missed=_length(link) > REACHED_METRES,
     )
 
 
-Shape = tuple[list[FloatArray], list[FloatArray]]
+LinesAndFaces = tuple[list[FloatArray], list[FloatArray]]
 
 
-def _half_space(size: FloatArray) -> Shape:
+def _half_space(size: FloatArray) -> LinesAndFaces:
     """Square piece of the plane, and its normal."""
     normal = size / np.linalg.norm(size)
     first = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
     first /= np.linalg.norm(first)
-    square = _SQUARE @ np.stack([first, np.cross(normal, first), normal]) * PATCH / 2
+    square = _SQUARE @ np.stack([first, np.cross(normal, first), normal]) * PLANE_PATCH_METRES / 2
     return [square, np.stack([np.zeros(3), 0.25 * normal])], [square]
 
 
-def _box(size: FloatArray) -> Shape:
+def _box(size: FloatArray) -> LinesAndFaces:
     bottom, top = (_SQUARE * [1.0, 1.0, 0.0] + [0.0, 0.0, z] for z in (-1.0, 1.0))
     upright = [np.stack([bottom[k], top[k]]) for k in range(4)]
     return [line * size / 2 for line in (bottom, top, *upright)], []
 
 
-def _table(size: FloatArray) -> Shape:
+def _table(size: FloatArray) -> LinesAndFaces:
     """Box with an emphasised top."""
     lines, _ = _box(size)
     return lines, [lines[1]]
 
 
-def _sphere(size: FloatArray) -> Shape:
+def _sphere(size: FloatArray) -> LinesAndFaces:
     return [size[0] / 2 * np.roll(_CIRCLE, shift, axis=1) for shift in range(3)], []
 
 
-def _cylinder(size: FloatArray) -> Shape:
+def _cylinder(size: FloatArray) -> LinesAndFaces:
     bottom, top = (_CIRCLE * size[0] / 2 + [0.0, 0.0, z * size[2] / 2] for z in (-1, 1))
     return [bottom, top, *(np.stack([bottom[k], top[k]]) for k in (0, 12, 24, 36))], []
 
 
-_SHAPES: dict[AreaShape, Callable[[FloatArray], Shape]] = {
+_SHAPES: dict[AreaShape, Callable[[FloatArray], LinesAndFaces]] = {
     AreaShape.HALF_SPACE: _half_space,
     AreaShape.BOX: _box,
     AreaShape.TABLE: _table,

@@ -12,8 +12,8 @@ from studio.core.solver.asking.shared_goals import groups_with_shared_goal, weig
 from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.stage.held_grips import gripped_prop
 from studio.core.stage.project import Project
-from studio.engine.moments import TargetContext
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
+from studio.engine.target_context import TargetContext
 from studio.viewport.camera import FloatArray
 from studio.viewport.handle_figures import HandleShape, figure_of, figure_with_goal, with_outline, with_path
 from studio.viewport.handle_places import handle_position

@@ -20,14 +20,14 @@ from studio.core.stage.prop import InHand, Prop
 from studio.document.document import Document
 from studio.document.mirrored import mirrored_edit
 from studio.document.obstacles import obstacles_of
-from studio.engine.moments import TargetContext
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.engine.prop_places import moved_prop, prop_at, resized_prop, tilt_of, turned_prop, wrapped_angle
+from studio.engine.target_context import TargetContext
 from studio.viewport.camera import FloatArray
 from studio.viewport.handle_places import handle_position, is_flat
 from studio.viewport.rotate_gizmo import rotation_about
 
-LEAST_SIDE = 0.001
+MIN_SIDE_METRES = 0.001
 """Minimum side in metres of a prop or a volume."""
 
 
@@ -196,7 +196,7 @@ class PlacedProp(Movable):
 
     def scale(self, factors: FloatArray, gesture: int) -> None:
         """Resize the prop, and the constraints that make it an obstacle."""
-        x, y, z = np.maximum(np.array(self._begin.size) * factors, LEAST_SIDE).tolist()
+        x, y, z = np.maximum(np.array(self._begin.size) * factors, MIN_SIDE_METRES).tolist()
         obstacles = {key: replace(each, size=(x, y, z)) for key, each in self._obstacles.items()}
         resized = resized_prop(self._pose, (x, y, z), self._document.project.ground)
         self._put(resized, "Resize", gesture, obstacles)

@@ -9,12 +9,12 @@ Navigation = Mapping[str, str]
 """Camera drag (``orbit``, ``pan`` or ``zoom``) by modifiers and button, for example ``Shift+Middle``."""
 DEFAULT_NAVIGATION: Navigation = MappingProxyType({"Alt+Left": "orbit", "Middle": "pan", "Alt+Right": "zoom"})
 CAMERA_DRAGS = ("orbit", "pan", "zoom")
-BUTTONS = {
+MOUSE_BUTTONS = {
     "Left": Qt.MouseButton.LeftButton,
     "Middle": Qt.MouseButton.MiddleButton,
     "Right": Qt.MouseButton.RightButton,
 }
-HELD_KEYS = {
+MODIFIER_KEYS = {
     "Alt": Qt.KeyboardModifier.AltModifier,
     "Ctrl": Qt.KeyboardModifier.ControlModifier,
     "Shift": Qt.KeyboardModifier.ShiftModifier,
@@ -27,6 +27,6 @@ def camera_drag(navigation: Navigation, button: Qt.MouseButton, held: Qt.Keyboar
         (len(keys), kind)
         for stroke, kind in navigation.items()
         for *keys, name in (stroke.split("+"),)
-        if BUTTONS[name] == button and all(held & HELD_KEYS[key] for key in keys)
+        if MOUSE_BUTTONS[name] == button and all(held & MODIFIER_KEYS[key] for key in keys)
     ]
     return max(found)[1] if found else None

@@ -31,21 +31,21 @@ from studio.core.rotations import from_matrix
 from studio.core.solver.asking.points import limb_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
-from studio.engine.moments import TargetContext
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
+from studio.engine.target_context import TargetContext
 from studio.viewport.body_points import BodyJoint, point_path
 from studio.viewport.camera import FloatArray
 
 LOOK_AT_DISTANCE = 2.0
 """Distance in metres from the eyes to the target of a new look-at constraint."""
-UPRIGHT_TOLERANCE = math.radians(5.0)
+UPRIGHT_TOLERANCE_RADIANS = math.radians(5.0)
 """Maximum tilt in radians of a new upright constraint."""
 NEW_TABLE_SIZE = (0.8, 0.8)
 """Sides in metres of the top of a new table; it stands on the ground and reaches up to the point."""
-LEAST_TABLE = 0.1
-LEAST_PATH = 0.01
+MIN_TABLE_HEIGHT_METRES = 0.1
+MIN_PATH_METRES = 0.01
 """Length in metres of a path below which a new rail points forward instead of along the path."""
-TURNED_BY = {
+NEXT_SEGMENT = {
     "clavicle": "upper_arm", "upper_arm": "forearm", "forearm": "hand",
     "thigh": "shank", "shank": "foot", "thorax": "neck", "neck": "head",
 }  # fmt: skip
@@ -235,7 +235,7 @@ def new_upright(here: NewConstraintContext) -> Constraint:
     part = turned_part(here.picked.point)
     chain = _HEAD if part in (BodyPart.HEAD, BodyPart.NECK) else replace(here.picked.chain, end_segment=1.0)
     common = here.common(f"{part.label.capitalize()} upright", BodyPoint(part), chain)
-    return UprightConstraint(**common, axis=_vector(here.rotation(part)[2]), cone=UPRIGHT_TOLERANCE)
+    return UprightConstraint(**common, axis=_vector(here.rotation(part)[2]), cone=UPRIGHT_TOLERANCE_RADIANS)
 
 
 def new_parallel(here: NewConstraintContext) -> Constraint:
@@ -278,7 +278,7 @@ def new_area(here: NewConstraintContext) -> Constraint:
     joint = here.picked
     x, y, top = here.place(joint.point)
     floor = float(here.project.ground.height_at(here.pose.clip_placement.to_stage((x, y, 0.0))))
-    height = max(float(top) - floor, LEAST_TABLE)
+    height = max(float(top) - floor, MIN_TABLE_HEIGHT_METRES)
     return AreaConstraint(
         **here.common(f"Table under {joint.name}", joint.point, joint.chain),
         centre=(float(x), float(y), floor + height / 2),
@@ -291,7 +291,7 @@ def new_rail(here: NewConstraintContext) -> Constraint:
     joint = here.picked
     path = here.points(joint.point)
     moved = path[-1] - path[0] if len(path) else np.zeros(3)
-    direction = moved if float(np.linalg.norm(moved)) > LEAST_PATH else np.eye(3)[0]
+    direction = moved if float(np.linalg.norm(moved)) > MIN_PATH_METRES else np.eye(3)[0]
     common = here.common(f"{joint.name.capitalize()} on rail", joint.point, joint.chain)
     return RailConstraint(**common, centre=_vector(here.place(joint.point)), direction=_vector(direction))
 
@@ -304,7 +304,7 @@ def new_clear(here: NewConstraintContext) -> Constraint:
 def turned_part(point: BodyPoint) -> BodyPart:
     """Segment that rotates at a joint: at the wrist the hand."""
     side, bone = _side_and_bone(point.part)
-    next_bone = TURNED_BY.get(bone) if point.at_end else None
+    next_bone = NEXT_SEGMENT.get(bone) if point.at_end else None
     return BodyPart(f"{side}{next_bone}") if next_bone else point.part
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
 from studio.core.stage.saved_camera import CameraPlacement
-from studio.engine.performance import posed_performers
+from studio.engine.posed_performer import posed_performers
 from studio.engine.prop_places import props_at
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.opening import opening_camera

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from studio.core.stage.project import Project
 from studio.document import colours
-from studio.engine.performance import PosedPerformer, pose_of
+from studio.engine.posed_performer import PosedPerformer, pose_of
 
 NEAREST_OPACITY, FARTHEST_OPACITY = 0.38, 0.12
 """Opacity of the onion skin next to the playhead, which added ghosts have too, and of the farthest one."""

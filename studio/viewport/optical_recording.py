@@ -13,7 +13,7 @@ from studio.core.markers.trial import Trial
 from studio.core.stage.placement import Placement
 from studio.document import colours
 from studio.document.document import Document
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.io.up_axis import turn_to_world
 from studio.viewport.paths import StagePath
 

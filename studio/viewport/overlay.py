@@ -9,28 +9,28 @@ from PySide6.QtCore import QLineF, QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
 
 from studio.document import colours
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.handles import Handle
 from studio.viewport.optical_recording import MarkerFrame
 from studio.viewport.paths import TrailKeys
 from studio.viewport.strokes import STROKE_SHADOW, draw_disc, draw_line, polygon
 
-GHOST = QColor(196, 204, 214, 215)
+GHOST_COLOUR = QColor(196, 204, 214, 215)
 MARKER_COLOUR, OTHER_MARKER_COLOUR = QColor("#f0f4f8"), QColor(142, 152, 164, 170)
 CHOSEN_MARKER_COLOUR = QColor(colours.STAGE_PLAYHEAD)
 
-NOTICE_ABOVE = 150.0
+NOTICE_BOTTOM_PX = 150.0
 """Distance in pixels from the lower edge to the text on an empty stage, which leaves room for a message of two
 lines.
 """
 
 
-NAME_ROOM = 21.0
+NAME_MARGIN_PX = 21.0
 """Minimum distance in pixels of a name below the chips."""
 TRAIL_KEY_CORNERS = 5.0 * np.array([(-1.0, 0.0), (0.0, -1.0), (1.0, 0.0), (0.0, 1.0)])
 """Pixels from the centre of a key's diamond on a trail to its corners."""
-GAZE = 0.6
+MIN_GAZE_OPACITY = 0.6
 """Minimum opacity of the line from the eyes to a look-at target."""
 JOINT_COLOUR = QColor(colours.STAGE_SELECTED_HANDLE)
 """Radius of the dots at joints that can be picked."""
@@ -69,11 +69,11 @@ class Overlay:
         if (depth <= 0).any():
             return
         sticks = [QLineF(QPointF(*pixels[begin]), QPointF(*pixels[end])) for begin, end in pairs]
-        for colour, width in ((STROKE_SHADOW, 4.5), (GHOST, 2.5)):
+        for colour, width in ((STROKE_SHADOW, 4.5), (GHOST_COLOUR, 2.5)):
             self._painter.setPen(QPen(colour, width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
             self._painter.drawLines(sticks)
         self._painter.setPen(Qt.PenStyle.NoPen)
-        self._painter.setBrush(GHOST)
+        self._painter.setBrush(GHOST_COLOUR)
         for x, y in pixels:
             self._painter.drawEllipse(QPointF(x, y), 2.8, 2.8)
 
@@ -123,7 +123,7 @@ class Overlay:
             pixels, depth = self._camera.project(top, self._size)
             if depth[0] > 0:
                 x, y = (pixels[0] + [-3.3 * len(name) - 8.0, -10.0]).tolist()
-                self._name(np.array([x, max(y, least + NAME_ROOM)]), name, MARKER_COLOUR, 12)
+                self._name(np.array([x, max(y, least + NAME_MARGIN_PX)]), name, MARKER_COLOUR, 12)
 
     def joints(self, places: FloatArray) -> None:
         """Paint dots at the pickable joints ``places`` (J, 3)."""
@@ -151,7 +151,7 @@ class Overlay:
         font.setPixelSize(13)
         self._painter.setFont(font)
         width = self._painter.fontMetrics().horizontalAdvance(words) + 40.0
-        middle, top = self._size[0] / 2, self._size[1] - NOTICE_ABOVE
+        middle, top = self._size[0] / 2, self._size[1] - NOTICE_BOTTOM_PX
         plate = QRectF(middle - width / 2, top, width, 34.0 if share is None else 46.0)
         self._painter.setPen(Qt.PenStyle.NoPen)
         self._painter.setBrush(QColor(22, 25, 29, 225))
@@ -160,7 +160,7 @@ class Overlay:
         self._painter.drawText(QRectF(plate.topLeft(), QSizeF(width, 34.0)), Qt.AlignmentFlag.AlignCenter, words)
         if share is not None:
             self._painter.setPen(Qt.PenStyle.NoPen)
-            for colour, part in ((colours.STAGE_CONTROL, 1.0), (colours.KINDS["position"], share)):
+            for colour, part in ((colours.STAGE_CONTROL, 1.0), (colours.KIND_COLOURS["position"], share)):
                 self._painter.setBrush(QColor(colour))
                 bar = QRectF(plate.left() + 20.0, top + 33.0, (width - 40.0) * part, 4.0)
                 self._painter.drawRoundedRect(bar, 2.0, 2.0)
@@ -183,7 +183,7 @@ class Overlay:
             )
         if figure.link is not None and (handle.is_missed or figure.link_always):
             gazes = handle.kind == "look_at" and handle.activation > 0.0
-            self._link(handle, figure.link, colour, max(strength, GAZE) if gazes else strength)
+            self._link(handle, figure.link, colour, max(strength, MIN_GAZE_OPACITY) if gazes else strength)
 
     def _link(self, handle: Handle, link: FloatArray, colour: str, strength: float) -> None:
         """Paint a line from the current state to the target: red and strong if it is not reached, else faint with a dot

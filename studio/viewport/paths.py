@@ -12,13 +12,13 @@ from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.project import Project
 from studio.document import colours
 from studio.document.keyed_fields import all_to_stage, fields_of
-from studio.engine.performance import FloatArray, PosedPerformer, rows_at
+from studio.engine.posed_performer import FloatArray, PosedPerformer, rows_at
 from studio.viewport.body_points import point_path
 
 TRAIL_SECONDS, TRAIL_RATE = 0.8, 120.0
 PATH_RING_RADIUS, PATH_MARK_RADIUS = 0.20, 0.045
 """Radius of the ring of a selected performer in leg lengths, and of the mark of a contact in metres."""
-LIFT = 0.005
+PATH_LIFT_METRES = 0.005
 _TURN = np.linspace(0.0, 2 * np.pi, 41)
 _CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN), np.zeros_like(_TURN)], axis=1)
 _UP = np.array([0.0, 0.0, 1.0])
@@ -140,6 +140,6 @@ def _rings(
     """Circles on the ground under ``centres``."""
     if not centres:
         return []
-    points = np.array(centres)[:, None] * [1.0, 1.0, 0.0] + LIFT * _UP + radii[:, None, None] * _CIRCLE
+    points = np.array(centres)[:, None] * [1.0, 1.0, 0.0] + PATH_LIFT_METRES * _UP + radii[:, None, None] * _CIRCLE
     points[..., 2] += project.ground.height_at(points)
     return [StagePath(ring, colour, np.full(len(_CIRCLE), strength)) for ring in points]

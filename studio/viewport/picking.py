@@ -6,16 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from studio.core.body.sticks import bone_pairs
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.engine.prop_places import PropPose
 from studio.viewport.body_points import BodyJoint, body_joints
 from studio.viewport.camera import FloatArray, OrbitCamera
 
-JOINT_REACH = 14.0
+JOINT_PICK_PIXELS = 14.0
 """Distance in pixels within which a joint is picked."""
-BODY_REACH = 0.09
+BODY_PICK_METRES = 0.09
 """Distance in metres from a bone within which a body is picked."""
-AS_NEAR = 2.0
+EQUALLY_NEAR_PIXELS = 2.0
 """Difference in pixels up to which two joints count as equally near to the mouse."""
 
 Size = tuple[float, float]
@@ -40,10 +40,12 @@ def joint_at(
         away = np.hypot(*(pixels - (x, y)).T)
         found += [
             (float(away[row]), float(depth[row]), PickedJoint(performer_id, joints[row]))
-            for row in np.flatnonzero((away <= JOINT_REACH) & (depth > 0))
+            for row in np.flatnonzero((away <= JOINT_PICK_PIXELS) & (depth > 0))
         ]
     nearest = min((away for away, _, _ in found), default=0.0)
-    in_front = min((one for one in found if one[0] <= nearest + AS_NEAR), key=lambda one: one[1], default=None)
+    in_front = min(
+        (one for one in found if one[0] <= nearest + EQUALLY_NEAR_PIXELS), key=lambda one: one[1], default=None
+    )
     return in_front[2] if in_front else None
 
 
@@ -58,7 +60,7 @@ def body_at(posed: Mapping[str, PosedPerformer], camera: OrbitCamera, size: Size
         away = np.hypot(*(begin + np.clip(share, 0, 1)[:, None] * along - (x, y)).T)
         near = depth[pairs].mean(axis=1)
         metres = away * np.array([camera.metres_per_pixel(size[1], float(one)) for one in near])
-        hit = (metres < BODY_REACH) & (near > 0)
+        hit = (metres < BODY_PICK_METRES) & (near > 0)
         if hit.any():
             found.append((float(near[hit].min()), performer_id))
     return min(found)[1] if found else None

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.stage.project import Project
-from studio.engine.performance import Results
+from studio.engine.posed_performer import ResultOf
 from studio.engine.residuals import Residual, worst_residual
 
 
@@ -19,7 +19,7 @@ class Problem:
     sentence: str
 
 
-def worst_problem(project: Project, result_of: Results) -> Problem | None:
+def worst_problem(project: Project, result_of: ResultOf) -> Problem | None:
     """Worst residual of an enabled constraint over all visible performers; None if all constraints are met."""
     worst: Problem | None = None
     for performer_id, performer in project.performers.items():

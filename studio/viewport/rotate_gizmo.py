@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.viewport.camera import FloatArray
-from studio.viewport.gizmo import GIZMO_AXES, LINE_REACH, GizmoFrame
+from studio.viewport.gizmo import GIZMO_AXES, LINE_GRAB_PIXELS, GizmoFrame
 
 ROTATE_RING, SCREEN_RING, TRACKBALL = 0.86, 1.06, "trackball"
 """Radii of the axis rings and of the view ring as fractions of an arrow's length, and the name of the trackball."""
 SCREEN_PART = "screen"
-EDGE_ON = 0.2
+EDGE_ON_COSINE = 0.2
 """Cosine of the angle between a ring's axis and the view direction below which the ring is dragged along its
 tangent.
 """
@@ -50,7 +50,7 @@ class RotateGizmo(GizmoFrame):
     def extent(self) -> tuple[FloatArray, FloatArray]:
         """Minimum and maximum pixel (2,) of the rings."""
         pixels = np.vstack([self.ring(part) for part in self.parts])
-        return pixels.min(axis=0) - LINE_REACH, pixels.max(axis=0) + LINE_REACH
+        return pixels.min(axis=0) - LINE_GRAB_PIXELS, pixels.max(axis=0) + LINE_GRAB_PIXELS
 
     def in_front(self, part: str) -> NDArray[np.bool_]:
         """(RING_SIDES,) True for the sides of a ring on the half towards the viewer; all of them if it is seen along
@@ -78,7 +78,7 @@ class RotateGizmo(GizmoFrame):
         mouse = np.array([x, y])
         away = {part: self._distance(part, mouse) for part in self.parts}
         nearest = min(away, key=lambda part: away[part])
-        if away[nearest] <= LINE_REACH:
+        if away[nearest] <= LINE_GRAB_PIXELS:
             return nearest
         inside = not self.heading_only and np.hypot(*(mouse - self.centre)) < self.radius
         return TRACKBALL if inside else None
@@ -86,7 +86,7 @@ class RotateGizmo(GizmoFrame):
     def bearing(self, part: str, x: float, y: float, grip: tuple[float, float]) -> float:
         """Angle in radians about a ring's axis at pixel (x, y); relative to ``grip`` if the ring is seen edge-on."""
         first, second, axis = self._basis(part)
-        if abs(float(axis @ self.sight)) >= EDGE_ON:
+        if abs(float(axis @ self.sight)) >= EDGE_ON_COSINE:
             away = self.in_plane(axis, x, y) - self.origin
             return float(np.arctan2(away @ second, away @ first))
         sides = self.ring(part)

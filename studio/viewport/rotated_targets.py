@@ -16,13 +16,13 @@ from studio.core.constraints.upright import UprightConstraint
 from studio.core.curves.keyed import KeyedNumber, KeyedTurn
 from studio.core.rotations import frame_along, from_matrix, rotations_about_z, to_matrix
 from studio.document.document import Document
-from studio.engine.moments import TargetContext
 from studio.engine.prop_places import further_heading, is_about_z, wrapped_angle
+from studio.engine.target_context import TargetContext
 from studio.viewport.body_points import point_path
 from studio.viewport.camera import FloatArray
-from studio.viewport.movables import LEAST_SIDE, MovableTarget
+from studio.viewport.movables import MIN_SIDE_METRES, MovableTarget
 
-SIZED = {
+RESIZABLE_AXES = {
     AreaShape.BOX: (True, True, True),
     AreaShape.TABLE: (True, True, True),
     AreaShape.SPHERE: (True, False, False),
@@ -170,7 +170,7 @@ class RotatedArea(RotatedAboutCentre):
         super().__init__(document, constraint_id, moment, floor)
         area = self._area
         self.rotates = area.shape is not AreaShape.SPHERE
-        self.scales = SIZED.get(area.shape, (False, False, False))
+        self.scales = RESIZABLE_AXES.get(area.shape, (False, False, False))
 
     @property
     def _area(self) -> AreaConstraint:
@@ -219,7 +219,7 @@ class RotatedArea(RotatedAboutCentre):
 
     def scale(self, factors: FloatArray, gesture: int) -> None:
         """Resize the volume about its centre."""
-        x, y, z = np.maximum(np.array(self._area.size) * factors, LEAST_SIDE).tolist()
+        x, y, z = np.maximum(np.array(self._area.size) * factors, MIN_SIDE_METRES).tolist()
         self._put(replace(self._area, size=(x, y, z)), f"Resize {self._area.name}", gesture)
 
 

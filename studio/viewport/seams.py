@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.mesh.skin import SkinnedMesh
 
-FIELD = "panel"
-ENTRIES = 512
+PANEL_FIELD = "panel"
+SHADE_COUNT = 512
 """Number of shades from the middle of one panel to that of the next."""
 SEAM_HALF_WIDTH = 0.045
 """Half of the width of a seam in units of the panel field (-1 to 1): about three millimetres on an adult."""
-SHADES = 1.0, 0.93
+PANEL_BRIGHTNESS = 1.0, 0.93
 """Brightness of panels with a positive and a negative sign, relative to the character's colour."""
-DARK = 0.42
+SEAM_BRIGHTNESS = 0.42
 """Brightness of the seams relative to the character's colour."""
 JOINED_PANELS = BodyPart.LEFT_TOE, BodyPart.RIGHT_TOE, BodyPart.LEFT_CLAVICLE, BodyPart.RIGHT_CLAVICLE, BodyPart.NECK
 """Segments that share the panel of their parent."""
@@ -53,10 +53,10 @@ def draw_seams(actor: pv.Actor, colour: str) -> None:
 
 @lru_cache(maxsize=64)
 def _table(colour: str) -> pv.LookupTable:
-    values = np.linspace(-1.0, 1.0, ENTRIES)
+    values = np.linspace(-1.0, 1.0, SHADE_COUNT)
     line = np.clip(1.5 - np.abs(values) / SEAM_HALF_WIDTH, 0.0, 1.0)
-    bright = np.where(values > 0.0, *SHADES) * (1.0 - line) + DARK * line
+    bright = np.where(values > 0.0, *PANEL_BRIGHTNESS) * (1.0 - line) + SEAM_BRIGHTNESS * line
     rgb = np.round(bright[:, None] * pv.Color(colour).int_rgb)
-    table = pv.LookupTable(values=np.column_stack([rgb, np.full(ENTRIES, 255)]).astype(np.uint8))
+    table = pv.LookupTable(values=np.column_stack([rgb, np.full(SHADE_COUNT, 255)]).astype(np.uint8))
     table.scalar_range = (-1.0, 1.0)
     return table

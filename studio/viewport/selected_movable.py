@@ -6,8 +6,8 @@ import numpy as np
 
 from studio.core.stage.placement import Placement
 from studio.document.document import Document
-from studio.engine.moments import TargetContext
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
+from studio.engine.target_context import TargetContext
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.gizmo import Gizmo, Space
 from studio.viewport.handles import floor_under

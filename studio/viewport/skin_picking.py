@@ -7,7 +7,7 @@ import numpy as np
 from studio.core.body.canonical import BodyPart
 from studio.core.mesh.skin import SkinnedMesh, with_grip
 from studio.core.stage.project import Project
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.viewport.bodies import pose_skin
 from studio.viewport.body_points import skin_point
 from studio.viewport.camera import FloatArray, OrbitCamera

@@ -8,7 +8,7 @@ from studio.core.project_cache import project_cache
 from studio.core.solver.request import AdaptedMotion
 from studio.viewport.camera import FloatArray
 
-MOST_EDGES = 240
+MAX_DRAWN_EDGES = 240
 """Maximum number of edges that are drawn of a mesh, the sharpest first."""
 _TURN = np.linspace(0.0, 2 * np.pi, 25)
 _CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN)], axis=1)
@@ -58,6 +58,6 @@ def mesh_lines(mesh: TriangleMesh) -> tuple[list[FloatArray], list[FloatArray]]:
     flat = np.where(count == 1, 0.0, np.linalg.norm(total, axis=1) / count)
     lengths = np.linalg.norm(np.diff(mesh.vertices[edges], axis=1)[:, 0], axis=1)
     weight = (1.0 - flat) * lengths + 1e-9 * lengths
-    sharp = np.argsort(-weight, kind="stable")[:MOST_EDGES]
+    sharp = np.argsort(-weight, kind="stable")[:MAX_DRAWN_EDGES]
     bent = sharp[flat[sharp] < 0.9999]
     return list(mesh.vertices[edges[bent if len(bent) else sharp]]), []

@@ -16,7 +16,7 @@ from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.stage.project import Project
 from studio.core.stage.prop import PropShape
 from studio.core.stage.prop_shapes import PROP_COLOUR
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.engine.prop_places import PropPose
 from studio.viewport.bodies import BodyVisual
 from studio.viewport.camera import OrbitCamera

@@ -16,16 +16,16 @@ from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.stage.saved_camera import CameraPlacement
 from studio.document import colours
 from studio.document.document import Document
-from studio.document.dragging import POSE, STRIKE
+from studio.document.dragging import POSE_MIME, STRIKE_MIME
 from studio.engine.empty_stage import empty_words
 from studio.engine.live_interface import Live
-from studio.engine.moments import TargetContext
-from studio.engine.performance import PosedPerformer, displayed_stage, has_new_frames, pose_of, resting_performers
+from studio.engine.posed_performer import PosedPerformer, displayed_stage, has_new_frames, pose_of, resting_performers
 from studio.engine.prop_places import PropPose, props_at
+from studio.engine.target_context import TargetContext
 from studio.viewport import mouse
 from studio.viewport.auto_framing import AutoFraming
 from studio.viewport.body_points import body_joints, place_of_joint
-from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
+from studio.viewport.camera import NAMED_VIEWS, FloatArray, OrbitCamera
 from studio.viewport.camera_animation import CameraAnimation
 from studio.viewport.canvas import Canvas
 from studio.viewport.chips import Chips
@@ -104,7 +104,7 @@ class Viewport(Canvas):
         self._follower, self._newcomers = FollowCamera(), AutoFraming()
         self._pace = FrameStats()
         self.preview = Preview(self)
-        self.strike_drops, self.pose_drops = (BodyDrops(self, document, kind) for kind in (STRIKE, POSE))
+        self.strike_drops, self.pose_drops = (BodyDrops(self, document, kind) for kind in (STRIKE_MIME, POSE_MIME))
         self._problem: Problem | None = None
         self._glide = CameraAnimation(self.set_camera, self)
         self._turntable = Turntable(self._turn, self)
@@ -158,7 +158,7 @@ class Viewport(Canvas):
 
     def set_view(self, name: str) -> None:
         """Animate the camera to a named view: ``perspective``, ``front``, ``side`` or ``top``."""
-        azimuth, elevation = VIEWS[name]
+        azimuth, elevation = NAMED_VIEWS[name]
         self._glide.start(self.camera, replace(self.camera, azimuth=azimuth, elevation=elevation))
 
     def set_tool(self, name: str) -> None:

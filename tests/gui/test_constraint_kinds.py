@@ -20,8 +20,8 @@ from studio.core.quality.metrics import centre_of_mass
 from studio.core.rotations import from_euler
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
-from studio.engine.moments import TargetContext
-from studio.panels.constraint_editors.body_figure import SCALE, SEGMENT_SHAPES, BodyFigure
+from studio.engine.target_context import TargetContext
+from studio.panels.constraint_editors.body_figure import BODY_FIGURE_SCALE, SEGMENT_SHAPES, BodyFigure
 from studio.panels.fields import NumberField
 from studio.panels.inspector import Inspector
 from studio.viewport.gizmo import GIZMO_AXES
@@ -242,7 +242,7 @@ def test_balance_recruits_free_arms_and_the_free_leg_until_they_are_locked_on_th
     assert (chain.free_arms, chain.free_legs) == (1.0, 1.0)
     figure = inspector.editor.findChild(BodyFigure)
     for part, link in ((BodyPart.LEFT_FOREARM, "free_arms"), (BodyPart.RIGHT_THIGH, "free_legs")):
-        QTest.mouseClick(figure, LEFT, pos=(SCALE * SEGMENT_SHAPES[part].center()).toPoint())
+        QTest.mouseClick(figure, LEFT, pos=(BODY_FIGURE_SCALE * SEGMENT_SHAPES[part].center()).toPoint())
         assert getattr(current(document).chain, link) == 0.0
     enter(inspector, "Weight of Other arms", "0.4")
     assert current(document).chain.free_arms == 0.4

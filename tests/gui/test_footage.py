@@ -12,7 +12,7 @@ from studio.app import relinking
 from studio.app.verbs.media import add_footage
 from studio.core.errors import StudioError
 from studio.core.stage.footage import Footage
-from studio.engine.footage_frames import READ_AHEAD, FootageFrame, FootageFrames
+from studio.engine.footage_frames import READ_AHEAD_FRAMES, FootageFrame, FootageFrames
 from studio.io.media.film import write_film
 from studio.io.media.footage_file import MOST_FOOTAGE_SIDE, footage_frames, read_footage, sequence_of
 from studio.io.media.media_files import MediaMissing, find_media
@@ -121,15 +121,15 @@ def wait_for(qtbot, frames, frame):
 def test_frames_are_read_ahead_in_both_directions_and_memory_is_bounded(qtbot, tmp_path):
     path = write_numbered_film(tmp_path / "walk.mp4", 200, 30.0)
     size = numbered(0).nbytes
-    frames = FootageFrames(cached_bytes=(2 * READ_AHEAD + 5) * size)
+    frames = FootageFrames(cached_bytes=(2 * READ_AHEAD_FRAMES + 5) * size)
     try:
         for index in (150, 149, 148, 3, 199, 100):
             assert number_in(wait_for(qtbot, frames, FootageFrame(path, 30.0, 200, index))) == index
         ahead = FootageFrame(path, 30.0, 200, 100)
-        qtbot.waitUntil(lambda: (path, 100 + READ_AHEAD) in frames._kept, timeout=PATIENCE)
+        qtbot.waitUntil(lambda: (path, 100 + READ_AHEAD_FRAMES) in frames._kept, timeout=PATIENCE)
         wait_for(qtbot, frames, FootageFrame(path, 30.0, 200, ahead.index - 1))
-        assert (path, ahead.index - 1 - READ_AHEAD) in frames._kept
-        assert frames.bytes_kept <= (2 * READ_AHEAD + 5) * size
+        assert (path, ahead.index - 1 - READ_AHEAD_FRAMES) in frames._kept
+        assert frames.bytes_kept <= (2 * READ_AHEAD_FRAMES + 5) * size
         assert frames.bytes_kept == sum(each.nbytes for each in frames._kept.values())
     finally:
         frames.close()

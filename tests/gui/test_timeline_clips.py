@@ -14,7 +14,7 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.project import Motion
 from studio.document import clip_edits
 from studio.document.document import Document
-from studio.document.dragging import carried_capture
+from studio.document.dragging import capture_drag_data
 from studio.panels.inspector import Inspector
 from studio.panels.library_panel import LibraryPanel
 from studio.timeline.hover import hover_text
@@ -268,10 +268,10 @@ def test_files_are_left_to_the_window(timeline):
 
 def test_a_drop_beside_the_rows_goes_to_the_end_of_the_active_row(document, timeline):
     end = clip(document, "punch").start + 90 / RATE
-    content = carried_capture("other")
+    content = capture_drag_data("other")
     event = QDropEvent(QPointF(400, 300), Qt.DropAction.CopyAction, content, LEFT, NONE)
     timeline.tracks.dropEvent(event)
-    assert document.project.performers[FIRST].clips[-1].start == pytest.approx(end - clip_edits.BLEND)
+    assert document.project.performers[FIRST].clips[-1].start == pytest.approx(end - clip_edits.DEFAULT_BLEND_SECONDS)
 
 
 def test_the_form_of_a_clip_changes_it_and_undo_takes_it_back(document, live, qtbot):

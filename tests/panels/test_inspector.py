@@ -14,7 +14,7 @@ from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Performer
 from studio.document.document import Document
 from studio.io.project.character_file import bundled_characters
-from studio.panels.constraint_editors.body_figure import SCALE, SEGMENT_SHAPES, BodyFigure
+from studio.panels.constraint_editors.body_figure import BODY_FIGURE_SCALE, SEGMENT_SHAPES, BodyFigure
 from studio.panels.constraint_editors.priority import OrderList
 from studio.panels.constraint_editors.worst_residuals import BodyResidual, ResidualTable, residuals_of, words_of
 from studio.panels.fields import Choice, NumberField
@@ -27,7 +27,7 @@ LEFT = Qt.MouseButton.LeftButton
 
 def segment_place(part):
     """Place at which a segment of the figure is clicked."""
-    return (SCALE * SEGMENT_SHAPES[part].center()).toPoint()
+    return (BODY_FIGURE_SCALE * SEGMENT_SHAPES[part].center()).toPoint()
 
 
 @pytest.fixture

@@ -16,14 +16,14 @@ from studio.core.stage.project import Project, new_id
 from studio.document.behaviour_commands import add_behaviour, edit_behaviour, set_cast, state_key
 
 STRIKE_KEY = "X"
-WARD_EASE, WARD_HOLD = 0.2, 1 / 120
+WARD_EASE_SECONDS, WARD_HOLD_SECONDS = 0.2, 1 / 120
 """Seconds over which a blocking arm fades in and out, and seconds before and after the hit during which it meets the
 fist.
 """
-STRIKES = ("kick", "punch", "strike", "jab", "hook", "blow")
+STRIKE_WORDS = ("kick", "punch", "strike", "jab", "hook", "blow")
 WARD_WORDS = ("ward", "block", "parry", "guard")
 
-Ready = Callable[[Behaviour], Behaviour]
+BehaviourChange = Callable[[Behaviour], Behaviour]
 
 
 def show_behaviour(bench: Workbench) -> None:
@@ -54,12 +54,12 @@ def add_lean_away(bench: Workbench) -> None:
 def add_strike(bench: Workbench) -> None:
     """Add a state that strikes when a key is pressed, with a motion of the project."""
     _with_motion(
-        bench, "Choose the clip to strike with", STRIKES,
+        bench, "Choose the clip to strike with", STRIKE_WORDS,
         lambda clip: _make(bench, "Strike on key press", lambda old: ready_made.with_strike(old, clip, STRIKE_KEY)),
     )  # fmt: skip
 
 
-READY_MADE: dict[str, tuple[str, str, Callable[[Workbench], None]]] = {
+READY_MADE_PARTS: dict[str, tuple[str, str, Callable[[Workbench], None]]] = {
     "keep_distance": (
         "Keep striking distance", "Step towards or away from the partner, and face it", keep_distance,
     ),
@@ -95,7 +95,7 @@ def _pair(bench: Workbench) -> tuple[str, str]:
     return performer_id, min(away, key=lambda key: away[key], default="")
 
 
-def _make(bench: Workbench, text: str, ready: Ready) -> None:
+def _make(bench: Workbench, text: str, ready: BehaviourChange) -> None:
     """Change the active performer's behaviour by ``ready``, or first create one from its first clip; one undo step."""
     document = bench.document
     performer_id, partner_id = _pair(bench)
@@ -157,7 +157,11 @@ def _when_hit(bench: Workbench, clip: Clip) -> ActivationCurve:
     struck = float(blow.stage_seconds(hit_frame / rate, rate)) - blow.start
     hit = float(clip.motion_seconds(clip.start + struck, project.frame_rate_of(clip)))
     return ActivationCurve(
-        hit - WARD_HOLD - WARD_EASE, hit - WARD_HOLD, hit + WARD_HOLD, hit + WARD_HOLD + WARD_EASE, EaseShape.SMOOTH
+        hit - WARD_HOLD_SECONDS - WARD_EASE_SECONDS,
+        hit - WARD_HOLD_SECONDS,
+        hit + WARD_HOLD_SECONDS,
+        hit + WARD_HOLD_SECONDS + WARD_EASE_SECONDS,
+        EaseShape.SMOOTH,
     )
 
 

@@ -13,7 +13,7 @@ from studio.document.priorities import shift_priorities
 from studio.io.meshes.mesh_file import SUFFIXES, MeshFile, read_mesh
 from studio.panels.message_strip import Lifetime
 
-NO_JOINT = "Click a joint in the 3D view first, or press Shift+J to choose one: the constraint will hold it."
+NO_JOINT_MESSAGE = "Click a joint in the 3D view first, or press Shift+J to choose one: the constraint will hold it."
 
 
 def constraint_adder(kind: str) -> Callable[[Workbench], None]:
@@ -23,7 +23,7 @@ def constraint_adder(kind: str) -> Callable[[Workbench], None]:
 
     def add(bench: Workbench) -> None:
         if bench.viewport.add_constraint_at_pick(kind) is None:
-            raise StudioError(NO_JOINT)
+            raise StudioError(NO_JOINT_MESSAGE)
 
     return add
 

@@ -19,7 +19,7 @@ from studio.document.clip_edits import name_of, remove_clips
 from studio.document.clipboard import paste_json, selection_as_json
 from studio.document.correction_edits import set_key as set_correction_key
 from studio.document.key_edits import delete_keys, set_keys
-from studio.engine.performance import swept_points
+from studio.engine.posed_performer import swept_points
 
 EDITED_PARTS = ("clips", "states", "transitions")
 SMALL_THINGS = (

@@ -8,7 +8,7 @@ from PySide6.QtCore import QBuffer, QIODevice, Qt
 from PySide6.QtGui import QImageWriter
 
 from studio.app import capture_import, character_import, sample
-from studio.app.file_dialogs import PROJECTS, ask_file, ask_new_file, characters, motions
+from studio.app.file_dialogs import PROJECT_FILTER, ask_file, ask_new_file, characters, motions
 from studio.app.verbs import media
 from studio.app.workbench import Workbench
 from studio.core.captures.remarks import remarks_on
@@ -20,8 +20,8 @@ from studio.io.project.project_file import ChangedOnDisk, OpenedProject, read_pr
 from studio.io.registry import Progress, ReadCharacter
 from studio.library.scenes import BundledScene
 
-THUMBNAIL_WIDTH = 256
-NUMBERED = re.compile(r"^(.*?)[_ .-]?(\d+)$")
+THUMBNAIL_WIDTH_PX = 256
+NUMBERED_STEM = re.compile(r"^(.*?)[_ .-]?(\d+)$")
 
 
 def new(bench: Workbench) -> None:
@@ -41,7 +41,7 @@ def scene_opener(scene: BundledScene) -> Callable[[Workbench], None]:
 
 def open_project(bench: Workbench) -> None:
     """Ask for a project file and open it."""
-    ask_file(bench, "Open project", PROJECTS, lambda path: open_path(bench, path))
+    ask_file(bench, "Open project", PROJECT_FILTER, lambda path: open_path(bench, path))
 
 
 def open_path(bench: Workbench, path: Path) -> None:
@@ -84,7 +84,7 @@ def save(bench: Workbench) -> None:
 def save_as(bench: Workbench) -> None:
     """Ask for a file and save to it."""
     name = bench.document.path.name if bench.document.path else "untitled.studio"
-    ask_new_file(bench, "Save project", PROJECTS, name, lambda path: save_to(bench, path))
+    ask_new_file(bench, "Save project", PROJECT_FILTER, name, lambda path: save_to(bench, path))
 
 
 def save_increment(bench: Workbench) -> None:
@@ -97,7 +97,7 @@ def save_increment(bench: Workbench) -> None:
 
 def next_increment(path: Path) -> Path:
     """Next numbered path that does not exist."""
-    found = NUMBERED.match(path.stem)
+    found = NUMBERED_STEM.match(path.stem)
     name, number = (found[1], int(found[2])) if found else (path.stem, 1)
     while True:
         number += 1
@@ -127,7 +127,7 @@ def stage_thumbnail(bench: Workbench) -> bytes | None:
         return None
     buffer = QBuffer()
     buffer.open(QIODevice.OpenModeFlag.WriteOnly)
-    image = bench.viewport.drawn_image.scaledToWidth(THUMBNAIL_WIDTH, Qt.TransformationMode.SmoothTransformation)
+    image = bench.viewport.drawn_image.scaledToWidth(THUMBNAIL_WIDTH_PX, Qt.TransformationMode.SmoothTransformation)
     QImageWriter(buffer, b"PNG").write(image)
     return bytes(buffer.data().data())
 

@@ -3,7 +3,7 @@
 from studio.app.workbench import Workbench
 from studio.core.solver.performers.rows import stage_span
 
-MOST_PLAYBACK_SPEED = 8.0
+MAX_PLAYBACK_SPEED = 8.0
 
 
 def toggle(bench: Workbench) -> None:
@@ -109,5 +109,5 @@ def toggle_loop(bench: Workbench) -> None:
 def _shuttle(bench: Workbench, direction: float) -> None:
     playhead = bench.document.playhead
     along = playhead.playing and playhead.speed * direction > 0
-    playhead.speed = max(min(2.0 * playhead.speed, MOST_PLAYBACK_SPEED), -MOST_PLAYBACK_SPEED) if along else direction
+    playhead.speed = max(min(2.0 * playhead.speed, MAX_PLAYBACK_SPEED), -MAX_PLAYBACK_SPEED) if along else direction
     playhead.play()

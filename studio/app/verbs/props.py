@@ -23,7 +23,7 @@ from studio.document.document import Document
 from studio.document.grips import is_grip, remove_grips
 from studio.document.length_units import length_text, shown_unit
 from studio.engine.grasps import Grasp, captured_grasp, chest_heading, grasp_at, grasp_near
-from studio.engine.performance import PosedPerformer, motion_time, posed_performers
+from studio.engine.posed_performer import PosedPerformer, motion_time, posed_performers
 from studio.engine.prop_places import (
     heading_of,
     hold_between_hands,
@@ -34,19 +34,19 @@ from studio.engine.prop_places import (
 from studio.io.meshes.mesh_file import SUFFIXES, MeshFile, read_mesh
 from studio.panels.message_strip import Lifetime
 
-NEW_PROP_DISTANCE = 0.6
+NEW_PROP_DISTANCE_METRES = 0.6
 """Horizontal distance in metres from a performer's root to a new prop."""
-PROP_GAP = 0.1
+PROP_GAP_METRES = 0.1
 """Gap in metres between a new prop and the one beside it."""
-PROP_REACH = 0.75
+PROP_REACH_LEGS = 0.75
 """Horizontal distance from a performer's root, in leg lengths, up to which the hands still reach a prop."""
-LATEST_RELEASE = 0.2
+RELEASE_MARGIN_SECONDS = 0.2
 """Seconds before the end of a clip in which the end of a hand contact does not count as a release: it ends with the
 clip.
 """
-HAND_THICKNESS = 0.02
+HAND_THICKNESS_METRES = 0.02
 """Distance in metres from the wrist to the surface of the palm."""
-CARRIED = (PropShape.BOX, PropShape.BALL, PropShape.STICK, PropShape.MESH)
+CARRIED_SHAPES = (PropShape.BOX, PropShape.BALL, PropShape.STICK, PropShape.MESH)
 """Shapes of props that can be carried."""
 NEW_PROP_SIZES = {
     PropShape.BOX: (0.4, 0.4, 0.4),
@@ -89,7 +89,7 @@ def _add(bench: Workbench, prop: Prop) -> None:
     performer_id = document.active_performer_id or ""
     grasp = (
         grasp_near(document.project, bench.live.result, performer_id, document.playhead.time)
-        if prop.shape in CARRIED
+        if prop.shape in CARRIED_SHAPES
         else None
     )
     grasped = _grasped(_as_broad(prop, grasp.holder), grasp) if grasp is not None else None
@@ -113,15 +113,15 @@ def _ahead(document: Document, prop: Prop, pose: PosedPerformer | None) -> Prop:
     if pose is not None:
         ahead = pose.placement.rotation @ pose.motion.rotations[pose.row, 0, :, 0]
         heading = math.atan2(ahead[1], ahead[0])
-        away = NEW_PROP_DISTANCE + max(prop.size[0] / 2 - 0.2, 0.0)
+        away = NEW_PROP_DISTANCE_METRES + max(prop.size[0] / 2 - 0.2, 0.0)
         x, y = (pose.points[0, :2] + away * np.array([math.cos(heading), math.sin(heading)])).tolist()
     while True:
         floor = float(document.project.ground.height_at((x, y, 0.0)))
         lying = replace(prop, position=(x, y, floor + prop.size[2] / 2), heading=heading)
         if not _is_taken(document, lying):
             return lying
-        x += (prop.size[1] + PROP_GAP) * math.sin(heading)
-        y -= (prop.size[1] + PROP_GAP) * math.cos(heading)
+        x += (prop.size[1] + PROP_GAP_METRES) * math.sin(heading)
+        y -= (prop.size[1] + PROP_GAP_METRES) * math.cos(heading)
 
 
 def _is_taken(document: Document, prop: Prop) -> bool:
@@ -144,7 +144,7 @@ def _as_broad(prop: Prop, holder: PosedPerformer) -> Prop:
     layout = holder.motion.morphology.layout
     gap = float(np.linalg.norm(holder.points[layout.wrist_point(0)] - holder.points[layout.wrist_point(1)]))
     length, _, height = prop.size
-    return replace(prop, size=(length, round(max(gap - 2 * HAND_THICKNESS, THIN), 2), height))
+    return replace(prop, size=(length, round(max(gap - 2 * HAND_THICKNESS_METRES, THIN), 2), height))
 
 
 def ask_mesh(bench: Workbench) -> None:
@@ -313,7 +313,7 @@ def _leaves(project: Project, performer: Performer, grasp: Grasp) -> bool:
     clip.
     """
     ends = [clip.start + clip.length(project.frame_rate_of(clip)) for clip in performer.clips]
-    return not any(0.0 <= end - grasp.end <= LATEST_RELEASE for end in ends)
+    return not any(0.0 <= end - grasp.end <= RELEASE_MARGIN_SECONDS for end in ends)
 
 
 def _in_reach(
@@ -332,7 +332,7 @@ def _in_reach(
         return _grasped(prop, grasp), ""
     pose = prop_at(document.project, posed, selected_prop(bench) or "", begin)
     beyond = float(np.linalg.norm(pose.place[:2] - holder.points[0, :2])) - max(prop.size[:2]) / 2
-    if beyond <= PROP_REACH * holder.motion.body.leg_length:
+    if beyond <= PROP_REACH_LEGS * holder.motion.body.leg_length:
         return prop, ""
     far = length_text(beyond, "m", 1)
     if prop.holds:

@@ -9,7 +9,7 @@ from studio.document.document import Document
 from studio.document.mnemonics import escaped_mnemonics
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor, EntityNameField
-from studio.panels.fields import ROW_HEIGHT, Choice, Section, press_button, styled_label
+from studio.panels.fields import FORM_ROW_HEIGHT_PX, Choice, Section, press_button, styled_label
 
 
 class BehaviourEditor(Editor[Behaviour]):
@@ -65,7 +65,7 @@ class BehaviourEditor(Editor[Behaviour]):
         if names != [self._states.item(row).text() for row in range(self._states.count())]:
             self._states.clear()
             self._states.addItems(names)
-            self._states.setFixedHeight(ROW_HEIGHT * len(names) + 4)
+            self._states.setFixedHeight(FORM_ROW_HEIGHT_PX * len(names) + 4)
 
     def _make_own(self) -> None:
         performer_id = self.document.active_performer_id or ""

@@ -22,9 +22,9 @@ from studio.panels.behaviour import diagram_drags
 from studio.panels.behaviour.diagram_items import Arrow, StateBox, StateItem, TransitionItem, bow_of
 from studio.panels.behaviour.words import clip_words, condition_words, manner_words
 
-SCENE = QRectF(-4000.0, -4000.0, 8000.0, 8000.0)
+SCENE_RECT = QRectF(-4000.0, -4000.0, 8000.0, 8000.0)
 DIAGRAM_GRID = 24.0
-ZOOM_PER_STEP, LEAST_ZOOM, MOST_ZOOM = 1.0015, 0.25, 2.5
+ZOOM_PER_STEP, MIN_ZOOM, MAX_ZOOM = 1.0015, 0.25, 2.5
 DIAGRAM_MARGIN = 16.0
 
 
@@ -42,7 +42,7 @@ class Diagram(QGraphicsView):
         self._renaming: QLineEdit | None = None
         self._whole = True
         """True while the view is fitted to the whole diagram: until the user zooms or pans."""
-        self.setScene(QGraphicsScene(SCENE, self))
+        self.setScene(QGraphicsScene(SCENE_RECT, self))
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setBackgroundBrush(QColor(colours.WELL))
         self.setAccessibleName("Diagram of the behaviour")
@@ -92,7 +92,7 @@ class Diagram(QGraphicsView):
         area.adjust(-DIAGRAM_MARGIN, -DIAGRAM_MARGIN, DIAGRAM_MARGIN, DIAGRAM_MARGIN)
         scale = min(room.width() / area.width(), room.height() / area.height(), 1.0)
         self.resetTransform()
-        self.scale(max(scale, LEAST_ZOOM), max(scale, LEAST_ZOOM))
+        self.scale(max(scale, MIN_ZOOM), max(scale, MIN_ZOOM))
         self.centerOn(area.center())
         self._whole = True
 
@@ -240,8 +240,7 @@ class Diagram(QGraphicsView):
             self.pan(QPoint((turned.x() or turned.y()) // 2, 0))
             return
         factor = (
-            min(max(ZOOM_PER_STEP ** turned.y() * self.transform().m11(), LEAST_ZOOM), MOST_ZOOM)
-            / self.transform().m11()
+            min(max(ZOOM_PER_STEP ** turned.y() * self.transform().m11(), MIN_ZOOM), MAX_ZOOM) / self.transform().m11()
         )
         mouse = event.position().toPoint()
         before = self.mapToScene(mouse)

@@ -16,8 +16,8 @@ from studio.panels.behaviour.diagram_items import StateItem, exit_point
 if TYPE_CHECKING:
     from studio.panels.behaviour.diagram import Diagram
 
-SNAP = 8.0
-STARTS = 3
+DIAGRAM_SNAP = 8.0
+DRAG_START_PIXELS = 3
 """Distance in pixels from which a mouse movement counts as a drag."""
 
 
@@ -30,9 +30,9 @@ class DiagramGesture:
         self.dragged = False
 
     def move(self, event: QMouseEvent, position: QPointF) -> None:
-        """Handle a mouse move, which becomes a drag after ``STARTS`` pixels."""
+        """Handle a mouse move, which becomes a drag after ``DRAG_START_PIXELS`` pixels."""
         self.now = position
-        self.dragged = self.dragged or (event.position() - self._pressed).manhattanLength() >= STARTS
+        self.dragged = self.dragged or (event.position() - self._pressed).manhattanLength() >= DRAG_START_PIXELS
         if self.dragged:
             self.drag(event)
         self.view.viewport().update()
@@ -176,4 +176,4 @@ class PanDiagram(DiagramGesture):
 
 
 def _snapped(number: float) -> float:
-    return SNAP * round(number / SNAP)
+    return DIAGRAM_SNAP * round(number / DIAGRAM_SNAP)

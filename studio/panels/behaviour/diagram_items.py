@@ -12,22 +12,22 @@ from studio.document import colours
 STATE_WIDTHS = (132.0, 220.0)
 """Minimum and maximum width of a box, in scene units."""
 TITLE_PX, LINE_PX, PADDING_PX = 20.0, 15.0, 9.0
-RADIUS = 5.0
-RIM = 7.0
+BOX_CORNER_RADIUS = 5.0
+BOX_RIM_WIDTH = 7.0
 """Width in scene units of the rim of a box, from which an arrow can be drawn; half of it is also sensitive outside the
 box.
 """
-BOW, NEXT_BOW = 22.0, 34.0
+ARROW_BOW, NEXT_ARROW_BOW = 22.0, 34.0
 """Sideways offset of an arrow that has a counterpart in the other direction, and additional offset per further arrow,
 in scene units.
 """
 ARROW_PX, ARROW_REACH_PX = 9.0, 12.0
-ALONG = 0.58
+LABEL_POSITION_FRACTION = 0.58
 """Position of the label along an arrow, as a fraction of its length, so that the labels of both directions do not
 overlap.
 """
-LOOP = 44.0
-GLOW = 4
+LOOP_ARROW_SIZE = 44.0
+GLOW_WIDTH = 4
 
 
 def font(pixels: int, bold: bool = False) -> QFont:
@@ -79,30 +79,32 @@ class StateItem(QGraphicsItem):
 
     def on_rim(self, position: QPointF) -> bool:
         """True if a drag from ``position`` draws an arrow instead of moving the box."""
-        inner = self.rect.adjusted(RIM, RIM, -RIM, -RIM)
+        inner = self.rect.adjusted(BOX_RIM_WIDTH, BOX_RIM_WIDTH, -BOX_RIM_WIDTH, -BOX_RIM_WIDTH)
         return self.contains_point(position) and not inner.contains(position)
 
     def contains_point(self, position: QPointF) -> bool:
         """True if ``position`` is on the box or just outside its edge."""
-        return self.rect.adjusted(-RIM / 2, -RIM / 2, RIM / 2, RIM / 2).contains(position)
+        return self.rect.adjusted(
+            -BOX_RIM_WIDTH / 2, -BOX_RIM_WIDTH / 2, BOX_RIM_WIDTH / 2, BOX_RIM_WIDTH / 2
+        ).contains(position)
 
     def paint(self, painter: QPainter, _option: QStyleOptionGraphicsItem, _widget: QWidget | None = None) -> None:
         """Draw the box and its texts."""
         box, rect = self.box, self.rect
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        for step in range(GLOW if box.lit else 0):
+        for step in range(GLOW_WIDTH if box.lit else 0):
             grown = rect.adjusted(-step * 2.0, -step * 2.0, step * 2.0, step * 2.0)
             painter.setPen(QPen(_faint(box.lit, 0.34 - 0.07 * step), 2.5))
-            painter.drawRoundedRect(grown, RADIUS + step * 2.0, RADIUS + step * 2.0)
+            painter.drawRoundedRect(grown, BOX_CORNER_RADIUS + step * 2.0, BOX_CORNER_RADIUS + step * 2.0)
         ground = colours.SELECTED_ROW if box.selected else colours.CONTROL
         painter.setBrush(QColor(colours.mixed_colour(ground, box.lit, 0.35) if box.lit else ground))
         edge = colours.SELECTED_HANDLE if box.selected else box.lit or "#3f4852"
         painter.setPen(QPen(QColor(edge), 1.6 if box.selected or box.lit else 1.0))
-        painter.drawRoundedRect(rect, RADIUS, RADIUS)
+        painter.drawRoundedRect(rect, BOX_CORNER_RADIUS, BOX_CORNER_RADIUS)
         if self.ready:
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.setPen(QPen(QColor(colours.kind_colour("position")), 2.0))
-            painter.drawRoundedRect(rect.adjusted(-2, -2, 2, 2), RADIUS + 2, RADIUS + 2)
+            painter.drawRoundedRect(rect.adjusted(-2, -2, 2, 2), BOX_CORNER_RADIUS + 2, BOX_CORNER_RADIUS + 2)
         self._paint_start(painter)
         self._paint_words(painter)
         self._paint_dots(painter)
@@ -153,7 +155,7 @@ class TransitionItem(QGraphicsItem):
         super().__init__()
         self.arrow, self.hovered = arrow, False
         self._path, self._angle = _path_of(arrow)
-        self.label = _label(arrow, self._path.pointAtPercent(ALONG))
+        self.label = _label(arrow, self._path.pointAtPercent(LABEL_POSITION_FRACTION))
         self.words = WordsItem(self)
         self.setZValue(1.1 if arrow.selected else 1.0)
 
@@ -214,7 +216,7 @@ def bow_of(order: int, returns: bool) -> float:
     """Sideways offset of the ``order``-th arrow between two boxes; ``returns`` is True if an arrow in the other
     direction exists.
     """
-    return (BOW if returns else 0.0) + NEXT_BOW * order
+    return (ARROW_BOW if returns else 0.0) + NEXT_ARROW_BOW * order
 
 
 def exit_point(rect: QRectF, position: QPointF) -> QPointF:
@@ -257,7 +259,7 @@ def _path_of(arrow: Arrow) -> tuple[QPainterPath, float]:
 
 
 def _loop(arrow: Arrow) -> tuple[QPainterPath, float]:
-    rect, height = arrow.source, LOOP + arrow.bow
+    rect, height = arrow.source, LOOP_ARROW_SIZE + arrow.bow
     begin = QPointF(rect.center().x() - rect.width() / 6, rect.top() - 2.0)
     finish = QPointF(rect.center().x() + rect.width() / 6, rect.top() - 2.0)
     path = QPainterPath(begin)

@@ -11,7 +11,7 @@ from studio.document.document import Document
 from studio.panels.behaviour.diagram import Diagram
 from studio.panels.fields import Choice, press_button, styled_label
 
-NOBODY = "Select a character to edit its behaviour for live play."
+NO_CHARACTER_HINT = "Select a character to edit its behaviour for live play."
 NO_BEHAVIOUR_HINT = (
     "{name} plays its clip track. Start with one of these, or choose a behaviour above: a state machine whose"
     " transitions react to events."
@@ -72,7 +72,7 @@ class BehaviourPanel(QWidget):
             widget.setVisible(role is not None)
         for button in self._tools:
             button.setVisible(behaviour is not None)
-        self._words.setText(NO_BEHAVIOUR_HINT.format(name=performer.name) if performer else NOBODY)
+        self._words.setText(NO_BEHAVIOUR_HINT.format(name=performer.name) if performer else NO_CHARACTER_HINT)
         self._ready.setVisible(performer is not None)
         self._pages.setCurrentIndex(1 if behaviour else 0)
         self.diagram.show_behaviour(behaviour_id)
@@ -109,7 +109,7 @@ class BehaviourPanel(QWidget):
         column = QVBoxLayout(page)
         column.setContentsMargins(24, 12, 24, 12)
         column.setSpacing(12)
-        self._words = styled_label(NOBODY, "hint")
+        self._words = styled_label(NO_CHARACTER_HINT, "hint")
         self._words.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._ready = QWidget()
         row = QHBoxLayout(self._ready)

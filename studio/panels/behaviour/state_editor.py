@@ -18,12 +18,12 @@ from studio.core.stage.project import new_id
 from studio.document.behaviour_commands import state_key
 from studio.document.document import Document
 from studio.engine.live_interface import Live
-from studio.panels.behaviour.manner_section import TITLES, MannerSection, PutManner
+from studio.panels.behaviour.manner_section import REACTION_TITLES, MannerSection, PutManner
 from studio.panels.behaviour.part_editor import PartEditor
 from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, TextField, check_box, styled_label
 
-ADD = "Add reaction"
-NEW_REACTIONS: dict[str, Manner] = {TITLES[type(each)]: each for each in (KeepDistance(), LeanAway(), Meet())}
+ADD_REACTION_LABEL = "Add reaction"
+NEW_REACTIONS: dict[str, Manner] = {REACTION_TITLES[type(each)]: each for each in (KeepDistance(), LeanAway(), Meet())}
 
 
 class StateEditor(PartEditor[State]):
@@ -40,7 +40,7 @@ class StateEditor(PartEditor[State]):
         below = QWidget()
         row = QVBoxLayout(below)
         row.setContentsMargins(FIELD_ICON_PX, 12, FIELD_ICON_PX, 0)
-        self._add = Choice("Add reaction", [(None, ADD), *((title, title) for title in NEW_REACTIONS)])
+        self._add = Choice("Add reaction", [(None, ADD_REACTION_LABEL), *((title, title) for title in NEW_REACTIONS)])
         self._add.value_chosen.connect(self._add_manner)
         row.addWidget(self._add)
         row.addWidget(styled_label("Constraints of the clip stay active while the state lasts.", "hint"))

@@ -21,7 +21,7 @@ from studio.engine.point_names import POINT_NAMES, point_words
 
 LEFT_FIST = BodyPoint(BodyPart.LEFT_HAND, FIST_POINT.offset)
 RIGHT_FOREARM = BodyPoint(BodyPart.RIGHT_FOREARM, ARM_POINT.offset)
-NAMED = {
+FIGHT_POINT_NAMES = {
     HEAD_POINT: "head",
     FIST_POINT: "right fist",
     LEFT_FIST: "left fist",
@@ -35,7 +35,7 @@ _WAYS = (("behind", "ahead of"), ("right of", "left of"), ("below", "above"))
 
 def point_name(point: BodyPoint) -> str:
     """Name of a body point, for example ``right fist``, ``left wrist`` or ``a point 0.90 m above the pelvis``."""
-    return NAMED.get(point) or (_offset_words(point) if any(point.offset) else point_words(point))
+    return FIGHT_POINT_NAMES.get(point) or (_offset_words(point) if any(point.offset) else point_words(point))
 
 
 def _offset_words(point: BodyPoint) -> str:
@@ -48,7 +48,7 @@ def _offset_words(point: BodyPoint) -> str:
 def point_choices() -> list[tuple[BodyPoint, str]]:
     """All named body points with their labels, those used in fights first."""
     joints = {BodyPoint(part, at_end=at_end): name for (part, at_end), name in POINT_NAMES.items()}
-    return [(point, name.capitalize()) for point, name in {**NAMED, **joints}.items()]
+    return [(point, name.capitalize()) for point, name in {**FIGHT_POINT_NAMES, **joints}.items()]
 
 
 def target_name(whom: BehaviourTarget, project: Project) -> str:

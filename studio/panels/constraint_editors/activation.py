@@ -9,7 +9,7 @@ from studio.core.stage.clip import Clip
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section, Segments
 
-LONGEST_ACTIVATION = 3600.0
+MAX_ACTIVATION_SECONDS = 3600.0
 
 
 class ActivationSection(Section):
@@ -31,7 +31,7 @@ class ActivationSection(Section):
 
     def _seconds(self, name: str) -> NumberField:
         step = 1.0 / self._editor.document.playhead.frame_rate
-        return NumberField(name, "", 0.0, LONGEST_ACTIVATION, step, 3)
+        return NumberField(name, "", 0.0, MAX_ACTIVATION_SECONDS, step, 3)
 
     def refresh(self) -> None:
         """Show the activation in stage time, for the clip that plays there; tooltips show the time of the clip."""

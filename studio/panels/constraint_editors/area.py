@@ -29,10 +29,10 @@ SIZE_FIELDS = {
     AreaShape.MESH: ("", "", (False, False, False)),
 }
 """Label, unit, and use of the three components of the size by shape; other shapes have the edge lengths of a box."""
-TURNED = (AreaShape.TABLE, AreaShape.BOX, AreaShape.MESH)
-TILTED = (*TURNED, AreaShape.CYLINDER)
-LEAST_AREA_SIZE = 0.001
-AREA_UP, METRE_SIZE = (0.0, 0.0, 1.0), (1.0, 1.0, 1.0)
+SHAPES_WITH_HEADING = (AreaShape.TABLE, AreaShape.BOX, AreaShape.MESH)
+SHAPES_WITH_TILT = (*SHAPES_WITH_HEADING, AreaShape.CYLINDER)
+MIN_AREA_SIZE_METRES = 0.001
+DEFAULT_HALF_SPACE_NORMAL, DEFAULT_AREA_SIZE = (0.0, 0.0, 1.0), (1.0, 1.0, 1.0)
 
 
 class AreaEditor(ConstraintEditor[AreaConstraint]):
@@ -86,7 +86,7 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         self._whole.setEnabled(not (area.inside or area.on_surface))
         words, unit, used = SIZE_FIELDS.get(area.shape, ("Size", "m", (True, True, True)))
         self._size.set_unit(words, unit)
-        self._size.set_least(-1.0 if area.shape is AreaShape.HALF_SPACE else LEAST_AREA_SIZE)
+        self._size.set_least(-1.0 if area.shape is AreaShape.HALF_SPACE else MIN_AREA_SIZE_METRES)
         self._size.show_values(area.size)
         self._size.set_visible(*used)
         self._margin.show_value(area.margin)
@@ -95,14 +95,14 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
 
     def refresh_moment(self) -> None:
         """Update the rows that depend on the playhead."""
-        turned = self.entity.shape in TURNED
+        turned = self.entity.shape in SHAPES_WITH_HEADING
         self._source.refresh()
         now = self._source.current_numbers()
         if now is not None:
             self._centre.show_values(now)
         self._direction.refresh(turned)
         self._heading.show_value(math.degrees(self._direction.current_number))
-        tilted = self.entity.shape in TILTED
+        tilted = self.entity.shape in SHAPES_WITH_TILT
         for field, radians in zip(self._tilts, to_euler("ZYX", np.array(self._tilt_now()))[:0:-1], strict=True):
             field.show_value(math.degrees(radians))
         self._tilt_keyed.setChecked(isinstance(self.entity.tilt, KeyedTurn))
@@ -140,7 +140,7 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         old = self.entity.shape
         size = self.entity.size
         if shape is not old and AreaShape.HALF_SPACE in (shape, old):
-            size = AREA_UP if shape is AreaShape.HALF_SPACE else METRE_SIZE
+            size = DEFAULT_HALF_SPACE_NORMAL if shape is AreaShape.HALF_SPACE else DEFAULT_AREA_SIZE
         self._set("Set shape of", shape=shape, size=size)
 
     def _tilt_now(self) -> Quaternion:

@@ -8,8 +8,8 @@ from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.fields import NumberField, Section, Segments, check_box
 
 OWN_BALANCE, PLACE_BALANCE, SUPPORT_BALANCE = "own", "place", "support"
-BALANCE_STEP = 0.01
-WIDEST_MARGIN = 10.0
+MARGIN_UNIT_METRES = 0.01
+MAX_MARGIN_CENTIMETRES = 10.0
 
 
 class BalanceEditor(ConstraintEditor[BalanceConstraint]):
@@ -29,7 +29,7 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
         section.add_row("Balance over", self._mode)
         self._source = TargetRows(self, section, "place")
         self._place = VectorRow(self, section, "Position", self._set_place)
-        self._margin = self.bind(NumberField("Margin", "cm", 0.0, WIDEST_MARGIN, 0.5, 1), self._set_margin)
+        self._margin = self.bind(NumberField("Margin", "cm", 0.0, MAX_MARGIN_CENTIMETRES, 0.5, 1), self._set_margin)
         self._margin_caption = section.add_row("Margin", self._margin)
         self._vertical = check_box("Constrain height")
         self._vertical.setAccessibleName("Constrain the height of the centre of mass too")
@@ -50,7 +50,7 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
         for widget in (self._margin, self._margin_caption):
             widget.setVisible(mode == SUPPORT_BALANCE)
         if isinstance(place, Support):
-            self._margin.show_value(place.margin / BALANCE_STEP)
+            self._margin.show_value(place.margin / MARGIN_UNIT_METRES)
         self._vertical.setChecked(self.entity.vertical)
 
     def _set_mode(self, mode: str) -> None:
@@ -64,7 +64,7 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
         self._source.set_numbers(position[:2] if flat else position, f"Move position of {self.entity.name}")
 
     def _set_margin(self, centimetres: float) -> None:
-        self.change(f"Set margin of {self.entity.name}", place=Support(centimetres * BALANCE_STEP))
+        self.change(f"Set margin of {self.entity.name}", place=Support(centimetres * MARGIN_UNIT_METRES))
 
     def _set_vertical(self, vertical: bool) -> None:
         self.change(f"{'Constrain' if vertical else 'Free'} height of {self.entity.name}", vertical=vertical)

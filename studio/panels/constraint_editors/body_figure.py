@@ -9,7 +9,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.document import colours
 
 BODY_FIGURE_WIDTH, BODY_FIGURE_HEIGHT = 104, 172
-SCALE = 0.8
+BODY_FIGURE_SCALE = 0.8
 BODY_FIGURE_MIDDLE = BODY_FIGURE_WIDTH / 2
 
 
@@ -56,7 +56,7 @@ class BodyFigure(QWidget):
         self._under: BodyPart | None = None
 
     def sizeHint(self) -> QSize:
-        return QSize(round(SCALE * BODY_FIGURE_WIDTH), round(SCALE * BODY_FIGURE_HEIGHT))
+        return QSize(round(BODY_FIGURE_SCALE * BODY_FIGURE_WIDTH), round(BODY_FIGURE_SCALE * BODY_FIGURE_HEIGHT))
 
     def show_weights(self, weights: dict[BodyPart, float], point: BodyPoint | None = None) -> None:
         """Show weights by segment, from 0 (locked) to 1 (free), and the constrained point."""
@@ -73,7 +73,7 @@ class BodyFigure(QWidget):
 
     def part_at(self, position: QPointF) -> BodyPart | None:
         """Clickable segment at a position of the widget; None if there is none."""
-        position = position / SCALE
+        position = position / BODY_FIGURE_SCALE
         grown = ((part, shape.adjusted(-2, -2, 2, 2)) for part, shape in SEGMENT_SHAPES.items())
         return next((part for part, shape in grown if shape.contains(position) and part in self._weights), None)
 
@@ -102,12 +102,12 @@ class BodyFigure(QWidget):
     def paintEvent(self, _: QPaintEvent) -> None:
         with QPainter(self) as painter:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            painter.scale(SCALE, SCALE)
+            painter.scale(BODY_FIGURE_SCALE, BODY_FIGURE_SCALE)
             for part, shape in SEGMENT_SHAPES.items():
                 colour = colours.EDGE
                 if self._weights.get(part, 0.0) > 0.0:
                     share = 0.35 + 0.65 * self._weights[part]
-                    colour = colours.mixed_colour(colours.EDGE, colours.KINDS["position"], share)
+                    colour = colours.mixed_colour(colours.EDGE, colours.KIND_COLOURS["position"], share)
                 if part == self._under:
                     colour = colours.mixed_colour(colour, "#ffffff", 0.18)
                 painter.setPen(QColor(colour))

@@ -7,7 +7,7 @@ from studio.core.constraints.upright import UprightConstraint
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section
 
-WIDEST_CONE = 170.0
+MAX_CONE_DEGREES = 170.0
 CONE_LABEL = "Max. angle"
 
 
@@ -16,7 +16,7 @@ class ConeRow:
 
     def __init__(self, editor: Editor[ParallelConstraint | UprightConstraint], section: Section, tip: str) -> None:
         self._editor = editor
-        self._field = editor.bind(NumberField(CONE_LABEL, "°", 0.0, WIDEST_CONE, 1.0, 1), self._set)
+        self._field = editor.bind(NumberField(CONE_LABEL, "°", 0.0, MAX_CONE_DEGREES, 1.0, 1), self._set)
         self._field.setToolTip(tip)
         section.add_row(CONE_LABEL, self._field)
 

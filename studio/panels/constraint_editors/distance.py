@@ -10,7 +10,7 @@ from studio.panels.constraint_editors.target_rows import NumberRows, TargetRows
 from studio.panels.constraint_editors.vector_row import VECTOR_LIMIT, VectorRow
 from studio.panels.fields import Choice, NumberField, Section
 
-OUTSIDE = None
+FIXED_POSITION_CHOICE = None
 
 
 class DistanceEditor(ConstraintEditor[DistanceConstraint]):
@@ -21,7 +21,7 @@ class DistanceEditor(ConstraintEditor[DistanceConstraint]):
         self._distance = self.bind(NumberField("Distance", "m", 0.0, VECTOR_LIMIT, 0.005, 3), self._set_distance)
         self._length = NumberRows(self, section, "distance")
         section.add_row("Distance", self._distance, self._length.keyed)
-        self._other = Choice("Distance from", [(OUTSIDE, "Fixed position"), *point_choices()])
+        self._other = Choice("Distance from", [(FIXED_POSITION_CHOICE, "Fixed position"), *point_choices()])
         self._other.value_chosen.connect(self._set_other)
         section.add_row("From", self._other)
         self._source = TargetRows(self, section, "other")
@@ -40,7 +40,7 @@ class DistanceEditor(ConstraintEditor[DistanceConstraint]):
                 self._other.add((other.part, other.at_end), point_words(other).capitalize())
             self._other.show_value((other.part, other.at_end))
         else:
-            self._other.show_value(OUTSIDE)
+            self._other.show_value(FIXED_POSITION_CHOICE)
             now = self._source.current_numbers()
             if now is not None:
                 self._place.show_values(now)

@@ -4,8 +4,8 @@ import numpy as np
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Constraint, Vector
-from studio.engine.moments import TargetContext
-from studio.engine.performance import posed_performers
+from studio.engine.posed_performer import posed_performers
+from studio.engine.target_context import TargetContext
 from studio.panels.editor import Editor
 
 

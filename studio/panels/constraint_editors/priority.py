@@ -13,7 +13,7 @@ from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section, check_box
 
 PRIORITY_ROW_PX = 30
-ID = Qt.ItemDataRole.UserRole
+CONSTRAINT_ID_ROLE = Qt.ItemDataRole.UserRole
 
 
 class OrderList(QListWidget):
@@ -65,7 +65,10 @@ class PrioritySection(Section):
         places = project.places_of(self._editor.entity.motion_id)
         with QSignalBlocker(self._list), QSignalBlocker(self._list.model()):
             rows = [(key, f"{places[key]}   {each.name}") for key, each in constraints.items()]
-            shown = [(self._list.item(k).data(ID), self._list.item(k).text()) for k in range(self._list.count())]
+            shown = [
+                (self._list.item(k).data(CONSTRAINT_ID_ROLE), self._list.item(k).text())
+                for k in range(self._list.count())
+            ]
             if rows != shown:
                 self._fill(rows)
         self._list.setFixedHeight(PRIORITY_ROW_PX * len(rows) + 2 * self._list.frameWidth())
@@ -92,7 +95,7 @@ class PrioritySection(Section):
         self._list.clear()
         for key, text in rows:
             item = QListWidgetItem(text)
-            item.setData(ID, key)
+            item.setData(CONSTRAINT_ID_ROLE, key)
             item.setSizeHint(QSize(0, PRIORITY_ROW_PX))
             self._list.addItem(item)
             if key == self._editor.entity_id:
@@ -101,11 +104,11 @@ class PrioritySection(Section):
         self._list.setCurrentRow([key for key, _ in rows].index(self._editor.entity_id))
 
     def _put_order(self) -> None:
-        order = [self._list.item(place).data(ID) for place in range(self._list.count())]
+        order = [self._list.item(place).data(CONSTRAINT_ID_ROLE) for place in range(self._list.count())]
         constraints = self._editor.document.project.constraints
         before = list(self._editor.document.project.constraints_of(self._editor.entity.motion_id))
         current = self._list.currentItem()
-        moved = _moved([current.data(ID)] if current else [], before, order) or self._editor.entity_id
+        moved = _moved([current.data(CONSTRAINT_ID_ROLE)] if current else [], before, order) or self._editor.entity_id
         ties = shared_priorities_after_move(constraints, order, {moved})
         self._put_places(order, ties, f"Reorder priority of {constraints[moved].name}")
 

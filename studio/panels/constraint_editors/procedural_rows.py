@@ -12,7 +12,7 @@ from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.editor import Editor, NamedEntity
 from studio.panels.fields import NumberField, Section
 
-RULES = (
+PROCEDURAL_KINDS = (
     (CirclePlace.kind, "Circle"),
     (PendulumPlace.kind, "Pendulum"),
     (NoisePlace.kind, "Noise"),
@@ -21,7 +21,7 @@ _MAKERS = {each.kind: each for each in (CirclePlace, PendulumPlace, NoisePlace)}
 
 
 def ruled_position(kind: str, position: Vector) -> ProceduralPlace:
-    """Procedural position of a kind of ``RULES`` that moves about ``position``."""
+    """Procedural position of a kind of ``PROCEDURAL_KINDS`` that moves about ``position``."""
     return _MAKERS[kind](centre=position)
 
 

@@ -18,27 +18,27 @@ from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.document.channels import allowed_value_at
 from studio.document.keyed_fields import KeyedField
 from studio.document.mnemonics import escaped_mnemonics
-from studio.engine.moments import TargetContext
-from studio.engine.performance import motion_time, stage_time
 from studio.engine.point_names import POINT_NAMES, point_words
+from studio.engine.posed_performer import motion_time, stage_time
+from studio.engine.target_context import TargetContext
 from studio.panels.constraint_editors.present import current_context
-from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled_position
+from studio.panels.constraint_editors.procedural_rows import PROCEDURAL_KINDS, ProceduralRows, ruled_position
 from studio.panels.editor import Editor, NamedEntity
 from studio.panels.fields import Choice, Section, check_box, elided_name, press_button, styled_label
 
 FIXED_KIND, KEYED_KIND = "fixed", Keys.kind
-OWN_KIND = OwnPlace.kind
+PER_CHARACTER_KIND = OwnPlace.kind
 PLACE_KINDS = (
-    (OWN_KIND, "Per character"),
+    (PER_CHARACTER_KIND, "Per character"),
     (FIXED_KIND, "Shared"),
     (KEYED_KIND, "Animated"),
-    *RULES,
+    *PROCEDURAL_KINDS,
     (FollowBody.kind, "Follow own body"),
     (FollowPerformer.kind, "Follow character"),
     (FollowProp.kind, "Follow prop"),
     (FollowTracked.kind, "Follow source"),
 )
-SPOTS = (
+ATTACHMENT_POINTS = (
     ((0.0, 0.0, 0.0), "Centre"),
     ((0.0, 1.0, 0.0), "Left side"),
     ((0.0, -1.0, 0.0), "Right side"),
@@ -47,11 +47,11 @@ SPOTS = (
     ((0.0, 0.0, 1.0), "Top"),
     ((0.0, 0.0, -1.0), "Bottom"),
 )
-POSITION_ONLY_KINDS = (PLACE_KINDS[0], *RULES)
+POSITION_ONLY_KINDS = (PLACE_KINDS[0], *PROCEDURAL_KINDS)
 """Kinds of target that are available for positions but not for rotations."""
 SIGN_BUTTON_PX = 30
 """Width in pixels of a button with a single sign."""
-WRISTS = (BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), BodyPoint(BodyPart.LEFT_FOREARM, at_end=True))
+WRIST_POINTS = (BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), BodyPoint(BodyPart.LEFT_FOREARM, at_end=True))
 
 
 class TargetRows:
@@ -72,7 +72,7 @@ class TargetRows:
         self._point = Choice("Followed point", [(point, name.capitalize()) for point, name in POINT_NAMES.items()])
         self._point.value_chosen.connect(self._choose_point)
         self._point_caption = section.add_row("Followed point", self._point)
-        self._spot = Choice("Position on the prop", SPOTS)
+        self._spot = Choice("Position on the prop", ATTACHMENT_POINTS)
         self._spot.setToolTip("Attachment point on the prop, at any size; the offset is relative to it.")
         self._spot.value_chosen.connect(self._choose_spot)
         self._spot_caption = section.add_row("Attach at", self._spot)
@@ -234,7 +234,7 @@ class TargetRows:
         moment = current_context(editor)
         match kind:
             case FollowBody.kind:
-                return FollowBody(next(wrist for wrist in WRISTS if wrist.part != point.part))
+                return FollowBody(next(wrist for wrist in WRIST_POINTS if wrist.part != point.part))
             case FollowPerformer.kind:
                 others = [key for key, _ in things if key != editor.document.active_performer_id]
                 return FollowPerformer((others or [things[0][0]])[0], point)
@@ -247,10 +247,10 @@ class TargetRows:
         now = self._known_now()
         if kind == FIXED_KIND:
             return cast(Place | Turn, now)
-        if kind == OWN_KIND:
+        if kind == PER_CHARACTER_KIND:
             return self._own_place(now)
         origin = self._own_place(now) if self._is_per_character else None
-        if kind in dict(RULES):
+        if kind in dict(PROCEDURAL_KINDS):
             return (
                 ruled_position(kind, _full(now))
                 if origin is None

@@ -16,7 +16,7 @@ from studio.panels.fields import Section
 
 RESIDUAL_ROW_PX, RESIDUAL_COLUMNS, RESIDUAL_GAP_PX = 18, 2, 16
 RESIDUAL_DOT_PX = 16
-WIDEST = "0000 mm*"
+WIDEST_RESIDUAL_TEXT = "0000 mm*"
 """Text that sets the column width, so that the layout does not jump while residuals change."""
 
 
@@ -99,7 +99,11 @@ class ResidualTable(QWidget):
         """Number of columns in which all names fit."""
         metrics, room = self.fontMetrics(), (self.width() - RESIDUAL_GAP_PX) // RESIDUAL_COLUMNS
         names = max((metrics.horizontalAdvance(each.name) for each in self.residuals), default=0)
-        return RESIDUAL_COLUMNS if RESIDUAL_DOT_PX + names + 6 + metrics.horizontalAdvance(WIDEST) <= room else 1
+        return (
+            RESIDUAL_COLUMNS
+            if RESIDUAL_DOT_PX + names + 6 + metrics.horizontalAdvance(WIDEST_RESIDUAL_TEXT) <= room
+            else 1
+        )
 
     def sizeHint(self) -> QSize:
         return QSize(200, RESIDUAL_ROW_PX * max(-(-len(self.residuals) // self.columns), 1))

@@ -16,7 +16,7 @@ from studio.panels.fields import FIELD_ICON_PX, Choice, Section, press_button, s
 from studio.panels.markers.cloud import MarkerCloud
 from studio.panels.markers.marker_figure import MarkerFigure
 
-NOT_USED = "-"
+NOT_USED_TEXT = "-"
 
 
 class MarkerAssistant(QWidget):
@@ -208,7 +208,7 @@ class MarkerAssistant(QWidget):
             item = self.list.topLevelItem(place)
             assert item is not None
             words = places.get(item.text(0), [])
-            item.setText(1, ", ".join(words) or NOT_USED)
+            item.setText(1, ", ".join(words) or NOT_USED_TEXT)
             colour = QColor(colours.TEXT if words else colours.TEXT_THIRD)
             for at in range(3):
                 item.setForeground(at, colour)

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 from studio.core.markers.cleaning import FillLongGaps, FillShortGaps, LowPass, Step, StepReport, UndoSwaps
 from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, press_button, styled_label
 
-OFFERED: tuple[tuple[Callable[[], Step], str], ...] = (
+CLEANING_STEP_KINDS: tuple[tuple[Callable[[], Step], str], ...] = (
     (UndoSwaps, "Fix marker swaps"),
     (FillShortGaps, "Fill short gaps"),
     (FillLongGaps, "Fill long gaps"),
@@ -32,7 +32,7 @@ class StepList(QWidget):
         column.addLayout(self._rows)
         row = QHBoxLayout()
         row.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)
-        self.add = Choice("Add a step", list(OFFERED))
+        self.add = Choice("Add a step", list(CLEANING_STEP_KINDS))
         self.add.setPlaceholderText("Add a step")
         self.add.setCurrentIndex(-1)
         self.add.value_chosen.connect(self._add)

@@ -17,10 +17,10 @@ FloatArray = NDArray[np.float64]
 CLOUD_WIDTH = 250
 CLOUD_MARGIN = 22
 CLOUD_DOT_PX = 4.0
-CLOUD_REACH = 10.0
+CLOUD_PICK_PIXELS = 10.0
 RADIANS_PER_PIXEL = 0.012
 """Rotation of the view per pixel of a drag."""
-CLICK = 4
+CLICK_PIXELS = 4
 """Maximum distance in pixels between press and release of a click."""
 
 
@@ -104,7 +104,7 @@ class MarkerCloud(QWidget):
         """Label of the marker at a position of the widget; empty if there is none."""
         near = {label: (dot - position).manhattanLength() for label, dot in self.dots().items()}
         label = min(near, key=lambda each: near[each], default="")
-        return label if label and near[label] < 1.4 * CLOUD_REACH else ""
+        return label if label and near[label] < 1.4 * CLOUD_PICK_PIXELS else ""
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         self._press, self._dragged = event.position(), False
@@ -112,7 +112,7 @@ class MarkerCloud(QWidget):
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         if self._press is not None and event.buttons() & Qt.MouseButton.LeftButton:
             moved = event.position() - self._press
-            if self._dragged or moved.manhattanLength() > CLICK:
+            if self._dragged or moved.manhattanLength() > CLICK_PIXELS:
                 self._dragged, self._press = True, event.position()
                 self._angle -= RADIANS_PER_PIXEL * moved.x()
         self._under = self.label_at(event.position())
@@ -135,7 +135,7 @@ class MarkerCloud(QWidget):
             for label, dot in dots.items():
                 used = label in self._used
                 painter.setPen(QPen(QColor(colours.WINDOW), 1.0))
-                painter.setBrush(QColor(colours.KINDS["position"] if used else colours.TEXT_SECOND))
+                painter.setBrush(QColor(colours.KIND_COLOURS["position"] if used else colours.TEXT_SECOND))
                 painter.drawEllipse(dot, CLOUD_DOT_PX, CLOUD_DOT_PX)
             for label in dict.fromkeys((*self._marked, self._under)):
                 if label in dots:

@@ -12,7 +12,7 @@ from studio.document import colours
 ROLE_FIGURE_WIDTH, ROLE_FIGURE_HEIGHT = 300, 520
 ROLE_FIGURE_MARGIN = 24
 ROLE_DOT_PX = 5.0
-ROLE_REACH = 11.0
+ROLE_PICK_PIXELS = 11.0
 """Distance in pixels from a dot within which a click chooses it."""
 
 _LIMBS: tuple[tuple[tuple[float, float], tuple[float, float], float], ...] = (
@@ -59,7 +59,7 @@ class MarkerFigure(QWidget):
         role, distance = min(
             ((role.id, (self.place_of(role.id) - point).manhattanLength()) for role in ROLES), key=lambda pair: pair[1]
         )
-        return role if distance < 1.4 * ROLE_REACH else ""
+        return role if distance < 1.4 * ROLE_PICK_PIXELS else ""
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         role = self.role_at(event.position())
@@ -130,7 +130,7 @@ class MarkerFigure(QWidget):
             painter.drawEllipse(place, ROLE_DOT_PX + 5, ROLE_DOT_PX + 5)
         edge = colours.SELECTED_HANDLE if role == self._under else colours.TEXT_THIRD
         painter.setPen(QPen(QColor(colours.WINDOW if filled else edge), 1.2))
-        painter.setBrush(QColor(colours.KINDS["position"]) if filled else QColor(colours.PANEL))
+        painter.setBrush(QColor(colours.KIND_COLOURS["position"]) if filled else QColor(colours.PANEL))
         size = ROLE_DOT_PX if filled else ROLE_DOT_PX - 1.5
         painter.drawEllipse(place, size, size)
 

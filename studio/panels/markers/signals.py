@@ -16,10 +16,10 @@ from studio.document import colours
 from studio.panels.fields import FIELD_ICON_PX, styled_label
 
 FloatArray = NDArray[np.float64]
-Curves = list[tuple[str, FloatArray, FloatArray]]
+SignalCurves = list[tuple[str, FloatArray, FloatArray]]
 """Name, times (N,) and values (N,) of several curves."""
 
-LIST_WIDTH = 210
+SIGNAL_LIST_WIDTH_PX = 210
 SIGNAL_AXES = ("x", "y", "z")
 
 
@@ -36,7 +36,7 @@ class SignalPlot(QWidget):
         row.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)
         self.list = QTreeWidget()
         self.list.setHeaderHidden(True)
-        self.list.setFixedWidth(LIST_WIDTH)
+        self.list.setFixedWidth(SIGNAL_LIST_WIDTH_PX)
         self.list.setAccessibleName("Analog channels of the trial; select to show their graph")
         row.addWidget(self.list)
         column = QVBoxLayout()
@@ -56,7 +56,7 @@ class SignalPlot(QWidget):
         column.addWidget(self.plot, 1)
         self.note = styled_label(_events_words(trial), "hint")
         column.addWidget(self.note)
-        self._sources: list[tuple[QTreeWidgetItem, Callable[[], Curves], str]] = []
+        self._sources: list[tuple[QTreeWidgetItem, Callable[[], SignalCurves], str]] = []
         self._markers: dict[str, QTreeWidgetItem] = {}
         self._fill()
         self.list.itemChanged.connect(lambda *_: self.refresh())
@@ -107,7 +107,9 @@ class SignalPlot(QWidget):
         self.marked.emit(tuple(chosen))
 
     def _draw_event(self, label: str, context: str, seconds: float) -> None:
-        colour = {"Left": colours.CHARACTERS[3], "Right": colours.CHARACTERS[2]}.get(context, colours.TEXT_THIRD)
+        colour = {"Left": colours.CHARACTER_COLOURS[3], "Right": colours.CHARACTER_COLOURS[2]}.get(
+            context, colours.TEXT_THIRD
+        )
         line = pg.InfiniteLine(
             seconds,
             angle=90,
@@ -151,7 +153,7 @@ class SignalPlot(QWidget):
         return group
 
     def _add(
-        self, group: QTreeWidgetItem, name: str, make: Callable[[], Curves], unit: str, ticked: bool = False
+        self, group: QTreeWidgetItem, name: str, make: Callable[[], SignalCurves], unit: str, ticked: bool = False
     ) -> QTreeWidgetItem:
         item = QTreeWidgetItem([name])
         item.setFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable | Qt.ItemFlag.ItemIsUserCheckable)
@@ -160,7 +162,7 @@ class SignalPlot(QWidget):
         self._sources.append((item, make, unit))
         return item
 
-    def _force(self, name: str, plate: ForcePlate) -> Curves:
+    def _force(self, name: str, plate: ForcePlate) -> SignalCurves:
         return _axes(name, sample_times(self._trial), plate_force(self._trial, plate))
 
     def _clicked(self, event: object) -> None:
@@ -168,11 +170,11 @@ class SignalPlot(QWidget):
         self._seek(float(place.x()))
 
 
-def _one(name: str, times: FloatArray, values: FloatArray) -> Curves:
+def _one(name: str, times: FloatArray, values: FloatArray) -> SignalCurves:
     return [(name, times, values)]
 
 
-def _axes(name: str, times: FloatArray, values: FloatArray) -> Curves:
+def _axes(name: str, times: FloatArray, values: FloatArray) -> SignalCurves:
     return [(f"{name} {axis}", times, values[:, place]) for place, axis in enumerate(SIGNAL_AXES)]
 
 

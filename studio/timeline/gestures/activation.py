@@ -10,20 +10,20 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import Keys
 from studio.document.keyed_fields import with_times
 from studio.timeline.gestures.gesture import DragHint, EditGesture
-from studio.timeline.shown import HANDLES, ItemPart, RowContext
+from studio.timeline.shown import HANDLE_PARTS, ItemPart, RowContext
 from studio.timeline.snapping import Snapped
 
 
 def with_time(curve: ActivationCurve, part: ItemPart, time: float) -> ActivationCurve:
     """Activation curve with one of its four times changed; the others are pushed along if necessary."""
-    moved = with_times(curve, {HANDLES.index(part): time})
+    moved = with_times(curve, {HANDLE_PARTS.index(part): time})
     assert isinstance(moved, ActivationCurve)
     return moved
 
 
 def time_of(curve: ActivationCurve, part: ItemPart) -> float:
     """Time in seconds of a handle of the activation curve."""
-    return curve.times[HANDLES.index(part)]
+    return curve.times[HANDLE_PARTS.index(part)]
 
 
 def moved(constraint: Constraint, seconds: float, keys_stay: bool) -> Constraint:
@@ -91,7 +91,7 @@ class MoveActivation(EditGesture[Constraint]):
     def _catch(self, begin: float, free: bool) -> Snapped:
         """Snapped start time, moved so that one of the four times is at a magnet, or else to a frame."""
         curve = self.original.activation
-        for part in HANDLES:
+        for part in HANDLE_PARTS:
             ahead = time_of(curve, part) - curve.start
             caught = self.snap(begin + ahead, free)
             if caught.magnet is not None:

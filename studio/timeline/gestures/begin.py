@@ -12,7 +12,7 @@ from studio.timeline.gestures.hold import DragHold
 from studio.timeline.gestures.label import DragLabel
 from studio.timeline.gestures.media import MoveMedia
 from studio.timeline.gestures.view import Scrub
-from studio.timeline.shown import EDGES, HANDLES, Hit, ItemPart, RowContext
+from studio.timeline.shown import EDGE_PARTS, HANDLE_PARTS, Hit, ItemPart, RowContext
 
 Cursor = Qt.CursorShape
 
@@ -23,13 +23,13 @@ def gesture_at(hit: Hit, shown: RowContext, press: QPointF, stretch: bool = Fals
     """
     if hit.part == ItemPart.TIME:
         return Scrub(shown.document.playhead, shown.axis)
-    if hit.kind in MOVE_GESTURES and shown.project.get(hit.kind, hit.id) is None:
+    if hit.kind in MOVABLE_COLLECTIONS and shown.project.get(hit.kind, hit.id) is None:
         return None  # deleted since the button was pressed
-    if hit.kind == "constraints" and hit.part in HANDLES:
+    if hit.kind == "constraints" and hit.part in HANDLE_PARTS:
         return DragHandle(shown, hit.id, hit.part, press)
     if hit.kind == "constraints" and hit.part == ItemPart.BODY:
         return MoveActivation(shown, hit.id, press)
-    if hit.kind == "corrections" and hit.part in HANDLES:
+    if hit.kind == "corrections" and hit.part in HANDLE_PARTS:
         return DragCorrectionRange(shown, hit.id, hit.part, press)
     if hit.kind == "corrections" and hit.part == ItemPart.BODY:
         return MoveCorrection(shown, hit.id, press)
@@ -37,7 +37,7 @@ def gesture_at(hit: Hit, shown: RowContext, press: QPointF, stretch: bool = Fals
         if hit.part == ItemPart.BODY:
             return MoveClips(shown, hit.id, press)
         return (StretchClip if stretch else TrimClip)(shown, hit.id, hit.part, press)
-    if hit.kind == "props" and (hit.part == ItemPart.BODY or hit.part in EDGES):
+    if hit.kind == "props" and (hit.part == ItemPart.BODY or hit.part in EDGE_PARTS):
         return DragHold(shown, hit.id, hit.part, press)
     if hit.kind in ("sounds", "footage") and hit.part == ItemPart.BODY:
         return MoveMedia(shown, hit.kind, hit.id, press)
@@ -48,7 +48,7 @@ def gesture_at(hit: Hit, shown: RowContext, press: QPointF, stretch: bool = Fals
     return None
 
 
-MOVE_GESTURES = ("constraints", "contacts", "clips", "props", "labels", "corrections", "sounds", "footage")
+MOVABLE_COLLECTIONS = ("constraints", "contacts", "clips", "props", "labels", "corrections", "sounds", "footage")
 """Collections of entities whose bars can be dragged as a whole."""
 
 
@@ -56,9 +56,9 @@ def cursor_at(hit: Hit) -> Cursor:
     """Cursor over a part: arrows for parts that can be dragged, a hand for parts that can be clicked, a cross where a
     contact or label can be added.
     """
-    if hit.part in HANDLES or hit.part in (*EDGES, ItemPart.KEY) or hit.kind == "playhead":
+    if hit.part in HANDLE_PARTS or hit.part in (*EDGE_PARTS, ItemPart.KEY) or hit.kind == "playhead":
         return Cursor.SizeHorCursor
-    if hit.part == ItemPart.BODY and hit.kind in MOVE_GESTURES:
+    if hit.part == ItemPart.BODY and hit.kind in MOVABLE_COLLECTIONS:
         return Cursor.OpenHandCursor
     if hit.part == ItemPart.FOLD or (
         hit.part == ItemPart.LABEL and hit.kind in ("constraints", "plot", "performers", "corrections")

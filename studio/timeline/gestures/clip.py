@@ -23,7 +23,7 @@ from studio.timeline.shown import ItemPart, RowContext
 from studio.timeline.snapping import Snapped
 from studio.timeline.time_words import time_text
 
-SHORTEST_STRETCH = 1e-6
+MIN_STRETCH_SECONDS = 1e-6
 """Minimum length in seconds of a stretched clip, before its speed is clamped."""
 
 
@@ -175,7 +175,7 @@ class StretchClip(ClipGesture):
         caught = self.snap(grabbed + self.moved(position), free)
         wanted = end - caught.time if first else caught.time - old.start
         length = end - old.start
-        speed = scaled_speed(old.speed, length / max(wanted, SHORTEST_STRETCH))
+        speed = scaled_speed(old.speed, length / max(wanted, MIN_STRETCH_SECONDS))
         change = replace(old, speed=speed).length(self.shown.project.frame_rate_of(old)) - length
         shift = -change if first else change
 
@@ -185,7 +185,7 @@ class StretchClip(ClipGesture):
             return (replace(clip, speed=speed, start=clip.start + (shift if first else 0.0)),)
 
         self.show_clips_edited(edit)
-        words = f"{length / max(length + change, SHORTEST_STRETCH):.3g} × previous speed"
+        words = f"{length / max(length + change, MIN_STRETCH_SECONDS):.3g} × previous speed"
         if not isinstance(speed, KeyedNumber):
             words = f"Speed × {speed:.3g}"
         self.mark = DragHint(grabbed + shift, f"{words}  {length + change:.3f} s", caught.magnet)

@@ -11,7 +11,7 @@ from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import ItemPart, RowContext
 from studio.timeline.snapping import Snapped
 
-LONGEST_NEW = 0.3
+MAX_NEW_CONTACT_SECONDS = 0.3
 """Maximum length in seconds of a contact that is added by hand."""
 
 
@@ -35,13 +35,13 @@ def gap_between_contacts(
 
 
 def new_contact(shown: RowContext, point: ContactPoint | Touch, frame: int) -> ContactInterval | None:
-    """New contact of a point around ``frame``, at most ``LONGEST_NEW`` seconds long and within the gap to its
-    neighbours; None if a contact is there.
+    """New contact of a point around ``frame``, at most ``MAX_NEW_CONTACT_SECONDS`` seconds long and within the gap to
+    its neighbours; None if a contact is there.
     """
     subject, room = shown.subject, gap_between_contacts(shown, point, frame)
     if room is None:
         return None
-    length = min(int(LONGEST_NEW * subject.frame_rate), room[1] - room[0])
+    length = min(int(MAX_NEW_CONTACT_SECONDS * subject.frame_rate), room[1] - room[0])
     first = min(max(frame - length // 2, room[0]), room[1] - length)
     scopes = [each.scope for each in contacts_shown(shown).values() if each.point == point]
     return ContactInterval(subject.motion_id, point, first, first + length, scopes[0] if scopes else EVERYONE)

@@ -17,9 +17,9 @@ from studio.timeline.tracks.value_curves import (
     value_in,
 )
 
-LOCK = 5.0
+DRAG_LOCK_PIXELS = 5.0
 """Pixels up to which a drag along one axis does not change the other axis' quantity, time or value."""
-SNAP_STEPS = {"m": 0.01, "cm": 1.0, "in": 0.5, "°": 5.0, "×": 0.01}
+VALUE_SNAP_STEPS = {"m": 0.01, "cm": 1.0, "in": 0.5, "°": 5.0, "×": 0.01}
 """Steps to which values snap while Ctrl is held, by unit."""
 FINE_KEY_DRAG = 0.1
 Modifier = Qt.KeyboardModifier
@@ -47,14 +47,14 @@ class DragCurveKeys(TimelineGesture):
     def update(self, position: QPointF, free: bool) -> None:
         """Move the grabbed key with the mouse."""
         way, channel = position - self._press, self._grabbed.channel
-        self._is_moved |= abs(way.x()) >= LOCK
-        self._is_raised |= abs(way.y()) >= LOCK
+        self._is_moved |= abs(way.x()) >= DRAG_LOCK_PIXELS
+        self._is_raised |= abs(way.y()) >= DRAG_LOCK_PIXELS
         caught = snapped_time(self.shown.axis, self._time + way.x() / self.shown.axis.scale, self._magnets, free)
         seconds = caught.time - self._time if self._is_moved else 0.0
         rise = self._curves.value_of(self.shown, self._area, channel, -way.y()) if self._is_raised else 0.0
         rise *= FINE_KEY_DRAG if self.modifiers & Modifier.ShiftModifier else 1.0
         old = float(self._values[self._grabbed.place])
-        step = SNAP_STEPS.get(channel.unit, 0.0)
+        step = VALUE_SNAP_STEPS.get(channel.unit, 0.0)
         if self._is_raised and step and self.modifiers & Modifier.ControlModifier:
             rise = round((old + rise) / step) * step - old
         before = self._drag.before[channel.field]

@@ -7,7 +7,7 @@ from studio.core.curves.activation import EaseShape, ease
 from studio.core.curves.keyed import KeyedNumber
 from studio.core.stage.clip import Clip
 from studio.document import colours
-from studio.engine.empty_stage import HIDDEN, empty_words
+from studio.engine.empty_stage import ALL_HIDDEN_PROMPT, empty_words
 from studio.timeline.shown import Hit, ItemPart, RowContext, label_area
 from studio.timeline.time_words import rate_text
 from studio.timeline.tracks.brush import LABEL_INDENT, font, hairline, paint_dot, paint_fold, paint_label, translucent
@@ -16,9 +16,9 @@ from studio.timeline.tracks.change import clip_transition, paint_take_over
 CLIP_ROW_HEIGHT = 24
 CLIP_EDGE_REACH = 5.0
 """Width in pixels of the ends by which a bar is trimmed; at most a quarter of the bar."""
-TINT, SELECTED_TINT = 0.28, 0.6
+BAR_OPACITY, SELECTED_BAR_OPACITY = 0.28, 0.6
 CURVE_STEPS = 16
-PARTED = " · "
+TEXT_SEPARATOR = " · "
 
 
 def clip_bar(shown: RowContext, row: QRect, clip: Clip) -> QRectF:
@@ -47,7 +47,7 @@ def clip_text(shown: RowContext, clip: Clip) -> str:
         words.append(f"Speed × {clip.speed:g}")
     words += [f"{clip.repeats} loops"] if clip.repeats > 1 else []
     words += ["mirrored"] if clip.mirrored else []
-    return PARTED.join(words)
+    return TEXT_SEPARATOR.join(words)
 
 
 def row_text(shown: RowContext, clip: Clip) -> str:
@@ -59,7 +59,8 @@ def row_text(shown: RowContext, clip: Clip) -> str:
         return text
     bodies = len(shown.subject.bodies)
     if not bodies:
-        return f"{text} · {HIDDEN if empty_words(shown.project) == HIDDEN else 'not used by a visible character'}"
+        hidden = empty_words(shown.project) == ALL_HIDDEN_PROMPT
+        return f"{text} · {ALL_HIDDEN_PROMPT if hidden else 'not used by a visible character'}"
     return f"{text} → {bodies} character{'' if bodies == 1 else 's'}"
 
 
@@ -135,11 +136,11 @@ def _paint_unplayed(painter: QPainter, bar: QRectF) -> None:
 def paint_clip_bar(painter: QPainter, shown: RowContext, performer_id: str, clip: Clip, path: QPainterPath) -> None:
     """Paint a bar in the colour of its performer, or in a neutral one if it stands for all; stronger if selected."""
     project = shown.project
-    colour = colours.KINDS["position"]
+    colour = colours.KIND_COLOURS["position"]
     if shown.rows_per_performer:
         colour = project.characters[project.performers[performer_id].character_id].colour
     selected = shown.is_selected("clips", clip.id)
-    tint = SELECTED_TINT if selected else TINT
+    tint = SELECTED_BAR_OPACITY if selected else BAR_OPACITY
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.setBrush(QColor(colours.mixed_colour(colours.CONTROL, colour, tint)))
     painter.setPen(hairline(colours.SELECTED_HANDLE if selected else colours.PANEL, 1.2 if selected else 1.0))
@@ -172,10 +173,10 @@ def paint_clip_text(painter: QPainter, words: str, room: QRectF, colour: str = c
 
 def elided_text(words: str, metrics: QFontMetrics, width: int) -> str:
     """As many of the parts between dots as fit as a whole; the first part is elided if necessary."""
-    parts = words.split(PARTED)
+    parts = words.split(TEXT_SEPARATOR)
     for count in range(len(parts), 1, -1):
-        if metrics.horizontalAdvance(PARTED.join(parts[:count])) <= width:
-            return PARTED.join(parts[:count])
+        if metrics.horizontalAdvance(TEXT_SEPARATOR.join(parts[:count])) <= width:
+            return TEXT_SEPARATOR.join(parts[:count])
     return metrics.elidedText(parts[0], Qt.TextElideMode.ElideRight, width)
 
 

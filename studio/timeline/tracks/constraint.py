@@ -10,34 +10,37 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.solver.performers.stage import constraints_of_performer
 from studio.document import colours
 from studio.engine.residuals import Inactive, unsolved_words
-from studio.timeline.shown import HANDLES, Hit, ItemPart, RowContext, clipped_span, frame_words, label_area
+from studio.timeline.shown import HANDLE_PARTS, Hit, ItemPart, RowContext, clipped_span, frame_words, label_area
 from studio.timeline.subject import BodyOnTimeline
 from studio.timeline.tracks.brush import hairline, paint_dot, paint_fold, paint_label, translucent
-from studio.timeline.tracks.error_strip import PITCH, paint_strip, paint_unknown
+from studio.timeline.tracks.error_strip import STRIP_SPACING_PIXELS, paint_strip, paint_unknown
 
-CURVE_TOP_PX, CURVE, STRIP_GAP_PX, STRIP_BOTTOM_PX = 6, 19, 2, 3
+CURVE_TOP_PX, CURVE_HEIGHT_PX, STRIP_GAP_PX, STRIP_BOTTOM_PX = 6, 19, 2, 3
 ACTIVATION_HANDLE_REACH = 6.0
 RAMP_POINTS = 48
 ROOM_FOR_LABEL = 44
 LATER_REPEAT_OPACITY = 0.2
 FOLDED_CONSTRAINT_HEIGHT = 22
 """Height in pixels of a collapsed track: a low curve, and the error strip of the performer with the worst residual."""
-LOW_ABOVE, LOW_CURVE = 2, 11
+FOLDED_CURVE_TOP_PX, FOLDED_CURVE_HEIGHT_PX = 2, 11
 
 
 def height(body_count: int) -> int:
     """Height in pixels of a track with ``body_count`` error strips."""
-    return max(CURVE_TOP_PX + CURVE + STRIP_GAP_PX + PITCH * body_count + STRIP_BOTTOM_PX, ROOM_FOR_LABEL)
+    return max(
+        CURVE_TOP_PX + CURVE_HEIGHT_PX + STRIP_GAP_PX + STRIP_SPACING_PIXELS * body_count + STRIP_BOTTOM_PX,
+        ROOM_FOR_LABEL,
+    )
 
 
 def baseline(row: QRect) -> int:
     """Pixel of activation 0 in a track."""
-    return row.top() + (LOW_ABOVE if is_folded(row) else CURVE_TOP_PX) + curve_height(row)
+    return row.top() + (FOLDED_CURVE_TOP_PX if is_folded(row) else CURVE_TOP_PX) + curve_height(row)
 
 
 def curve_height(row: QRect) -> int:
     """Pixels from activation 0 to 1 in a track."""
-    return LOW_CURVE if is_folded(row) else CURVE
+    return FOLDED_CURVE_HEIGHT_PX if is_folded(row) else CURVE_HEIGHT_PX
 
 
 def is_folded(row: QRect) -> bool:
@@ -52,7 +55,7 @@ def handle_points(shown: RowContext, row: QRect, constraint: Constraint) -> dict
     full = low - curve_height(row)
     heights = (low, full, full, low)
     xs = (shown.x_of_motion_time(time) for time in times)
-    return {part: QPointF(x, y) for part, x, y in zip(HANDLES, xs, heights, strict=True)}
+    return {part: QPointF(x, y) for part, x, y in zip(HANDLE_PARTS, xs, heights, strict=True)}
 
 
 def activation_look(constraint: Constraint | None) -> object:
@@ -141,7 +144,7 @@ def _nearest(near: dict[ItemPart, QPointF], point: QPointF) -> ItemPart:
         near,
         key=lambda part: (
             round((near[part] - point).manhattanLength()),
-            HANDLES.index(part) * (1 if point.x() <= near[part].x() else -1),
+            HANDLE_PARTS.index(part) * (1 if point.x() <= near[part].x() else -1),
         ),
     )
 
@@ -190,7 +193,7 @@ def _curve_path(shown: RowContext, row: QRect, curve: ActivationCurve, delay: fl
 
 def strip_top(row: QRect, index: int) -> int:
     """Top pixel of the error strip with an index."""
-    return baseline(row) + 1 + STRIP_GAP_PX + PITCH * index
+    return baseline(row) + 1 + STRIP_GAP_PX + STRIP_SPACING_PIXELS * index
 
 
 def _paint_strips(painter: QPainter, row: QRect, shown: RowContext, constraint_id: str) -> None:
@@ -228,7 +231,7 @@ def bodies_of(shown: RowContext, row: QRect, constraint_id: str) -> tuple[BodyOn
 
 def strip_body(shown: RowContext, row: QRect, constraint_id: str, y: float) -> str | None:
     """Id of the performer whose error strip is at the pixel ``y``; None if there is none."""
-    bodies, place = bodies_of(shown, row, constraint_id), int((y - strip_top(row, 0)) // PITCH)
+    bodies, place = bodies_of(shown, row, constraint_id), int((y - strip_top(row, 0)) // STRIP_SPACING_PIXELS)
     return bodies[place].performer_id if 0 <= place < len(bodies) else None
 
 

@@ -8,15 +8,15 @@ from PySide6.QtGui import QColor, QPainter
 
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.document import colours
-from studio.timeline.shown import EDGES, Hit, ItemPart, RowContext, label_area
+from studio.timeline.shown import EDGE_PARTS, Hit, ItemPart, RowContext, label_area
 from studio.timeline.tracks.brush import paint_bar, paint_fold, paint_label, translucent
 
 CONTACT_LINE_HEIGHT, FOLDED_CONTACT_HEIGHT = 24, 13
-CONTACT_LINE_PX, THIN_LINE = 7, 3
+CONTACT_LINE_PX, FOLDED_CONTACT_LINE_PX = 7, 3
 """Height in pixels of a line of contacts, in an expanded and in a collapsed track."""
 CONTACT_EDGE_GRAB_PIXELS = 5.0
-LEAST_BAR = 3.0
-REPEATED = 0.4
+MIN_CONTACT_BAR_PX = 3.0
+REPEATED_CONTACT_OPACITY = 0.4
 """Opacity of contacts in later loops of a clip."""
 EDGE_FIELDS = {ItemPart.FIRST: "first", ItemPart.LAST: "last"}
 LANES: dict[str, tuple[ContactPoint | Touch, ...]] = {
@@ -35,7 +35,10 @@ LANES: dict[str, tuple[ContactPoint | Touch, ...]] = {
 """Contact points by track, from top to bottom."""
 PERMANENT_ROWS = ("left foot", "right foot")
 """Tracks that are shown even without contacts."""
-FILLS = (colours.mixed_colour(colours.KINDS["contact"], colours.PANEL, 0.30), colours.KINDS["contact"])
+CONTACT_FILLS = (
+    colours.mixed_colour(colours.KIND_COLOURS["contact"], colours.PANEL, 0.30),
+    colours.KIND_COLOURS["contact"],
+)
 
 
 def rows_with(points: set[ContactPoint | Touch]) -> tuple[str, ...]:
@@ -50,7 +53,7 @@ def row_of(point: ContactPoint | Touch) -> str:
 
 def lane_rect(row: QRect, point: ContactPoint | Touch) -> QRectF:
     """Rectangle of the line of a contact point within its track."""
-    lanes, line = LANES[row_of(point)], THIN_LINE if is_folded(row) else CONTACT_LINE_PX
+    lanes, line = LANES[row_of(point)], FOLDED_CONTACT_LINE_PX if is_folded(row) else CONTACT_LINE_PX
     middle = row.top() + row.height() / 2
     top = middle - line / 2 if len(lanes) == 1 else middle + 0.5 - (line + 1) * (1 - lanes.index(point))
     return QRectF(row.left(), round(top), row.width(), line)
@@ -65,7 +68,7 @@ def contact_bar(shown: RowContext, row: QRect, contact: ContactInterval) -> QRec
     """Rectangle of a contact from its first to its last frame, at least three pixels wide."""
     line, (first, last) = lane_rect(row, contact.point), played_frames(shown, contact)
     left, right = shown.x_of_frame(first), shown.x_of_frame(last)
-    spare = max(LEAST_BAR - (right - left), 0.0) / 2
+    spare = max(MIN_CONTACT_BAR_PX - (right - left), 0.0) / 2
     return QRectF(left - spare, line.top(), right - left + 2 * spare, line.height())
 
 
@@ -78,7 +81,7 @@ def played_frames(shown: RowContext, contact: ContactInterval) -> tuple[int, int
 def paint_contacts(painter: QPainter, row: QRect, shown: RowContext, row_id: str) -> None:
     """Paint a bar for each contact, with a light edge if selected; bars that overlap in pixels are joined."""
     contacts = _contacts(shown, row_id)
-    for point, fill in zip(LANES[row_id], FILLS, strict=False):
+    for point, fill in zip(LANES[row_id], CONTACT_FILLS, strict=False):
         line = lane_rect(row, point)
         own = [played_frames(shown, each) for _, each in contacts if each.point == point]
         for left, right in seen_bars(shown, own):
@@ -87,7 +90,7 @@ def paint_contacts(painter: QPainter, row: QRect, shown: RowContext, row_id: str
         for repeat in shown.later_repeats:
             for left, right in seen_bars(shown, own, repeat * shown.subject.repeat_seconds):
                 bar = QRectF(left, line.top(), right - left, line.height())
-                paint_bar(painter, bar, translucent(fill, REPEATED), 2, None)
+                paint_bar(painter, bar, translucent(fill, REPEATED_CONTACT_OPACITY), 2, None)
     for key, contact in contacts:
         if contact.scope.is_narrow:
             _paint_own(painter, contact_bar(shown, row, contact), shown)
@@ -109,9 +112,9 @@ def seen_bars(shown: RowContext, spans: list[tuple[int, int]], delay: float = 0.
     joined, shifted by ``delay`` seconds for a later loop.
     """
     ends = shown.xs_of_frames(np.array(spans, dtype=np.float64).reshape(-1, 2)) + delay * shown.axis.scale
-    spare = np.maximum(LEAST_BAR - (ends[:, 1] - ends[:, 0]), 0.0) / 2
+    spare = np.maximum(MIN_CONTACT_BAR_PX - (ends[:, 1] - ends[:, 0]), 0.0) / 2
     ends += spare[:, None] * [-1.0, 1.0]
-    ends = ends[(ends[:, 1] >= shown.axis.left) & (ends[:, 0] <= shown.axis.right + LEAST_BAR)]
+    ends = ends[(ends[:, 1] >= shown.axis.left) & (ends[:, 0] <= shown.axis.right + MIN_CONTACT_BAR_PX)]
     if not len(ends):
         return []
     begins = np.flatnonzero(np.append(True, ends[1:, 0] >= np.maximum.accumulate(ends[:-1, 1])))
@@ -131,7 +134,7 @@ def contacts_hit(shown: RowContext, row: QRect, row_id: str, point: QPointF) -> 
     """Contact, or end of one, under the mouse; else the empty line of its contact point."""
     lanes = LANES[row_id]
     touching = lanes[0] if point.y() < row.top() + row.height() / 2 else lanes[-1]
-    reach = CONTACT_EDGE_GRAB_PIXELS + LEAST_BAR
+    reach = CONTACT_EDGE_GRAB_PIXELS + MIN_CONTACT_BAR_PX
     first, last = shown.frame_at(point.x() - reach), shown.frame_at(point.x() + reach)
     hits = [
         (distance, Hit("contacts", key, part))
@@ -158,7 +161,7 @@ def _grip(bar: QRectF, x: float) -> list[tuple[float, ItemPart]]:
 
 
 def _paint_edge(painter: QPainter, bar: QRectF, handle: ItemPart | None) -> None:
-    if handle in EDGES:
+    if handle in EDGE_PARTS:
         x = bar.left() if handle == ItemPart.FIRST else bar.right()
         paint_bar(
             painter,

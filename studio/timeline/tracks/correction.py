@@ -6,9 +6,9 @@ from PySide6.QtGui import QPainter, QPainterPath, QPolygonF
 
 from studio.core.curves.activation import ActivationCurve
 from studio.document import colours
-from studio.timeline.shown import HANDLES, Hit, ItemPart, RowContext, clipped_span, label_area
+from studio.timeline.shown import HANDLE_PARTS, Hit, ItemPart, RowContext, clipped_span, label_area
 from studio.timeline.tracks.brush import hairline, paint_dot, paint_label, translucent
-from studio.timeline.tracks.layer import INDENT
+from studio.timeline.tracks.layer import LAYER_INDENT_PX
 
 CORRECTION_ROW_HEIGHT = 26
 CORRECTION_MARGIN_PX, CORRECTION_HANDLE_REACH, CORRECTION_RAMP_POINTS = 4.0, 5.0, 32
@@ -23,7 +23,7 @@ def handle_points(shown: RowContext, row: QRect, curve: ActivationCurve) -> dict
     """Pixel positions of the four handles."""
     low, high = row.bottom() - CORRECTION_MARGIN_PX, row.top() + CORRECTION_MARGIN_PX
     xs = map(shown.axis.x_of_time, curve.times)
-    return {part: QPointF(x, y) for part, x, y in zip(HANDLES, xs, (low, high, high, low), strict=True)}
+    return {part: QPointF(x, y) for part, x, y in zip(HANDLE_PARTS, xs, (low, high, high, low), strict=True)}
 
 
 def paint_correction(painter: QPainter, row: QRect, shown: RowContext, correction_id: str) -> None:
@@ -49,7 +49,7 @@ def paint_correction_label(painter: QPainter, row: QRect, shown: RowContext, cor
     correction = shown.project.corrections[correction_id]
     text = f"{correction.name} · above" if correction.above else correction.name
     colour = colours.TEXT_SECOND if correction.enabled else colours.TEXT_THIRD
-    paint_label(painter, label_area(row).adjusted(INDENT, 0, 0, 0), text, colour)
+    paint_label(painter, label_area(row).adjusted(LAYER_INDENT_PX, 0, 0, 0), text, colour)
 
 
 def key_colour(shown: RowContext, correction_id: str) -> str:

@@ -22,14 +22,14 @@ from studio.document.keyed_fields import (
 )
 from studio.timeline.shown import RowContext, TimelineRow, label_area
 from studio.timeline.tracks.brush import KEY_REACH, paint_bar, paint_key, paint_label, translucent
-from studio.timeline.tracks.layer import INDENT
+from studio.timeline.tracks.layer import LAYER_INDENT_PX
 
 FloatArray = NDArray[np.float64]
 
 KEY_ROW_HEIGHT = 22
-SUMMARY = "summary"
+SUMMARY_KIND = "summary"
 """Kind of the dope sheet's track that shows the keys of all others."""
-SHEET = "sheet"
+SHEET_KIND = "sheet"
 """Kind of a track of the dope sheet; its id names the keyed field."""
 MERGED_KEYS_PX = 3.0
 """Distance in pixels between keys below which they are painted as one bar."""
@@ -72,8 +72,8 @@ def sheet_fields(shown: RowContext) -> dict[KeyedField, Keyed]:
 
 def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
     """Kind, id and height in pixels of the tracks of the dope sheet, the summary first."""
-    rows = [(SHEET, sheet_id(field), KEY_ROW_HEIGHT) for field in sheet_fields(shown)]
-    return [(SUMMARY, "", KEY_ROW_HEIGHT), *rows]
+    rows = [(SHEET_KIND, sheet_id(field), KEY_ROW_HEIGHT) for field in sheet_fields(shown)]
+    return [(SUMMARY_KIND, "", KEY_ROW_HEIGHT), *rows]
 
 
 def fields_in(shown: RowContext, row: TimelineRow) -> tuple[KeyedField, ...]:
@@ -183,7 +183,7 @@ def _paint_diamonds(
 
 def paint_sheet_label(painter: QPainter, row: TimelineRow, area: QRect, shown: RowContext) -> None:
     """Paint the names of the entity and of its keyed field."""
-    if row.kind == SUMMARY:
+    if row.kind == SUMMARY_KIND:
         paint_label(painter, label_area(area), "All keys", colours.TEXT)
         return
     paint_label(painter, label_area(area), row_words(shown, row), colours.TEXT_SECOND)
@@ -204,7 +204,7 @@ def field_words(field: KeyedField) -> str:
 
 def row_colour(shown: RowContext, row: TimelineRow) -> str:
     """Colour of a track's diamonds: of the kind of constraint, or of the performer."""
-    if row.kind == SUMMARY:
+    if row.kind == SUMMARY_KIND:
         return colours.TEXT_SECOND
     field = field_of(row.id)
     entity = shown.project.get(*field.item)
@@ -217,14 +217,14 @@ def row_colour(shown: RowContext, row: TimelineRow) -> str:
 
 def paint_sheet(painter: QPainter, row: TimelineRow, area: QRect, shown: RowContext) -> None:
     """Paint a track of the dope sheet."""
-    if row.kind == SUMMARY:
+    if row.kind == SUMMARY_KIND:
         painter.fillRect(area, QColor(colours.BAR))
     paint_keys(painter, shown, row, area, row_colour(shown, row))
 
 
 def paint_growth_label(painter: QPainter, area: QRect) -> None:
     """Paint the name of the track of keyed proportions."""
-    paint_label(painter, label_area(area).adjusted(INDENT, 0, 0, 0), "Proportions", colours.TEXT_SECOND)
+    paint_label(painter, label_area(area).adjusted(LAYER_INDENT_PX, 0, 0, 0), "Proportions", colours.TEXT_SECOND)
 
 
 def growth_rows(shown: RowContext, performer_id: str) -> list[tuple[str, str, int]]:

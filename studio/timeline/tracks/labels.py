@@ -14,7 +14,7 @@ from studio.timeline.tracks.brush import font, paint_label, translucent
 LABEL_ROW_HEIGHT = 20
 LABEL_POLE_PX, LABEL_GRIP_PX, LABEL_MARGIN_PX = 2.0, 5.0, 4.0
 """Width in pixels of a flag's pole, of the area at its ends that can be grabbed, and of the margin around the name."""
-PIXELS = 11
+LABEL_FONT_PIXELS = 11
 
 
 def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
@@ -33,7 +33,7 @@ def flags(shown: RowContext, row: QRect) -> dict[str, Flag]:
     """Flag of each label by id; a name ends where the next flag begins."""
     labels = sorted(shown.project.labels_of(shown.subject.motion_id).items(), key=lambda each: each[1].first)
     lefts = [shown.x_of_frame(label.first) for _, label in labels]
-    metrics, made = QFontMetrics(font(PIXELS)), {}
+    metrics, made = QFontMetrics(font(LABEL_FONT_PIXELS)), {}
     for (key, label), left, following in zip(labels, lefts, [*lefts[1:], math.inf], strict=True):
         name = metrics.horizontalAdvance(label.name) + 2 * LABEL_MARGIN_PX + LABEL_POLE_PX
         width, span = min(name, following - left), shown.x_of_frame(label.last) - left
@@ -44,8 +44,8 @@ def flags(shown: RowContext, row: QRect) -> dict[str, Flag]:
 
 def paint_labels(painter: QPainter, row: QRect, shown: RowContext) -> None:
     """Paint each label: a pole at its first frame, its range as a band, and its name; lighter if selected."""
-    painter.setFont(font(PIXELS))
-    labels, metrics = shown.project.labels_of(shown.subject.motion_id), QFontMetrics(font(PIXELS))
+    painter.setFont(font(LABEL_FONT_PIXELS))
+    labels, metrics = shown.project.labels_of(shown.subject.motion_id), QFontMetrics(font(LABEL_FONT_PIXELS))
     for key, (area, name) in flags(shown, row).items():
         label = labels[key]
         selected = shown.is_selected("labels", key)

@@ -12,8 +12,8 @@ from studio.timeline.tracks.brush import paint_label
 from studio.timeline.tracks.clip import CURVE_STEPS, clip_bar, clip_text, paint_clip_bar, paint_clip_text, visible_part
 
 LAYER_ROW_HEIGHT = 22
-INDENT = 28
-LEAST_BAR_PART = 0.3
+LAYER_INDENT_PX = 28
+MIN_LAYER_BAR_FRACTION = 0.3
 """Minimum height of a bar as a fraction of the track."""
 
 
@@ -37,7 +37,7 @@ def clip_bars(shown: RowContext, row: QRect, row_id: str) -> list[tuple[Clip, QR
 def paint_layers(painter: QPainter, row: QRect, shown: RowContext, row_id: str) -> None:
     """Paint bars that rise and fall with the fades of the layers."""
     for layer, (clip, bar) in zip(_layers(shown, row_id), clip_bars(shown, row, row_id), strict=True):
-        low = bar.adjusted(0, (1.0 - max(layer.weight, LEAST_BAR_PART)) * bar.height(), 0, 0)
+        low = bar.adjusted(0, (1.0 - max(layer.weight, MIN_LAYER_BAR_FRACTION)) * bar.height(), 0, 0)
         paint_clip_bar(painter, shown, performer_of(row_id), clip, _outline(shown, low, layer))
         paint_clip_text(painter, layer_text(shown, layer), visible_part(shown, bar))
 
@@ -45,7 +45,7 @@ def paint_layers(painter: QPainter, row: QRect, shown: RowContext, row_id: str) 
 def paint_layer_label(painter: QPainter, row: QRect, row_id: str) -> None:
     """Paint the body region."""
     region = Region(row_id.rpartition("/")[2])
-    paint_label(painter, label_area(row).adjusted(INDENT, 0, 0, 0), region.label, colours.TEXT_SECOND)
+    paint_label(painter, label_area(row).adjusted(LAYER_INDENT_PX, 0, 0, 0), region.label, colours.TEXT_SECOND)
 
 
 def layer_text(shown: RowContext, layer: Layer) -> str:

@@ -24,17 +24,17 @@ from studio.timeline.curves import (
 from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext, label_area
 from studio.timeline.tracks.brush import font, paint_fold, paint_label, translucent
 
-LEAST_HEIGHT, MOST_HEIGHT, FOLDED_PLOT_HEIGHT = 54, 120, 22
-HEADROOM = 1.12
+MIN_PLOT_HEIGHT_PX, MAX_PLOT_HEIGHT_PX, FOLDED_PLOT_HEIGHT = 54, 120, 22
+PLOT_HEADROOM = 1.12
 CURVE_LINE_PX = 1.25
 MOST_FRAMES_AT_ONCE = 10_000
 """Number of frames up to which curves are computed immediately instead of by a worker."""
-NOISE = 1e-6
+PLOT_NOISE = 1e-6
 """Maximum value, in any unit, that counts as a rounding error and is plotted as zero."""
 
-Basis = tuple[object, ...]
+CurveInputs = tuple[object, ...]
 """Inputs of a curve; equal inputs give equal curves."""
-Known = tuple[Basis, Curve | None]
+Known = tuple[CurveInputs, Curve | None]
 
 
 class PlotPicture(QObject):
@@ -60,7 +60,7 @@ class PlotPicture(QObject):
         self._item = item
         self._lines: list[pg.PlotCurveItem] = []
         self._known: dict[str, Known] = {}
-        self._asked: dict[str, Basis] = {}
+        self._asked: dict[str, CurveInputs] = {}
         self._worker: SolveScheduler | None = None
         self._order = 0
         self._drawn: tuple[object, ...] = ()
@@ -91,7 +91,7 @@ class PlotPicture(QObject):
         self._known = known
         self.curves = [curve for _, curve in known.values() if curve is not None]
         self.top = max((curve.top for curve in self.curves), default=0.0)
-        self.top = self.top if self.top > NOISE else 1.0
+        self.top = self.top if self.top > PLOT_NOISE else 1.0
         while len(self._lines) < len(self.curves):
             line = pg.PlotCurveItem(antialias=True)
             line.setSegmentedLineMode("on")  # Qt strokes a long path of its own some fifty times slower
@@ -100,7 +100,7 @@ class PlotPicture(QObject):
         for place, line in enumerate(self._lines):
             line.setVisible(place < len(self.curves))
 
-    def _ask_worker(self, performer_id: str, basis: Basis, make: Callable[[], Curve | None]) -> None:
+    def _ask_worker(self, performer_id: str, basis: CurveInputs, make: Callable[[], Curve | None]) -> None:
         if self._asked.get(performer_id) == basis:
             return
         if self._worker is None:
@@ -142,7 +142,7 @@ class PlotPicture(QObject):
             self._widget.resize(area.size())
             self._widget.resizeEvent(None)  # Qt keeps it back from a widget that is not on the screen
         self._item.setXRange(axis.time_at(area.left()), axis.time_at(area.left() + area.width()), padding=0)
-        self._item.setYRange(-0.04 * self.top, self.top * HEADROOM, padding=0)
+        self._item.setYRange(-0.04 * self.top, self.top * PLOT_HEADROOM, padding=0)
         for line, curve in zip(self._lines, self.curves, strict=False):
             pen = pg.mkPen(QColor(curve.colour), width=CURVE_LINE_PX * painter.device().devicePixelRatio())
             pen.setCapStyle(Qt.PenCapStyle.FlatCap)  # other caps would show where segments meet
@@ -158,7 +158,7 @@ class PlotPicture(QObject):
     def y_of(self, row: QRect, value: float) -> float:
         """Vertical pixel of a value."""
         area = QRectF(row.adjusted(0, 4, 0, -3))
-        span = self.top * (HEADROOM + 0.04)
+        span = self.top * (PLOT_HEADROOM + 0.04)
         return area.bottom() - (value + 0.04 * self.top) / span * area.height()
 
     def paint_label(self, painter: QPainter, row: QRect, shown: RowContext) -> None:

@@ -28,14 +28,14 @@ from studio.timeline.tracks.brush import font, hairline, paint_dot, paint_key, t
 
 FloatArray = NDArray[np.float64]
 
-CURVE_KEY_REACH = 7.0
+CURVE_KEY_GRAB_PIXELS = 7.0
 """Distance in pixels within which a key or handle can be grabbed."""
 NO_KEYS_HINT = "Select an animated item, or press S to set a key"
-SAMPLE = 2.0
+CURVE_SAMPLE_PIXELS = 2.0
 """Pixels between the points of a curve."""
 CURVE_FRAME_MARGIN = 0.12
 """Fraction of the height left free above and below framed curves."""
-LEAST_SPAN = {"m": 0.05, "cm": 5.0, "in": 2.0, "°": 5.0, "×": 0.05, "": 1.0}
+MIN_VALUE_SPAN = {"m": 0.05, "cm": 5.0, "in": 2.0, "°": 5.0, "×": 0.05, "": 1.0}
 """Minimum range of values that is framed, by unit."""
 CHANNEL_COLOURS = {
     "x": "#E4706A",
@@ -199,7 +199,9 @@ class ValueCurves:
     def hit(self, shown: RowContext, area: QRect, position: QPointF) -> HandleRef | None:
         """Handle, or else key, under the mouse: the nearest one, in the active channel first. None if there is none."""
         for candidates in (self.handles(shown, area), self.points(shown, area)):
-            near = [(each, at) for each, at in candidates if clipped_span(position, at.x(), at.y(), CURVE_KEY_REACH)]
+            near = [
+                (each, at) for each, at in candidates if clipped_span(position, at.x(), at.y(), CURVE_KEY_GRAB_PIXELS)
+            ]
             if near:
                 return min(
                     near, key=lambda each: (each[1] - position).manhattanLength() - (each[0].channel == self.active)
@@ -249,7 +251,7 @@ class ValueCurves:
     ) -> None:
         """Paint the curves of all channels of one field, which are evaluated together."""
         field, keyed = channels[0][0].field, channels[0][1]
-        xs = np.arange(area.left(), area.right() + SAMPLE, SAMPLE)
+        xs = np.arange(area.left(), area.right() + CURVE_SAMPLE_PIXELS, CURVE_SAMPLE_PIXELS)
         stage = shown.axis.start + (xs - shown.axis.left) / shown.axis.scale
         times = np.unique(np.concatenate([own_times(shown, field, stage), keyed.times]))
         components = components_at(keyed, times)
@@ -306,7 +308,7 @@ def _framed(values: Iterable[float], unit: str) -> ValueRange:
     every = np.array([*values]) if values else np.array([0.0, 1.0])
     every = every if len(every) else np.array([0.0, 1.0])
     low, high = float(every.min()), float(every.max())
-    span = max(high - low, LEAST_SPAN.get(unit, 0.1))
+    span = max(high - low, MIN_VALUE_SPAN.get(unit, 0.1))
     middle = (low + high) / 2.0
     return ValueRange(middle - span * (0.5 + CURVE_FRAME_MARGIN), middle + span * (0.5 + CURVE_FRAME_MARGIN))
 

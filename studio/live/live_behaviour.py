@@ -23,7 +23,7 @@ from studio.core.stage.whom import BehaviourTarget, DistanceMeasure, followed_by
 
 FloatArray = NDArray[np.float64]
 
-SLOWING = 0.5
+SLOWING_SECONDS = 0.5
 """Seconds in which a performer that holds its current pose comes to rest."""
 
 
@@ -94,7 +94,7 @@ def started_act(state: State, role: Role, blend: float, playing: Clip, frame: in
         first = frame if goes_on and state.clip.first <= frame < state.clip.last else state.clip.first
         clip = replace(state.clip, first=first, joined=True, ease=blend)
     else:  # slower and slower, until the last frame is held
-        last = frame + max(round(SLOWEST_CLIP * SLOWING * frame_rate), 1)
+        last = frame + max(round(SLOWEST_CLIP * SLOWING_SECONDS * frame_rate), 1)
         clip = replace(
             playing, first=frame, last=last, speed=SLOWEST_CLIP, repeats=1, turn=0.0, offset=(0.0, 0.0), ease=blend
         )

@@ -25,9 +25,9 @@ from studio.document.document import Document
 from studio.engine.live_interface import Live
 
 FloatArray = NDArray[np.float64]
-PATH_RATE = 15.0
+PATH_RATE_HZ = 15.0
 """Frequency in Hz at which paths over the stage are sampled."""
-Results = Callable[[str], AdaptedMotion | None]
+ResultOf = Callable[[str], AdaptedMotion | None]
 """The newest adapted motion by id, or None while there is none."""
 
 
@@ -232,7 +232,7 @@ def _row_of(project: Project, performer: Performer, motion: AdaptedMotion, time:
 
 
 def posed_performers(
-    project: Project, result_of: Results, time: float, around: Results = lambda _: None
+    project: Project, result_of: ResultOf, time: float, around: ResultOf = lambda _: None
 ) -> dict[str, PosedPerformer]:
     """Poses by id of the visible performers that have an adapted motion, at a stage time in seconds; ``around`` returns
     motions over several frames.
@@ -257,13 +257,13 @@ def displayed_stage(document: Document, live: Live) -> tuple[Project, float, dic
     return project, time, posed_performers(project, live.shown_frame, time, live.result)
 
 
-def swept_points(project: Project, result_of: Results) -> dict[str, FloatArray]:
+def swept_points(project: Project, result_of: ResultOf) -> dict[str, FloatArray]:
     """(T, P, 2) ground positions in metres of the points of each performer over all its clips, root first, relative to
     its position and in the axes of its placement.
     """
     clips = [clip for performer in project.performers.values() for clip in performer.clips]
     end = max((clip.start + clip.length(project.frame_rate_of(clip)) for clip in clips), default=0.0)
-    times = np.arange(int(max(end, 0.0) * PATH_RATE) + 1) / PATH_RATE
+    times = np.arange(int(max(end, 0.0) * PATH_RATE_HZ) + 1) / PATH_RATE_HZ
     swept = {}
     for performer_id, performer in project.performers.items():
         motion = result_of(performer_id) if performer.clips else None

@@ -20,7 +20,7 @@ from studio.core.solver.performers.rows import clip_transform
 from studio.core.solver.request import UnconstrainedPoses
 from studio.core.stage.mirrored_props import constraint_as_played
 from studio.core.stage.project import Project
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.engine.prop_places import prop_at
 
 FloatArray = NDArray[np.float64]

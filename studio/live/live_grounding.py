@@ -21,9 +21,9 @@ FloatArray = NDArray[np.float64]
 
 FLOOR_RISE_SPEED = 0.01
 """Speed (m/s) at which the reference height of low feet rises while no foot comes down to it."""
-LOST = 0.5
+LOST_POSE_SECONDS = 0.5
 """Seconds without a pose after which the foot contacts are reset."""
-BITS = {point: HEEL_STANDS if point.is_heel else TOE_STANDS for point in FOOT_POINTS}
+STANDING_BITS = {point: HEEL_STANDS if point.is_heel else TOE_STANDS for point in FOOT_POINTS}
 
 
 class LiveGrounding:
@@ -47,7 +47,7 @@ class LiveGrounding:
         before, self._request = self._request, request
         same = before is not None and before.morphology is request.morphology and before.ground == request.ground
         if self._standing is None or not (same and before is not None and before.motion is request.motion):
-            begins = not same or not seconds - self._seconds < LOST
+            begins = not same or not seconds - self._seconds < LOST_POSE_SECONDS
             self._standing = self._stand(request, 0.0 if begins else seconds - self._seconds, begins)
             self._seconds = seconds
         return self._standing
@@ -114,7 +114,9 @@ class LiveGrounding:
         contact = self_contact_of(motion, body, (), request.volume, request.actor, request.clears)
         last = motion.frame_count - 1
         contacts = tuple(
-            ContactInterval("live", point, 0, last) for point, bit in BITS.items() if self.states[point.side] & bit
+            ContactInterval("live", point, 0, last)
+            for point, bit in STANDING_BITS.items()
+            if self.states[point.side] & bit
         )
         standing = GroundedMotion(
             motion=motion,
