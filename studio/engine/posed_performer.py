@@ -99,7 +99,7 @@ class PosedPerformer:
         """(K+23, 3) canonical points on the stage, in metres."""
         return self.placement.to_stage(self.motion.positions[self.row])
 
-    def is_as_in(self, newer: AdaptedMotion) -> bool:
+    def has_same_pose(self, newer: AdaptedMotion) -> bool:
         """True if a newer result of the same performer has the same pose at this moment."""
         row = self.frame - newer.first_frame
         return 0 <= row < newer.frame_count and np.array_equal(newer.positions[row], self.motion.positions[self.row])

@@ -75,7 +75,7 @@ class Plan:
     hit: int = -1
 
     @property
-    def last(self) -> int:
+    def last_frame(self) -> int:
         return self.standing.motion.frame_count - 1
 
 
@@ -178,7 +178,7 @@ class Fighter:
     def frame(self) -> int:
         """Frame of the plan that is shown next."""
         shown = round(self._passed * self.plan.standing.motion.frame_rate / self.rate)
-        return min(self.plan.first + shown, self.plan.last)
+        return min(self.plan.first + shown, self.plan.last_frame)
 
     @property
     def is_waiting(self) -> bool:
@@ -212,7 +212,7 @@ class Fighter:
         if self._order is not None and self._wanted is None and self._played_for(DISTANCE_STEP_SECONDS):
             self._ask(place)
         self._take_plan()
-        if self.frame >= self.plan.last or (self.plan.state is FighterState.GUARD and self._stands_wrong(place)):
+        if self.frame >= self.plan.last_frame or (self.plan.state is FighterState.GUARD and self._stands_wrong(place)):
             self._go_on(self._next(place))
         plan, frame = self.plan, self.frame
         asked = [] if plan.constraint is None else [self._aimed(plan.constraint, place)]
@@ -332,7 +332,7 @@ class Fighter:
         """Frames (SPEED_FRAMES,) of the plan that were shown last."""
         every = self.plan.standing.motion.frame_rate / self.rate
         shown = self.plan.first + np.rint((self._passed - np.arange(SPEED_FRAMES, 0, -1)) * every).astype(np.int64)
-        return np.asarray(shown.clip(max(self.plan.first - 1, 0), self.plan.last))
+        return np.asarray(shown.clip(max(self.plan.first - 1, 0), self.plan.last_frame))
 
     def _speed(self) -> FloatArray:
         """Velocity (3,) of the target in m/s, averaged over its recent positions; zero if blows do not follow it."""

@@ -634,7 +634,7 @@ class Viewport(Canvas):
     def _adapted(self, performer_id: str) -> None:
         shown, newer = self.posed.get(performer_id), self._live.shown_frame(performer_id)
         # While dragging, the rest of the clip comes after the frame on show.
-        if not self._live.interactive or shown is None or newer is None or not shown.is_as_in(newer):
+        if not self._live.interactive or shown is None or newer is None or not shown.has_same_pose(newer):
             self.schedule_redraw()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
