@@ -95,7 +95,7 @@ class ClipEditor(Editor[Clip]):
         ]
         for field in self._offset:
             field.setToolTip("In leg lengths, so that it scales with each character. Drag sideways to change.")
-        section.add_row("Offset (leg lengths)", *self._offset)
+        section.add_row("Offset (legs)", *self._offset)
         self._ease = self._number(NumberField("Blend time", "s", 0.0, 60.0, 0.05), "Set blend time of", ease=1.0)
         self._ease.setSpecialValueText("automatic")
         section.add_row("Blend", self._ease)

@@ -225,7 +225,7 @@ def test_balance_is_fixed_where_the_centre_of_mass_is_now_and_moved_on_the_groun
     viewport, document, inspector = studio
     assert add(studio, "balance").place is None
     assert viewport.gizmo() is None
-    press(inspector, "Centre of mass: Target")
+    press(inspector, "Centre of mass: Position")
     pose = viewport.posed["performer 0"]
     expected = centre_of_mass(pose.motion)[pose.row, :2]
     assert current(document).place == pytest.approx(tuple(expected), abs=1e-9)
@@ -531,10 +531,10 @@ def test_turns_distances_headings_and_balance_are_keyed_or_follow_from_their_for
     assert current(document).heading.values[1] == pytest.approx(np.pi / 4)
     assert current(document).centre.values[1][0] == 1.25
     add(studio, "balance")
-    press(inspector, "Centre of mass: Support")
+    press(inspector, "Centre of mass: Support polygon")
     enter(inspector, "Margin", "3")
     assert current(document).place == Support(0.03)
-    press(inspector, "Centre of mass: Target")
+    press(inspector, "Centre of mass: Position")
     choose(inspector, "Target type", "Animated")
     enter(inspector, "Position Y", "0.4")
     assert current(document).place.values[0][1] == 0.4
