@@ -1,4 +1,4 @@
-"""Table of actions as Qt's actions: made once, kept up to date, added to menus and toolbar."""
+"""The window's actions as QActions, made from the table of actions, kept up to date, and added to menus and toolbar."""
 
 from collections.abc import Callable, Iterable, Sequence
 
@@ -18,10 +18,10 @@ from studio.panels.message_strip import Lifetime
 
 
 def with_mnemonics(names: Sequence[str], shortcuts: Iterable[str] = ()) -> list[str]:
-    """Names with a mnemonic letter of each marked: an early one that is not used by anything else.
+    """``names`` with one mnemonic letter marked in each: an early letter that no other name and no shortcut uses.
 
-    ``shortcuts`` are the keys of all actions. Qt answers keys that two things have with a warning and with neither, so
-    a name for which no letter is left stays unmarked. The letters are assigned by augmenting paths (Kuhn's matching).
+    ``shortcuts`` are the keys of all actions. Qt ignores a key that two widgets use, so a name without a free letter
+    stays unmarked. The letters are assigned by augmenting paths (Kuhn's matching).
     """
     taken = {keys.removeprefix("Alt+").lower() for keys in shortcuts if keys.startswith("Alt+")} | {" "}
     index_of: dict[str, int] = {}  # of the name that is opened by a letter
@@ -45,7 +45,7 @@ def with_mnemonics(names: Sequence[str], shortcuts: Iterable[str] = ()) -> list[
 
 
 class ActionSet(QObject):
-    """All QActions by id."""
+    """QActions of the window by id, enabled, checked and named by the state of the document."""
 
     keys_changed = Signal()
     """The actions have the keys of another key map, or others of the user's own."""
@@ -73,7 +73,9 @@ class ActionSet(QObject):
         bench.live.play.recording_changed.connect(self.refresh)
 
     def refresh(self, *_: object) -> None:
-        """Update which actions are enabled and checked, and the texts of undo; during a drag only enable undo."""
+        """Update which actions are enabled and checked, and the texts of undo and redo. During a drag only undo is
+        updated.
+        """
         if self._bench.live.interactive:
             self.by_id["undo"].setEnabled(True)
             return
@@ -92,7 +94,7 @@ class ActionSet(QObject):
         self.by_id["redo"].setText(escaped_mnemonics(f"Redo {_uncapitalised(stack.redoText())}".strip()))
 
     def apply_keys(self) -> None:
-        """Give every action its keys by the key map and the user's own."""
+        """Set the shortcuts of all actions from the key map and the user's own shortcuts."""
         preferences = self._bench.preferences
         changed = key_map_of(preferences).keys
         keys = keys_with({row.id: row.shortcuts for row in ACTIONS}, changed, preferences.own_keys)
@@ -120,11 +122,11 @@ class ActionSet(QObject):
                 self.menus[row.menu].addSeparator()
 
     def by_menu(self) -> dict[str, list[QAction]]:
-        """All actions by menu, for the shortcut sheet."""
+        """Actions by the name of their menu, for the list of shortcuts."""
         return {name: [self.by_id[row.id] for row in ACTIONS if row.menu == name] for name in MENUS}
 
     def in_menus(self) -> list[QAction]:
-        """All actions of the menus, panels among them, for the command palette."""
+        """All actions in the menus, including those that show panels, for the command palette."""
         found = [action for menu in self.menus.values() for action in menu.actions()]
         return [action for action in found if not action.isSeparator() and action.menu() is None]
 

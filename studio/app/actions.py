@@ -1,4 +1,4 @@
-"""One table of actions, behind menus, toolbar, command palette and shortcut sheet."""
+"""Table of all actions, from which menus, toolbar, command palette and the list of shortcuts are made."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -33,8 +33,8 @@ from studio.core.stage.saved_camera import CAMERA_SLOTS
 from studio.library.scenes import SCENES
 from studio.viewport.eyes import Stereo
 
-Run = Callable[[Workbench], object]
-Test = Callable[[Workbench], bool]
+ActionFunction = Callable[[Workbench], object]
+ActionTest = Callable[[Workbench], bool]
 
 MENUS = (
     "File",
@@ -100,26 +100,29 @@ def _clip_shared(bench: Workbench) -> bool:
 
 @dataclass(frozen=True)
 class Action:
-    """Action of the user. ``checked`` makes it a switch; ``tool`` adds it to the toolbar."""
+    """Command of the user: its menu, text and shortcuts, and the function that runs it. ``checked`` makes it a toggle,
+    ``tool`` is its text in the toolbar, ``repeats`` lets a held key repeat it, ``ends_group`` puts a separator after it
+    in the menu.
+    """
 
     id: str
     menu: str
     text: str
-    run: Run
+    run: ActionFunction
     shortcuts: tuple[str, ...] = ()
     tooltip: str = ""
-    enabled: Test = _always
-    checked: Test | None = None
+    enabled: ActionTest = _always
+    checked: ActionTest | None = None
     tool: str = ""
     repeats: bool = False
     ends_group: bool = False
 
 
-def _tool_is(tool: str) -> Test:
+def _tool_is(tool: str) -> ActionTest:
     return lambda bench: _viewing(bench) and bench.viewport.tool == tool
 
 
-FILE = (
+FILE_ACTIONS = (
     Action("new", "File", "New", files.new, ("Ctrl+N",), "New project with the bundled characters"),
     Action("open", "File", "Open…", files.open_project, ("Ctrl+O",), "Open a project"),
     Action("open_sample", "File", "Open sample", files.open_sample, tooltip="The sample clip on five characters"),
@@ -151,7 +154,7 @@ FILE = (
     Action("quit", "File", "Quit", files.leave, ("Ctrl+Q",), "Quit Morpho Studio"),
 )  # fmt: skip
 
-EDIT = (
+EDIT_ACTIONS = (
     Action(
         "undo", "Edit", "Undo", editing.undo, ("Ctrl+Z",), "Undo the last step",
         lambda bench: bench.document.undo_stack.canUndo(), repeats=True,
@@ -176,17 +179,17 @@ EDIT = (
         tooltip="Show what the source file of this clip contains and what was assumed", enabled=_performing,
     ),
     Action(
-        "markers", "Edit", "Markers…", open_markers, tooltip="Markers of an optical capture, and its signals",
-        enabled=has_markers,
+        "markers", "Edit", "Markers…", open_markers,
+        tooltip="Map and clean the markers of an optical capture, and plot signals", enabled=has_markers,
     ),
     Action("ground", "Edit", "Edit ground", editing.select_ground, tooltip="Select the ground and show its settings"),
 )  # fmt: skip
 
-CHARACTER = (
+CHARACTER_ACTIONS = (
     Action("hide", "Character", "Toggle visibility", editing.hide, ("H",), "Show or hide the selected characters",
            _with_bodies),
     Action("solo", "Character", "Solo", editing.solo, ("Ctrl+H",),
-           "Show only the selected characters; again, show all", _with_bodies),
+           "Show only the selected characters; press again to show all", _with_bodies),
     Action("make_character", "Character", "Create character from actor", character_import.make_active_actor_character,
            tooltip="Create a character with the proportions of the captured actor", enabled=_performing),
     Action("line_up", "Character", "Arrange side by side", editing.line_up,
@@ -194,7 +197,7 @@ CHARACTER = (
     Action("show_all", "Character", "Show all", editing.show_all, ("Shift+H",), "Show every character", _with_bodies),
 )  # fmt: skip
 
-CLIP = (
+CLIP_ACTIONS = (
     Action("add_clip", "Clip", "Add clip…", clips.add,
            tooltip="Append a clip from the library to the selected (or all visible) characters",
            enabled=_performing, ends_group=True),
@@ -213,19 +216,19 @@ CLIP = (
 
 
 def _adding(kind: str, shown: KindInfo) -> Action:
-    """Action that adds a constraint of a kind; C adds a position."""
+    """Action that adds a constraint of a kind; for position constraints it has the shortcut C."""
     name, keys = ("add_constraint", ("C",)) if kind == "position" else (f"add_{kind}", ())
     return Action(name, "Constraint", shown.action, constraint_adder(kind), keys, shown.hint, _ready)
 
 
-CONSTRAINT = (
+CONSTRAINT_ACTIONS = (
     Action("choose_joint", "Constraint", "Pick joint…", choose_joint, ("Shift+J",),
            "Pick a joint of the active character from a searchable list", _ready),
     Action("pick_skin", "Constraint", "Pick point on skin", pick_skin, ("Ctrl+Shift+J",),
            "Pick any point of a character's skin with the next click, to constrain it", _ready, ends_group=True),
     *(_adding(kind, each.value.shown) for kind, each in CONSTRAINT_KINDS.items() if each.make),
-    Action("area_mesh", "Constraint", "Load mesh for area…", load_area_mesh,
-           tooltip="Load a mesh (OBJ, STL, PLY) as the shape of the selected area",
+    Action("area_mesh", "Constraint", "Load mesh for volume…", load_area_mesh,
+           tooltip="Load a mesh (OBJ, STL, PLY) as the shape of the selected volume constraint",
            enabled=lambda bench: selected_area(bench) is not None, ends_group=True),
     Action("raise_priority", "Constraint", "Raise priority", priority_shifter(-1), ("Alt+Up",),
            "Raise the priority of the selected constraints",
@@ -234,10 +237,10 @@ CONSTRAINT = (
            "Lower the priority of the selected constraints",
            lambda bench: selected_constraint(bench) is not None, ends_group=True),
     Action("duplicate", "Constraint", "Duplicate", editing.duplicate, ("Ctrl+D",),
-           "Copy the selected constraints, the clip, or the states of a behaviour", _copyable),
+           "Duplicate the selected constraints, the clip, or the states of a behaviour", _copyable),
 )  # fmt: skip
 
-PROP = (
+PROP_ACTIONS = (
     Action("add_box", "Prop", "Add box", props.add_box,
            tooltip="Add a box in front of the character; constraint targets can follow it", enabled=_viewing),
     Action("add_prop", "Prop", "Add prop…", props.choose,
@@ -252,7 +255,7 @@ PROP = (
            tooltip="Release the selected prop at the playhead", enabled=props.is_held),
 )  # fmt: skip
 
-LIBRARY = (
+LIBRARY_ACTIONS = (
     Action("find_strike", "Library", "Find a strike in the library…", show_strikes, ("Ctrl+F",),
            "Search the motion library for the clip that best hits a target", _performing),
     Action("label_strike", "Library", "Label strike…", label_strike,
@@ -262,16 +265,16 @@ LIBRARY = (
            tooltip="Map of the poses in the motion library; click one to list its clips"),
 )  # fmt: skip
 
-BEHAVIOUR = (
+BEHAVIOUR_ACTIONS = (
     Action("behaviour", "Behaviour", "Edit behaviour", behaviours.show_behaviour, ("Shift+B",),
-           "Edit the states of the active character during live play", ends_group=True),
+           "Edit the state machine that drives the active character during live play", ends_group=True),
     *(
         Action(key, "Behaviour", text, run, tooltip=tip, enabled=_with_bodies)
-        for key, (text, tip, run) in behaviours.READY_MADE.items()
+        for key, (text, tip, run) in behaviours.READY_MADE_PARTS.items()
     ),
 )  # fmt: skip
 
-PLAY = (
+PLAY_ACTIONS = (
     Action("play", "Play", "Play or pause", playback.toggle, ("Space",)),
     Action("play_live", "Play", "Play live", playing_live.toggle, ("Shift+Space",),
            "Live play: press 1 to 9 to start clips; everything can be edited meanwhile",
@@ -312,20 +315,20 @@ PLAY = (
 
 LIVE_ACTIONS = (
     Action("live_panel", "Play", "Live input and output…", show_live, ("Ctrl+Shift+L",),
-           "VMC bodies and trackers received, what they drive, and the outgoing stream"),
+           "VMC input, the characters and props that it drives, and VMC output"),
     Action("stream", "Play", "Stream characters as VMC", toggle_streaming,
            tooltip="Stream to the address set in the Live panel",
            checked=is_streaming, ends_group=True),
 )  # fmt: skip
 
-VIEW = (
+VIEW_ACTIONS = (
     Action("select_tool", "View", "Select tool", view.select_tool, ("Q",), "Click to select", _viewing,
            _tool_is("select"), tool="select"),
     Action("move_tool", "View", "Move tool", view.move_tool, ("W",), "Drag targets by their arrows", _viewing,
            _tool_is("move"), tool="move"),
     Action("rotate_tool", "View", "Rotate tool", view.rotate_tool, ("E",),
-           "Rotate targets, areas, props and characters by their rings", _viewing, _tool_is("rotate"), tool="rotate"),
-    Action("scale_tool", "View", "Scale tool", view.scale_tool, ("R",), "Resize areas and props", _viewing,
+           "Rotate targets, volumes, props and characters by rings", _viewing, _tool_is("rotate"), tool="rotate"),
+    Action("scale_tool", "View", "Scale tool", view.scale_tool, ("R",), "Resize volumes and props", _viewing,
            _tool_is("scale"), tool="scale"),
     Action("correct_pose", "View", "Pose correction", view.toggle_correcting, ("P",),
            "Pose on a correction layer over the clip: rotate joints, move hands, feet, hips and head", _ready,
@@ -338,7 +341,7 @@ VIEW = (
     Action("front", "View", "Front", view.front, ("1",), enabled=_viewing),
     Action("side", "View", "Side", view.side, ("3",), enabled=_viewing),
     Action("top", "View", "Top", view.top, ("7",), enabled=_viewing),
-    Action("perspective", "View", "Perspective", view.perspective, ("0",), "Three-quarter view", _viewing,
+    Action("perspective", "View", "Three-quarter", view.perspective, ("0",), "From ahead, aside and above", _viewing,
            ends_group=True),
     *(
         Action(f"camera_{slot}", "View", f"Look through camera {slot}", cameras.slot_recaller(slot), (f"F{slot + 4}",),
@@ -350,7 +353,8 @@ VIEW = (
                (f"Shift+F{slot + 4}", f"Ctrl+F{slot + 4}"), "Store the current view in this slot", _viewing)
         for slot in CAMERA_SLOTS
     ),
-    Action("add_camera", "View", "Add camera", cameras.add, (), "Save the view with a name", _viewing),
+    Action("add_camera", "View", "Add camera", cameras.add, (), "Save the current view as a new, named camera",
+           _viewing),
     Action("cameras", "View", "Cameras…", cameras.choose, ("Alt+C",), "Look through a saved camera, by its name",
            _viewing),
     Action("turntable", "View", "Turntable", cameras.toggle_turntable, ("Alt+T",),
@@ -403,7 +407,7 @@ VIEW = (
     Action("reset_layout", "View", "Reset layout", view.reset_layout, ends_group=True),
 )  # fmt: skip
 
-HELP = (
+HELP_ACTIONS = (
     Action("guide", "Help", "Guide", view.guide, ("F1",), "Open the illustrated guide"),
     Action("tour", "Help", "Tour", view.tour, tooltip="A first edit in five steps, on the sample", enabled=_viewing),
     Action("palette", "Help", "Search actions…", view.palette, ("Ctrl+K",), "Find any action by its name"),
@@ -430,17 +434,17 @@ SCENE_ACTIONS = tuple(
 )
 
 ACTIONS: tuple[Action, ...] = (
-    *FILE,
+    *FILE_ACTIONS,
     *SCENE_ACTIONS,
-    *EDIT,
-    *CHARACTER,
-    *CLIP,
-    *CONSTRAINT,
-    *PROP,
-    *LIBRARY,
-    *BEHAVIOUR,
-    *PLAY,
+    *EDIT_ACTIONS,
+    *CHARACTER_ACTIONS,
+    *CLIP_ACTIONS,
+    *CONSTRAINT_ACTIONS,
+    *PROP_ACTIONS,
+    *LIBRARY_ACTIONS,
+    *BEHAVIOUR_ACTIONS,
+    *PLAY_ACTIONS,
     *LIVE_ACTIONS,
-    *VIEW,
-    *HELP,
+    *VIEW_ACTIONS,
+    *HELP_ACTIONS,
 )

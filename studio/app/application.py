@@ -55,7 +55,9 @@ def main(argv: Sequence[str] | None = None, warm_up: WarmUp | None = None) -> No
 
 
 def apply_look(preferences: Preferences) -> None:
-    """Apply theme, units and scale before the application is made, because Qt reads the scale once."""
+    """Apply the user's theme, units and scale; called before the QApplication exists, because Qt reads the scale only
+    once.
+    """
     colours.use_theme(preferences.theme)
     use_lengths(preferences.lengths)
     if preferences.interface_scale != 100:
@@ -74,7 +76,7 @@ def end_process(code: int) -> NoReturn:
 
 
 def freeze_loaded_objects(window: MainWindow) -> None:
-    """Freeze all loaded objects, so that garbage collection ignores them, which would freeze the window for 0.2 s.
+    """Exclude all loaded objects from garbage collection, whose full run would block the window for 0.2 s.
 
     Hardly any of them becomes garbage: 3,500 objects of half a million.
     """
@@ -83,7 +85,7 @@ def freeze_loaded_objects(window: MainWindow) -> None:
 
 
 def make_application() -> QApplication:
-    """Single QApplication, in the studio's theme."""
+    """The QApplication, in the studio's theme."""
     found = QApplication.instance()
     application = found if isinstance(found, QApplication) else QApplication(["Morpho Studio"])
     application.setApplicationName("Morpho Studio")
@@ -93,7 +95,7 @@ def make_application() -> QApplication:
 
 
 def make_window(settings: Settings, document: Document | None = None, warm_up: WarmUp | None = None) -> MainWindow:
-    """Window with its document and engine, without the views of the motion."""
+    """Window with its document and solver, still without the 3D view and the timeline."""
     document = document or Document()
     live = LiveAdaptation(document, warm_up=warm_up)
     return MainWindow(Workbench(document, live, TaskRunner(), settings))
@@ -102,7 +104,7 @@ def make_window(settings: Settings, document: Document | None = None, warm_up: W
 def fill_window(
     window: MainWindow, paths: list[Path], journals: Path | None = None, warm_up: WarmUp | None = None
 ) -> None:
-    """Start what takes longer: offer recovery, open files, make the views."""
+    """Offer recovery, open files and create the views: everything that takes longer than the empty window."""
     bench = window.bench
     if journals is not None:
         recovery_offer.offer_recovery(bench, journals)
@@ -118,7 +120,7 @@ def fill_window(
 
 
 def show_first(window: MainWindow, warm_up: WarmUp | None) -> None:
-    """Add the 3D view to the window, and load the rest after its first picture."""
+    """Add the 3D view to the window, and load the rest after it has been painted once."""
     show_viewport(window)
 
     def drawn() -> None:
@@ -143,7 +145,7 @@ def import_views() -> None:
 
 
 def import_viewport(warm_up: WarmUp | None = None) -> None:
-    """Import the modules of the 3D view, and those that draw bodies before the solver is compiled."""
+    """Import the modules of the 3D view, and those that draw characters before the solver is compiled."""
     import_module("studio.viewport.widget")
     import_module("studio.viewport.stage_picture")  # VTK, which the first picture would load otherwise
     if warm_up is not None:

@@ -33,7 +33,7 @@ ACTOR_CHOICE = (ACTOR_WORD, "Each actor's own proportions")
 
 
 class BatchDialog(QDialog):
-    """Dialog that is not modal. Closed while a batch runs, it stays alive, hidden, until the end."""
+    """Non-modal dialog for adapting a folder. If it is closed during a run, it is only hidden until the run ends."""
 
     def __init__(self, bench: Workbench) -> None:
         super().__init__(bench.window)
@@ -129,7 +129,7 @@ class BatchDialog(QDialog):
 
     @property
     def running(self) -> bool:
-        """True while its batch runs."""
+        """True while a batch is running."""
         return self._task >= 0
 
     def _refresh(self) -> None:
@@ -167,13 +167,13 @@ class BatchDialog(QDialog):
             self.deleteLater()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Hide the dialog; the status line shows a running batch, and can stop it too."""
+        """Hide the dialog; a running batch continues, and the status line shows it and can stop it too."""
         if self.running:
             event.ignore()
             self.hide()
 
     def reject(self) -> None:
-        """Close by Escape as by the button, since Qt would delete the dialog."""
+        """Close the dialog on Escape as its Close button does, since Qt's own handling would delete it."""
         self.close()
 
     def _open_page(self) -> None:
@@ -186,7 +186,7 @@ def _show_path(field: QLineEdit, path: Path) -> None:
 
 
 def _run_batch(settings: BatchSettings, progress: Progress) -> BatchResult:
-    """Run the batch in a background thread; if it is cancelled, its workers end."""
+    """Run the batch in a background thread; if it is cancelled, its worker processes are stopped."""
     share, text = 0.0, "Starting worker processes"
 
     def tell(done: FileDone) -> None:

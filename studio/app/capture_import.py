@@ -32,19 +32,19 @@ from studio.io.source_files import SourceMissing
 from studio.panels.message_strip import Lifetime
 
 PROJECT_UNCHANGED = "Your project was not changed."
-READ_SHARE = 0.7
+READING_FRACTION = 0.7
 
 
 @dataclass(frozen=True)
 class ReadMotion:
-    """Result of the background task: a capture, and the annotations of its motion, which gets this id."""
+    """Result of the background task: a capture, its annotations, and the id that its motion will have."""
 
     capture: Capture
     annotations: Annotations
     read_as: ReadAs
     motion_id: str
     path: Path | None = None
-    """The file that it was read from; None for a body that was found again in the markers of a project."""
+    """File from which the capture was read; None if the body was solved again from markers stored in the project."""
 
 
 def read_motion(
@@ -54,10 +54,10 @@ def read_motion(
     known: Mapping[str, dict[str, Any]] = MappingProxyType({}),
     expect: Callable[[Capture], object] = lambda _capture: None,
 ) -> ReadMotion:
-    """Read a capture and detect its contacts.
+    """Read a capture file and detect its contacts.
 
     Raises StudioError whose last sentence says that nothing was changed. ``known`` are the corrections of earlier
-    files, by kind; ``prefetch_capture`` is called with the capture as soon as it is read.
+    files, by kind of file; ``expect`` is called with the capture as soon as it is read.
     """
     with project_unchanged_on_error():
         read = read_capture(path, options, _reading(progress))
@@ -70,7 +70,7 @@ def read_capture_or_character(
     known: Mapping[str, dict[str, Any]],
     expect: Callable[[Capture], object],
 ) -> ReadMotion | ReadCharacter:
-    """``read_motion`` of a file that may also hold a character."""
+    """Read a file that holds a capture or a character. Arguments and errors are those of ``read_motion``."""
     with project_unchanged_on_error():
         read = read_file(path, GUESS_ALL, _reading(progress))
         return (
@@ -88,14 +88,16 @@ def read_motion_ready(
     known: Mapping[str, dict[str, Any]] = MappingProxyType({}),
     expect: Callable[[Capture], object] = lambda _capture: None,
 ) -> ReadMotion:
-    """Read capture for a project, with its contacts; the arguments are those of ``read_motion``."""
+    """Motion to be added to a project, made from the capture just read: with corrections applied and contacts detected.
+    Arguments are those of ``read_motion``.
+    """
     from studio.core.normalized.floor_guesses import with_floor_reported  # what computes is loaded after the window
 
     capture, read_as = with_corrections(read, options, known, _reading(progress))
     capture = with_floor_reported(capture)
     capture = with_reference_kept(capture)
     expect(capture)
-    progress(READ_SHARE, "detecting contacts")
+    progress(READING_FRACTION, "detecting contacts")
     remarks_on(capture)  # here, beside the window, whose views show them
     motion_id = new_id()
     return ReadMotion(capture, known_of_motion(capture, read.annotations, motion_id), read_as, motion_id, path)
@@ -111,11 +113,11 @@ def project_unchanged_on_error() -> Iterator[None]:
 
 
 def _reading(progress: Progress) -> Progress:
-    return lambda share, text: progress(READ_SHARE * share, text)
+    return lambda share, text: progress(READING_FRACTION * share, text)
 
 
 def import_motion(bench: Workbench, path: Path, options: ImportOptions = GUESS_ALL) -> int:
-    """Read a file, then play it on the visible bodies; returns the task."""
+    """Read a capture file in the background, then play it on the visible characters. Returns the id of the task."""
     known = bench.settings.corrections
 
     def read(progress: Progress) -> ReadMotion:
@@ -183,14 +185,14 @@ def reimport(bench: Workbench, capture_id: str, option: dict[str, Any]) -> None:
 
 
 def resolve_markers(bench: Workbench, capture_id: str, take: MarkerTake) -> int:
-    """Solve the body again from the markers ``take`` of a capture; returns the task."""
+    """Solve the body again from the markers ``take`` of a capture. Returns the id of the task."""
     text = f"Re-solve {bench.document.project.captures[capture_id].name}"
     return reread_capture(bench, capture_id, ImportOptions(**user_options(bench, capture_id)), text, take)
 
 
 def stand_on_steps(bench: Workbench, capture_id: str) -> int:
-    """Make the steps on which a capture was recorded the ground, with contacts on them: one undo step; returns the
-    task.
+    """Make the steps on which a capture was recorded the ground, with foot contacts on them: one undo step. Returns the
+    id of the task.
     """
     capture = bench.document.project.captures[capture_id]
     text = f"Use steps of {capture.name} as ground"
@@ -215,7 +217,9 @@ def stand_on_steps(bench: Workbench, capture_id: str) -> int:
 
 
 def _on_stage(steps: Steps, capture_id: str, document: Document) -> Steps:
-    """Steps of a motion's space where the performer stands who plays it: the active one before others."""
+    """``steps`` moved from the space of their motion to the stage: to the active performer if it plays the motion, else
+    to the first one that does.
+    """
     project, active = document.project, document.active_performer_id
     playing = [
         key
@@ -233,8 +237,8 @@ def _on_stage(steps: Steps, capture_id: str, document: Document) -> Steps:
 def reread_capture(
     bench: Workbench, capture_id: str, options: ImportOptions, text: str, take: MarkerTake | None = None
 ) -> int:
-    """Interpret a capture with other options: its markers, by default those that it has, else its file; returns the
-    task.
+    """Read a capture again with other import options, from its markers if it has some, else from its file. Returns the
+    id of the task.
     """
     capture = bench.document.project.captures[capture_id]
     markers = take or capture.markers
@@ -275,7 +279,9 @@ def reread_capture(
 
 
 def report_repairs(bench: Workbench, capture_id: str) -> None:
-    """Report the repairs, with a link to the import report; without repairs, remove the message before."""
+    """Show a message about repairs made while reading, with a link to the import report. Without repairs, the last
+    message is removed.
+    """
     capture = bench.document.project.captures[capture_id]
     if capture.markers is not None and capture.body_map is None:
         ask = ("Markers…", lambda: bench.window.inspector.markers_requested.emit(capture_id))
@@ -292,13 +298,15 @@ def report_repairs(bench: Workbench, capture_id: str) -> None:
 
 
 def repair_words(capture: Capture) -> str:
-    """``walk.bvh was read with 2 repairs: line 214: the last row is cut off and was dropped.``"""
+    """Sentence about the repairs of a capture, for example ``walk.bvh was read with 2 repairs: line 214: the last row
+    is cut off and was dropped.``
+    """
     count, first = len(capture.repairs), capture.repairs[0].removeprefix(capture.source).lstrip(",: ")
     return f"{capture.source} was read with {count} repair{'' if count == 1 else 's'}: {first}"
 
 
 def user_options(bench: Workbench, capture_id: str) -> dict[str, Any]:
-    """Options that keep the user's settings of a capture: all values that are not listed as guesses."""
+    """Import options that keep what the user set on a capture: every value that is not listed as a guess."""
     capture = bench.document.project.captures[capture_id]
     guessed = {guess.subject.replace(" ", "_") for guess in capture.guesses}
     said = {option: value for option, value in values_of(capture).items() if option not in guessed}
@@ -310,7 +318,9 @@ def user_options(bench: Workbench, capture_id: str) -> dict[str, Any]:
 
 
 def keep_corrections(bench: Workbench, collection: str, capture_id: str) -> None:
-    """Store the user's corrections of a capture for the next file of its kind; undone ones are removed."""
+    """Store the user's corrections of a capture for the next file of the same kind; corrections that were undone are
+    removed.
+    """
     read_as = bench.read_as.get(capture_id) if collection == "captures" else None
     capture = bench.document.project.captures.get(capture_id)
     if read_as and capture:
@@ -318,7 +328,9 @@ def keep_corrections(bench: Workbench, collection: str, capture_id: str) -> None
 
 
 def report_corrections(bench: Workbench, capture_id: str) -> None:
-    """Report that a file was read with the corrections of others of its kind, with a button to guess again."""
+    """Report that a file was read with corrections of earlier files of the same kind, with a button to detect the
+    settings again.
+    """
     read_as, capture = bench.read_as[capture_id], bench.document.project.captures[capture_id]
     corrections = read_as.corrections(capture)
     if not corrections:
@@ -335,7 +347,7 @@ def report_corrections(bench: Workbench, capture_id: str) -> None:
 
 
 def show_motion(document: Document) -> None:
-    """Show all of the stage, from the begin of the active clip."""
+    """Set the play range to the whole stage and the playhead to the start of the active clip."""
     span, clip = stage_span(document.project), document.active_clip
     if span is not None and clip is not None:
         document.playhead.set_range(span.first, span.last)
@@ -343,7 +355,9 @@ def show_motion(document: Document) -> None:
 
 
 def _show_markers(document: Document, capture_id: str) -> None:
-    """Select markers without a body, so that they are visible; without any performers they can be played."""
+    """Select a capture that has markers but no body, so that the markers are visible; without performers they can still
+    be played.
+    """
     document.selection.set(("captures", capture_id))
     if document.active_motion_id is None:
         capture = document.project.captures[capture_id]
@@ -353,7 +367,9 @@ def _show_markers(document: Document, capture_id: str) -> None:
 
 
 def replace_motion(document: Document, capture_id: str, capture: Capture, known: Annotations, text: str) -> None:
-    """Replace a capture by another reading of it, with its contacts; bodies play it if it had no body before."""
+    """Replace a capture and its contacts by those of another reading. If the capture had no body before, visible
+    performers play it.
+    """
     old = document.project.captures[capture_id]
     with document.group(text):
         digest = capture.digest or old.digest

@@ -1,6 +1,4 @@
-"""Import of characters: read from files or made of a capture's actor, and put on the stage with the motions of the
-others.
-"""
+"""Import of characters: read from a file or made from the actor of a capture, and added to the stage."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -27,12 +25,12 @@ from studio.io.importing import GUESS_ALL, load_character
 from studio.io.project.character_file import actor_character
 from studio.io.registry import Progress, ReadCharacter, known_formats
 
-ARM_ROOM = 0.6
-"""Metres for the arms between the trunks and heads of two neighbours."""
+ARM_ROOM_METRES = 0.6
+"""Metres that are left for the arms between the torsos of two characters placed side by side."""
 
 
 def import_character(bench: Workbench, path: Path) -> int:
-    """Read a character file, then put the character on the stage; returns the task."""
+    """Read a character file, then add the character to the stage. Returns the id of the task."""
 
     def work(progress: Progress) -> ReadCharacter:
         with project_unchanged_on_error():
@@ -48,7 +46,7 @@ def import_character(bench: Workbench, path: Path) -> int:
 
 
 def show_import(bench: Workbench, path: Path, read: ReadCharacter) -> None:
-    """Put a character that was read from ``path`` on the stage, and report repairs or guesses."""
+    """Add a character that was read from ``path`` to the stage, and report repairs and guesses."""
     add_read_character(
         bench.document, with_identification_colour(read.character, bench.document), f"Import {path.name}"
     )
@@ -63,14 +61,14 @@ def with_identification_colour(character: Character, document: Document) -> Char
 
 
 def make_active_actor_character(bench: Workbench) -> None:
-    """Make a character of the actor of the playing motion."""
+    """Create a character from the actor of the motion that the active performer plays."""
     motion = bench.document.project.motions.get(bench.document.active_motion_id or "")
     if motion is not None:
         make_actor_character(bench, motion.capture_id)
 
 
 def make_actor_character(bench: Workbench, capture_id: str) -> None:
-    """Make a character with the measures of a capture's actor, on the stage."""
+    """Create a character with the proportions of a capture's actor, and add it to the stage."""
     document = bench.document
     capture = document.project.captures[capture_id]
     colour = colours.character_colour(len(document.project.characters))
@@ -87,8 +85,8 @@ def make_actor_character(bench: Workbench, capture_id: str) -> None:
 
 
 def remap_character(bench: Workbench, character_id: str, joints: Mapping[str, str], text: str) -> int:
-    """Measure and bind a character again with the joint of each part; one undo step called ``text``.
-    Returns the task.
+    """Measure and bind a character again with another body map ``joints``, as one undo step with the text ``text``.
+    Returns the id of the task.
     """
     document = bench.document
     character = document.project.characters[character_id]
@@ -109,12 +107,14 @@ def remap_character(bench: Workbench, character_id: str, joints: Mapping[str, st
 
 
 def add_read_character(document: Document, character: Character, text: str) -> str:
-    """Add the character, and a selected performer beside the others: one undo step. A duplicate name is numbered."""
+    """Add a character, and a selected performer that uses it beside the others, as one undo step; returns the
+    performer's id. A name that is taken gets a number.
+    """
     project = document.project
     taken = {each.name for each in project.characters.values()} | {each.name for each in project.performers.values()}
     character = replace(character, name=free_name(character.name, taken))
     active = project.performers.get(document.active_performer_id or "")
-    room = ARM_ROOM + _half_breadth(character)
+    room = ARM_ROOM_METRES + _half_breadth(character)
     gaps = {
         key: room + _half_breadth(project.characters[each.character_id]) for key, each in project.performers.items()
     }
@@ -134,7 +134,7 @@ def add_read_character(document: Document, character: Character, text: str) -> s
 
 
 def _swept_points(project: Project, clips: Sequence[Clip], character: Character) -> NDArray[np.float64] | None:
-    """Points (T, P, 2) in metres that a character sweeps in its first clip; None without one."""
+    """Ground points (T, P, 2) in metres over which a character moves during its first clip; None without a clip."""
     if not clips:
         return None
     clip = clips[0]
@@ -143,7 +143,7 @@ def _swept_points(project: Project, clips: Sequence[Clip], character: Character)
 
 
 def _half_breadth(character: Character) -> float:
-    """Greatest distance in metres from the middle of trunk and head, cape and hat included."""
+    """Largest distance in metres of torso or head from the body's middle plane, including cape and hat."""
     skin, layout = character.skin, character.build.layout
     middle = skin.segments[:, 0] < layout.segment_of_part(BodyPart.LEFT_CLAVICLE)
     scale = character.morphology.stature / character.build.stature
@@ -151,7 +151,7 @@ def _half_breadth(character: Character) -> float:
 
 
 def _tell(bench: Workbench, path: Path, read: ReadCharacter) -> None:
-    """Report repairs, uncertain guesses and a motion in the file; without any, remove the message before."""
+    """Report repairs, uncertain guesses and a motion in the file. If there are none, the last message is removed."""
     count, sentences = len(read.repairs), []
     daring = [f"{guess.subject}: {guess.value}. {guess.reason}" for guess in read.guesses if is_uncertain(guess)]
     if count:
@@ -171,5 +171,5 @@ def _tell(bench: Workbench, path: Path, read: ReadCharacter) -> None:
 
 
 def is_uncertain(guess: Guess) -> bool:
-    """True if a guess goes beyond known names."""
+    """True if a guess was not made from known joint names."""
     return guess.subject != "body map" or "by shape" in guess.value

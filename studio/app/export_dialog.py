@@ -24,7 +24,7 @@ EXPORT_DIALOG_WIDTH = 420
 
 
 class ExportContent(Enum):
-    """Contents that can be exported."""
+    """Content that can be exported."""
 
     ADAPTED = "Adapted motion"
     STAGE = "Whole stage"
@@ -34,20 +34,20 @@ class ExportContent(Enum):
 
 @dataclass(frozen=True)
 class ExportKind:
-    """File format for one kind of content."""
+    """File format in which one kind of content can be exported."""
 
     what: ExportContent
     suffix: str
     text: str
 
 
-PICTURE_SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160), (1080, 1080), (1080, 1920))
-RATES = (24.0, 25.0, 30.0, 60.0)
-MOTION_RATES = (*RATES, 120.0)
-WITH_BODIES = (ExportContent.ADAPTED, ExportContent.STAGE)
-"""Contents with skeletons, to which options apply."""
-OWN_NAMES = "Original names"
-HINTS = {
+IMAGE_SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160), (1080, 1080), (1080, 1920))
+FRAME_RATES = (24.0, 25.0, 30.0, 60.0)
+MOTION_FRAME_RATES = (*FRAME_RATES, 120.0)
+CONTENTS_WITH_BODIES = (ExportContent.ADAPTED, ExportContent.STAGE)
+"""Contents with skeletons, to which the options for joints and rest pose apply."""
+ORIGINAL_NAMES_LABEL = "Original names"
+FORMAT_HINTS = {
     ".bvh": "Skeleton and rotations; supported by nearly every program.",
     ".fbx": "Joints, skin, materials and animation for Maya, MotionBuilder, Unreal, Unity and Blender.",
     ".s4d": "The motion as it was captured, with its contacts and constraints, for any character.",
@@ -65,7 +65,7 @@ HINTS = {
 
 
 def kinds() -> tuple[ExportKind, ...]:
-    """Every file format that can be written, by its content."""
+    """Every combination of content and file format that can be exported."""
     motions = [
         ExportKind(ExportContent.ADAPTED, suffix, f"{each.name} ({suffix})")
         for each in known_formats().that_can("motion_writer")
@@ -88,7 +88,7 @@ def kinds() -> tuple[ExportKind, ...]:
 
 
 class ExportDialog(QDialog):
-    """Dialog for content and options; the system's dialog then asks for the path."""
+    """Dialog for content, format and options; then the system's file dialog asks for the path."""
 
     def __init__(self, bench: Workbench) -> None:
         super().__init__(bench.window)
@@ -99,7 +99,7 @@ class ExportDialog(QDialog):
         self.what = Choice("Content", [(what, self._said(what)) for what in self._offered()])
         self.kind = Choice("Format", ())
         self.names = Choice(
-            "Joint naming", [("", OWN_NAMES), *((key, each.name) for key, each in joint_namings().items())]
+            "Joint naming", [("", ORIGINAL_NAMES_LABEL), *((key, each.name) for key, each in joint_namings().items())]
         )
         self.rest = Choice("Rest pose", list(REST_POSES.items()))
         self._carried = self._carriable()
@@ -108,12 +108,12 @@ class ExportDialog(QDialog):
         self.others = Choice("Other joints", [("carry", words), ("leave", "Leave out")])
         self.range = Choice("Range", [("all", "All frames"), ("timeline", "Play range")])
         self.frame_rate = Choice(
-            "Frame rate", [(None, "As captured"), *((rate, f"{rate:g} fps") for rate in MOTION_RATES)]
+            "Frame rate", [(None, "As captured"), *((rate, f"{rate:g} fps") for rate in MOTION_FRAME_RATES)]
         )
         self.root = Choice("Root", list(ROOTS.items()))
         self.position = Choice("Position", [("stage", "On the stage"), ("origin", "At the origin")])
-        self.picture_size = Choice("Size", [(size, f"{size[0]} × {size[1]}") for size in PICTURE_SIZES])
-        self.rate = Choice("Frame rate", [(rate, f"{rate:g} fps") for rate in RATES])
+        self.picture_size = Choice("Size", [(size, f"{size[0]} × {size[1]}") for size in IMAGE_SIZES])
+        self.rate = Choice("Frame rate", [(rate, f"{rate:g} fps") for rate in FRAME_RATES])
         self.hint = QLabel()
         self.hint.setProperty("role", "hint")
         self.hint.setWordWrap(True)
@@ -151,10 +151,10 @@ class ExportDialog(QDialog):
 
     @property
     def options(self) -> ExportOptions:
-        """Chosen options of the visible format."""
+        """Export options chosen for the current format."""
         chosen = self.kind.value
         assert isinstance(chosen, ExportKind)
-        if chosen.what not in WITH_BODIES:
+        if chosen.what not in CONTENTS_WITH_BODIES:
             return ExportOptions()
         playhead, rate = self._bench.document.playhead, self.frame_rate.value
         begin, end = playhead.first / playhead.frame_rate, playhead.last / playhead.frame_rate
@@ -171,7 +171,7 @@ class ExportDialog(QDialog):
         )
 
     def _said(self, what: ExportContent) -> str:
-        """Label of the content, with the bodies to be exported."""
+        """Label of a content, with the name or number of the characters to be exported."""
         if what is not ExportContent.ADAPTED:
             return str(what.value)
         keys = exporting.chosen_performers(self._bench)
@@ -179,7 +179,7 @@ class ExportDialog(QDialog):
         return f"{what.value} of {performers[keys[0]].name if len(keys) == 1 else f'{len(keys)} characters'}"
 
     def _show_last(self, last: Mapping[str, object]) -> None:
-        """Choose the options of the last export, as far as they are available."""
+        """Restore the choices of the last export, as far as they are still available."""
         for what, suffix in ((each.what, each.suffix) for each in self._kinds):
             if self.what.offers(what) and [what.name, suffix] == last.get("kind"):
                 self.choose(what, suffix)
@@ -192,7 +192,7 @@ class ExportDialog(QDialog):
             self.names: "",
             self.rest: "t",
             self.others: "carry",
-            self.picture_size: PICTURE_SIZES[0],
+            self.picture_size: IMAGE_SIZES[0],
             self.rate: 30.0,
         }
         for choice, value in (
@@ -223,7 +223,7 @@ class ExportDialog(QDialog):
         }
 
     def _offered(self) -> list[ExportContent]:
-        """Contents that can be exported now."""
+        """Contents that can be exported from the current project."""
         performing = exporting.chosen_performers(self._bench)
         motion = self._bench.document.active_motion_id
         there = {
@@ -235,7 +235,7 @@ class ExportDialog(QDialog):
         return [what for what in ExportContent if there[what]]
 
     def _carriable(self) -> tuple[str, ...]:
-        """Joints beside the body's, of the capture that has most of them."""
+        """Names of joints that are not part of the body map, from the capture that has most of them."""
         project = self._bench.document.project
         clips = [project.performers[key].clips[0] for key in exporting.chosen_performers(self._bench)]
         captures = [project.captures[project.motions[clip.motion_id].capture_id] for clip in clips]
@@ -251,23 +251,23 @@ class ExportDialog(QDialog):
     def _show_options(self, kind: object) -> None:
         assert isinstance(kind, ExportKind)
         shown = {
-            self.range: kind.what in WITH_BODIES,
-            self.frame_rate: kind.what in WITH_BODIES,
-            self.names: kind.what in WITH_BODIES,
-            self.rest: kind.what in WITH_BODIES and kind.suffix in RESTING,
-            self.root: kind.what in WITH_BODIES and kind.suffix != ".s4d",
+            self.range: kind.what in CONTENTS_WITH_BODIES,
+            self.frame_rate: kind.what in CONTENTS_WITH_BODIES,
+            self.names: kind.what in CONTENTS_WITH_BODIES,
+            self.rest: kind.what in CONTENTS_WITH_BODIES and kind.suffix in RESTING,
+            self.root: kind.what in CONTENTS_WITH_BODIES and kind.suffix != ".s4d",
             self.position: kind.what is ExportContent.ADAPTED,
-            self.others: kind.what in WITH_BODIES and kind.suffix in SKELETAL and bool(self._carried),
+            self.others: kind.what in CONTENTS_WITH_BODIES and kind.suffix in SKELETAL and bool(self._carried),
             self.picture_size: kind.what is ExportContent.FILM,
             self.rate: kind.what is ExportContent.FILM,
         }
         for choice, is_shown in shown.items():
             choice.setVisible(is_shown)
             self._labels[choice].setVisible(is_shown)
-        self.hint.setText(HINTS.get(kind.suffix, ""))
+        self.hint.setText(FORMAT_HINTS.get(kind.suffix, ""))
 
     def _ask_where(self) -> None:
-        """Show the system's dialog; later edits do not change the exported content."""
+        """Show the system's file dialog. Edits made while it is open do not change what is exported."""
         kind = self.kind.value
         assert isinstance(kind, ExportKind)
         self._remember(kind)
@@ -296,7 +296,7 @@ def open_export_dialog(bench: Workbench) -> ExportDialog:
 
 
 def _ask_adapted(bench: Workbench, suffix: str, options: ExportOptions) -> None:
-    """Ask for a file for one body, or a folder for several."""
+    """Ask for a file for one character, or for a folder for several."""
     project, keys = bench.document.project, exporting.chosen_performers(bench)
     names = {key: file_name(project, key, suffix) for key in keys}
     if len(keys) == 1:

@@ -1,4 +1,4 @@
-"""Export of motions in the background: adapted ones, and the captured motion without a body."""
+"""Export in the background: of adapted motions, and of the captured motion on its own skeleton."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -13,11 +13,11 @@ from studio.io.takes.exported_stage import exported_stage, write_stage
 from studio.jobs.performances import stage_performances
 
 Progress = Callable[[float, str], None]
-ADAPTING_SHARE = 0.3
+ADAPTING_FRACTION = 0.3
 
 
 def chosen_performers(bench: Workbench) -> list[str]:
-    """Selected performers that are visible and have clips, else all such."""
+    """Ids of the selected performers that are visible and have clips; of all such performers if none is selected."""
     performers = bench.document.project.performers
     ready = [key for key, each in performers.items() if each.visible and each.clips]
     selected = [key for key in bench.document.selection.of("performers") if key in ready]
@@ -25,19 +25,19 @@ def chosen_performers(bench: Workbench) -> list[str]:
 
 
 def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | None = None) -> int:
-    """Adapt the present project for these performers and write their clips; returns the task."""
+    """Adapt the project and write the motion of each performer in ``paths`` to its file. Returns the id of the task."""
     project, chosen = bench.document.project, options or ExportOptions()
 
     def work(progress: Progress) -> list[Path]:
         progress(0.0, "Adapting")
         made = stage_performances(project)
-        each_share = (1.0 - ADAPTING_SHARE) / len(paths)
+        each_share = (1.0 - ADAPTING_FRACTION) / len(paths)
         for place, (key, path) in enumerate(paths.items()):
             if key not in made.performances:
-                reason = made.failures.get(key, "It has no animation.")
+                reason = made.failures.get(key, "Add a clip to it first.")
                 raise StudioError(f"{project.performers[key].name} cannot be exported. {reason}")
             take = take_of_performer(project, key, made.performances[key], along=chosen.carries(path))
-            begun = ADAPTING_SHARE + place * each_share
+            begun = ADAPTING_FRACTION + place * each_share
             write_take(chosen.applied_to(take, path), path, partial_progress(progress, begun, each_share))
         return list(paths.values())
 
@@ -46,7 +46,7 @@ def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | No
 
 
 def export_stage(bench: Workbench, path: Path, options: ExportOptions | None = None) -> int:
-    """Adapt the present project and write all visible performers and the props in one file; returns the task."""
+    """Adapt the project and write all visible performers and the props to one file. Returns the id of the task."""
     project, chosen = bench.document.project, options or ExportOptions()
 
     def work(progress: Progress) -> list[Path]:
@@ -55,7 +55,7 @@ def export_stage(bench: Workbench, path: Path, options: ExportOptions | None = N
         for key, reason in made.failures.items():
             raise StudioError(f"{project.performers[key].name} cannot be exported. {reason}")
         stage = exported_stage(project, made.performances, chosen, path)
-        write_stage(stage, path, partial_progress(progress, ADAPTING_SHARE, 1.0 - ADAPTING_SHARE))
+        write_stage(stage, path, partial_progress(progress, ADAPTING_FRACTION, 1.0 - ADAPTING_FRACTION))
         return [path]
 
     task: int = bench.runner.run("Export", work, lambda written: bench.inform(exported_text(written)))
@@ -63,10 +63,10 @@ def export_stage(bench: Workbench, path: Path, options: ExportOptions | None = N
 
 
 def export_motion(bench: Workbench, path: Path) -> int:
-    """Write the active motion as captured, with its contacts and constraints; returns the task."""
+    """Write the active motion as captured, with its contacts and constraints. Returns the id of the task."""
     project, motion_id = bench.document.project, bench.document.active_motion_id
     if motion_id is None:
-        raise StudioError("No character has a clip: there is nothing to export.")
+        raise StudioError("There is no motion to export. Add a clip to a character first.")
     capture = project.captures[project.motions[motion_id].capture_id]
     contacts = tuple(each for each in project.contacts_of(motion_id).values() if not each.scope.is_narrow)
     constraints = tuple(each for each in project.constraints_of(motion_id).values() if not each.scope.is_narrow)
@@ -84,12 +84,14 @@ def export_motion(bench: Workbench, path: Path) -> int:
 
 
 def partial_progress(progress: Progress, begun: float, share: float) -> Progress:
-    """Progress of a part of the job, which begins at ``begun`` and is the fraction ``share`` of the whole."""
+    """Function for the progress of a part of the job, which begins at the fraction ``begun`` and has the length
+    ``share``.
+    """
     return lambda done, text: progress(begun + share * done, text)
 
 
 def exported_text(written: list[Path]) -> str:
-    """``Exported kick.bvh to /home/…``."""
+    """Message about an export, for example ``Exported kick.bvh to /home/...``."""
     if len(written) == 1:
         return f"Exported {written[0].name} to {written[0].parent}."
     return f"Exported {len(written)} files to {written[0].parent}."

@@ -1,4 +1,4 @@
-"""Films and picture sequences of the 3D view, drawn by a child process so that the window stays responsive."""
+"""Videos and image sequences of the 3D view, rendered by a child process so that the window stays responsive."""
 
 import json
 import os
@@ -24,26 +24,28 @@ from studio.viewport.shots import Shots, send_shots
 
 Progress = Callable[[float, str], None]
 
-RENDERER = (sys.executable, "-m", "studio.viewport.film_child")
+RENDER_COMMAND = (sys.executable, "-m", "studio.viewport.film_child")
 
-MOST_PICTURES = 1_000_000
-"""Nine hours of thirty a second."""
+MAX_VIDEO_FRAMES = 1_000_000
+"""Maximum number of images: nine hours at 30 fps."""
 
 
 def render_film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate: float) -> int:
-    """Draw the range of the playhead as in the viewport; returns the task.
+    """Render the play range as seen in the 3D view. Returns the id of the task.
 
-    ``size`` is width and height in pixels, ``frame_rate`` pictures a second; a ``path`` that does not end with .mp4
-    becomes a folder of pictures. Raises StudioError without a 3D view, and for far too long a range.
+    ``size`` is width and height in pixels, ``frame_rate`` in images per second. A ``path`` that does not end with .mp4
+    becomes a folder of images. Raises StudioError without a 3D view, and if the range has too many images.
     """
     if not bench.has_viewport:
-        raise StudioError("There is no 3D view to render.")
+        raise StudioError(
+            "A video needs the 3D view, which could not be started. Update the driver of the graphics card."
+        )
     playhead = bench.document.playhead
     begin, end = playhead.first / playhead.frame_rate, playhead.last / playhead.frame_rate
     count = int((end - begin) * frame_rate + 1e-6) + 1
-    if count > MOST_PICTURES:
+    if count > MAX_VIDEO_FRAMES:
         raise StudioError(
-            f"{count} frames are too many for a video. Set a shorter range; the limit is {MOST_PICTURES}."
+            f"{count} frames are too many for a video. Set a shorter range; the limit is {MAX_VIDEO_FRAMES}."
         )
     times = begin + np.arange(count) / frame_rate
     shots = Shots(_played(bench.document.project), bench.viewport.view, tuple(times.tolist()), size)
@@ -65,7 +67,7 @@ def render_film(bench: Workbench, path: Path, size: tuple[int, int], frame_rate:
 
 
 def _played(project: Project) -> Project:
-    """Project without unused captures."""
+    """Project without captures and motions that no clip uses."""
     clips = [clip for performer in project.performers.values() for clip in performer.all_clips]
     motions = {clip.motion_id: project.motions[clip.motion_id] for clip in clips if clip.motion_id in project.motions}
     captures = {each.capture_id: project.captures[each.capture_id] for each in motions.values()}
@@ -74,16 +76,18 @@ def _played(project: Project) -> Project:
 
 @contextmanager
 def _renderer(shots: Shots) -> Iterator["subprocess.Popen[bytes]"]:
-    """Child process that draws them."""
+    """Context with the child process that renders ``shots``."""
     with tempfile.TemporaryFile() as asked:
         send_shots(shots, asked)
         asked.seek(0)
-        with child_process(RENDERER, asked, subprocess.PIPE, subprocess.PIPE) as renderer:
+        with child_process(RENDER_COMMAND, asked, subprocess.PIPE, subprocess.PIPE) as renderer:
             yield renderer
 
 
 def _follow(renderer: "subprocess.Popen[bytes]", progress: Progress) -> None:
-    """Report the child's progress. Raises StudioError with its error, or if it ends without one."""
+    """Report the progress of the child process. Raises StudioError with the child's error, or if the child ends without
+    a result.
+    """
     share, text, last = 0.0, "Starting", ""
     assert renderer.stderr is not None
     for line in output_lines(renderer.stderr):
@@ -107,7 +111,7 @@ def _follow(renderer: "subprocess.Popen[bytes]", progress: Progress) -> None:
 
 
 def _record(line: str) -> JsonObject:
-    """Record in a line of the child process; empty if the line is another one's."""
+    """JSON record in a line of the child's output; empty if the line is other output."""
     try:
         record = json.loads(line)
     except ValueError:

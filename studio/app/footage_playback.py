@@ -1,4 +1,4 @@
-"""Reference footage in step with the playhead: the present frame in its panel."""
+"""Reference footage in sync with the playhead: the current frame in the footage panel."""
 
 from pathlib import Path
 
@@ -13,7 +13,9 @@ from studio.panels.footage_view import NO_FOOTAGE_HINT, FootageView
 
 
 class FootagePlayback(QObject):
-    """Follows the playhead while the panel is visible; files are searched once a session."""
+    """Controller that shows the footage frame at the playhead while the panel is visible. Missing files are searched
+    once per session.
+    """
 
     def __init__(self, bench: Workbench, parent: QObject) -> None:
         super().__init__(parent)
@@ -36,7 +38,7 @@ class FootagePlayback(QObject):
         self.frames.close()
 
     def _footage(self) -> Footage | None:
-        """The selected footage, else the first one that has a frame at the playhead, else the first."""
+        """Selected footage, else the first one with a frame at the playhead, else the first one."""
         document = self._bench.document
         footage = document.project.footage
         selected = [footage[key] for key in document.selection.of("footage") if key in footage]
@@ -52,9 +54,9 @@ class FootagePlayback(QObject):
             return
         path, index = self._path_of(footage), footage.frame_at(self._bench.document.playhead.time)
         if path is None:
-            self._show_nothing(f"{Path(footage.source).name} cannot be shown.")
+            self._show_nothing(f"{Path(footage.source).name} cannot be shown: the file is missing or unreadable.")
         elif index is None:
-            self._show_nothing(f"{footage.name} has no frame at this time.")
+            self._show_nothing(f"{footage.name} has no frame here. Move the playhead, or the footage on the timeline.")
         elif (frame := FootageFrame(path, footage.file_rate, footage.frames, index)) != self._shown:
             picture = self.frames.picture(frame)
             if picture is None:  # the one of a moment before stays until it is read
@@ -93,5 +95,6 @@ class FootagePlayback(QObject):
 
     def _refuse(self, path: str, sentence: str) -> None:
         self._found = {key: None if str(each) == path else each for key, each in self._found.items()}
+        """Paths by the source of the footage; None if the file is missing or unreadable."""
         self._bench.post_message(sentence)
         self._refresh()

@@ -1,4 +1,4 @@
-"""The guided tour of the sample: five steps of a first edit, one sentence at a time, beside the work."""
+"""Guided tour of the sample: five steps of a first edit, explained one at a time while the user works."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from studio.panels.message_strip import MessageStrip
 
 @dataclass(frozen=True)
 class StepStart:
-    """Document at the begin of a step."""
+    """State of the document at the start of a step of the tour."""
 
     project: Project
     time: float
@@ -22,7 +22,7 @@ class StepStart:
 
 @dataclass(frozen=True)
 class Step:
-    """Task of the tour, and the test that it has been done since the step began."""
+    """Step of the tour: the instruction, and a test if it has been carried out since the step began."""
 
     sentence: str
     is_done: Callable[[Workbench, StepStart], bool]
@@ -62,7 +62,7 @@ def _kinds_of_targets(project: Project) -> dict[str, type]:
     return {key: type(target) for key, target in _targets(project).items()}
 
 
-STEPS = (
+TOUR_STEPS = (
     Step("Press Space to play the motion, and Space again to pause it where the foot kicks highest.", _has_played),
     Step("Click a joint of a character, such as the kicking foot, or press Shift+J to choose one.", _has_picked),
     Step("Press C to constrain the joint. A bar for the constraint appears in the timeline.", _has_constrained),
@@ -77,7 +77,7 @@ END_SENTENCE = "The tour is over. Press F1 for the guide, or Ctrl+K to find any 
 
 
 class GuidedTour(QObject):
-    """Shows step after step in a strip, each until it is done or skipped."""
+    """Controller that shows the instructions one after the other, each until it is carried out or skipped."""
 
     def __init__(self, bench: Workbench, strip: MessageStrip, parent: QObject) -> None:
         super().__init__(parent)
@@ -85,7 +85,7 @@ class GuidedTour(QObject):
         self._connections: list[QMetaObject.Connection] = []
 
     def begin(self) -> None:
-        """Begin with the first step, on the sample if nothing is open."""
+        """Start with the first step; opens the sample if the project is empty."""
         self.end()
         document, bench = self._bench.document, self._bench
         self._connections = [
@@ -103,27 +103,27 @@ class GuidedTour(QObject):
             open_sample(bench)
 
     def end(self) -> None:
-        """Hide the strip and stop."""
+        """Hide the instruction and end the tour."""
         for connection in self._connections:
             QObject.disconnect(connection)
         self._connections = []
         self._strip.clear()
 
     def _show(self, number: int) -> None:
-        if number == len(STEPS):
+        if number == len(TOUR_STEPS):
             self.end()
             self._strip.show_sentence(END_SENTENCE)
             return
         self._number, self._start = number, self._start_now()
         self._strip.show_sentence(
-            f"Tour, step {number + 1} of {len(STEPS)}. {STEPS[number].sentence}",
+            f"Tour, step {number + 1} of {len(TOUR_STEPS)}. {TOUR_STEPS[number].sentence}",
             ("Skip", lambda: self._show(number + 1)),
             ("End tour", self.end),
         )
         self._update()  # a joint may have been picked before
 
     def _update(self, *_: object) -> None:
-        if STEPS[self._number].is_done(self._bench, self._start):
+        if TOUR_STEPS[self._number].is_done(self._bench, self._start):
             self._show(self._number + 1)
         elif _kinds_of_targets(self._bench.document.project) != _kinds_of_targets(self._start.project):
             self._start = self._start_now()  # a target that comes, goes or becomes shared is where the step starts

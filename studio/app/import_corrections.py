@@ -1,4 +1,4 @@
-"""Corrections of the import report: stored by kind of file, and applied to the next file of its kind."""
+"""The user's corrections of import settings, stored by kind of file and applied to the next file of the same kind."""
 
 import hashlib
 import json
@@ -16,22 +16,24 @@ from studio.io.registry import Progress, ReadCapture
 Options = dict[str, Any]
 """Fields of ImportOptions with their values, as JSON has them."""
 _LASTING_REFERENCES = ("zero", "0")
-"""Reference poses that every file of a kind has; of other frames, which are this file's own, the pose is kept."""
+"""Reference poses that exist in every file of a kind. A pose from another frame is stored as rotations, because frames
+differ between files.
+"""
 _ABSENT = {part.value: "" for part in BodyPart if part not in (BodyPart.ABDOMEN, BodyPart.THORAX)}
-"""A map says of every part of the body, those of the spine aside, that no joint plays it, until one does."""
+"""Body map in which no joint is assigned to any part, the spine aside; the base of stored body maps."""
 _SUBJECTS = {"unit": "unit", "up_axis": "up axis", "frame_rate": "frame rate", "floor": "floor", "body_map": "body map"}
 
 
 @dataclass(frozen=True)
 class ReadAs:
-    """Options with which a capture was read, to distinguish the user's corrections from values and guesses."""
+    """Options with which a capture was read, for telling the user's corrections from values of the file and guesses."""
 
     kind: str
     given: Options
     options: ImportOptions
 
     def corrections(self, capture: Capture) -> Options:
-        """Options that the user has corrected on ``capture`` and that apply to other files of its kind."""
+        """Options that the user has corrected on ``capture`` and that make sense for other files of the same kind."""
         guessed = {guess.subject for guess in capture.guesses}
         said = {
             option: value
@@ -46,13 +48,13 @@ class ReadAs:
 
 
 def kind_of(capture: Capture) -> str:
-    """Key that is equal for files of one program and skeleton: suffix, names and order of joints, frame rate."""
+    """Key shared by files of one program and skeleton: a hash of suffix, joint names, hierarchy and frame rate."""
     head = [Path(capture.source).suffix.lower(), capture.skeleton.names, capture.skeleton.parents.tolist()]
     return hashlib.sha256(json.dumps([*head, round(capture.frame_rate, 3)]).encode()).hexdigest()[:16]
 
 
 def values_of(capture: Capture) -> Options:
-    """Every option that can be read from a capture, guessed or not."""
+    """Current value of every import option of a capture, whether guessed or not."""
     return {
         "unit": capture.unit,
         "up_axis": capture.up_axis,
@@ -65,9 +67,10 @@ def values_of(capture: Capture) -> Options:
 def with_corrections(
     read: ReadCapture, options: ImportOptions, known: Mapping[str, Options], progress: Progress
 ) -> tuple[Capture, ReadAs]:
-    """Capture of a file that was read with ``options``, interpreted with the corrections of its kind.
+    """Capture of a file read with ``options``, to which the corrections of its kind of file are applied.
 
-    ``known`` are the corrections by kind; those that do not fit are reported among the capture's repairs.
+    ``known`` are the corrections by kind of file. Corrections that cannot be applied are listed among the capture's
+    repairs.
     """
     capture = read.capture
     read_as = ReadAs(kind_of(capture), values_of(capture), options)
@@ -78,12 +81,14 @@ def with_corrections(
         corrected = ImportOptions(**wanted)
         return read.interpret(corrected, progress), replace(read_as, options=corrected)
     except (StudioError, TypeError) as error:
-        sentence = f"{capture.source}: the corrections of an earlier file of its kind do not fit it. {error}"
+        sentence = (
+            f"{capture.source}: import settings that you corrected for a similar file could not be applied. {error}"
+        )
         return replace(capture, repairs=(*capture.repairs, sentence)), read_as
 
 
 def corrections_text(corrections: Options) -> str:
-    """``unit inch, floor 0.1``."""
+    """Corrections as text, for example ``unit inch, floor 0.1``."""
     return ", ".join(
         option.replace("_", " ") + ("" if isinstance(value, dict) else f" {value}")
         for option, value in corrections.items()

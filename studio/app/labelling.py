@@ -1,4 +1,6 @@
-"""Labels of library clips in the window: one is opened, corrected on its small timeline, and stored."""
+"""Correction of the strike labels of library clips: a clip is opened, its label edited on a small timeline, and
+stored.
+"""
 
 from typing import TYPE_CHECKING
 
@@ -12,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class LabelController:
-    """Connection of the clip's form with the catalogue."""
+    """Controller of the form of a library clip: loads the clip and stores its label."""
 
     def __init__(self, striking: "StrikeSearchController") -> None:
         self._striking = striking
@@ -22,7 +24,7 @@ class LabelController:
         self.form.confirmed.connect(self.keep)
 
     def open(self, clip: "LibraryClip") -> None:
-        """Show a clip in the form; its take is posed in the background."""
+        """Show a library clip in the form; its take is loaded in the background."""
 
         def work(_: object) -> "OpenedClip":
             from studio.library.label_motion import OpenedClip
@@ -37,7 +39,7 @@ class LabelController:
         self._striking.bench.runner.run(f"Opening {clip.name}", work, done)
 
     def keep(self, label: ClipLabel) -> None:
-        """Write a label into the catalogue, and search again with it."""
+        """Store a label in the catalogue, and repeat the search with it."""
         number, folder = self._number, self._striking.folder
 
         def work(_: object) -> "Library":

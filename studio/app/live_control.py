@@ -1,6 +1,6 @@
-"""Live input and output of the window: ports, recordings, the performers that they drive, and the stream.
+"""Live input and output: ports, recordings, the performers and props that they drive, and the outgoing stream.
 
-Threads read and write sockets and files; the window takes the newest values at each of its own ticks.
+Threads read and write sockets and files; the window takes the newest values at each tick of its own timer.
 """
 
 import time
@@ -17,7 +17,7 @@ from studio.app.workbench import Workbench
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
-from studio.engine.performance import displayed_stage
+from studio.engine.posed_performer import displayed_stage
 from studio.live.recording import Recorder, Replay
 from studio.live.streamer import Broadcast, StreamedPose
 from studio.live.tracker import LOOPBACK, PORT, Inbox, UdpInput
@@ -31,37 +31,39 @@ FloatArray = NDArray[np.float64]
 
 OUT_PORT = PORT + 1
 POLL_MILLISECONDS, REPORT_MILLISECONDS = 16, 500
-"""Milliseconds from one look at what has come to the next, and from one telling of it to the next."""
-HEAD_MOVE, HEAD_REST_SECONDS = 0.001, 0.3
-"""Metres by which a tracked head has moved, and seconds after which it rests: then whole motions are solved."""
-RECORDINGS = "OSC recordings (*.osc)"
+"""Interval at which received values are taken, and interval at which the panel's counts are updated."""
+HEAD_MOVE_METRES, HEAD_REST_SECONDS = 0.001, 0.3
+"""Metres by which a tracked head must move to count as moving, and seconds without movement after which whole motions
+are solved.
+"""
+RECORDING_FILTER = "OSC recordings (*.osc)"
 
 
 @dataclass
 class LiveSource:
-    """Source that fills an inbox, and its last displayed counts."""
+    """Port or recording that receives packets, and the counts that are displayed for it."""
 
     name: str
     feeder: UdpInput | Replay
     pose: "PoseSource | None" = None
-    """The body that comes in, once somebody is driven by it."""
+    """Body received from the source; None until it drives a performer."""
     shown_counts: dict[str, int] = field(default_factory=dict)
-    """Packets that had come at the last telling, of all (by an empty name) and of each sender."""
+    """Packets counted at the last update of the panel, by sender; the empty name counts all packets."""
 
     @property
     def inbox(self) -> Inbox:
-        """Newest values."""
+        """Newest received values."""
         return self.feeder.inbox
 
     def rate(self, sender: str, packets: int, seconds: float) -> float:
-        """Packets per second since the last call."""
+        """Packets per second of a sender since the last call."""
         before, self.shown_counts[sender] = self.shown_counts.get(sender, packets), packets
         return (packets - before) / max(seconds, 1e-3)
 
 
 @dataclass(frozen=True)
 class TrackedHead:
-    """A head that drives a prop: bones or trackers of a source."""
+    """Tracked head that drives a prop: the names of bones or trackers of a source."""
 
     source: str
     names: tuple[str, ...]
@@ -69,7 +71,7 @@ class TrackedHead:
 
 
 class LiveControl:
-    """Connection of the panel, the threads and the document."""
+    """Controller that connects the Live panel, the network threads and the document."""
 
     def __init__(self, bench: Workbench) -> None:
         self.bench = bench
@@ -90,7 +92,7 @@ class LiveControl:
         self._telling.timeout.connect(self.update_counts)
         panel = self.panel
         panel.listen_requested.connect(self.listen)
-        panel.replay_requested.connect(lambda: ask_file(bench, "Replay OSC recording", RECORDINGS, self.replay))
+        panel.replay_requested.connect(lambda: ask_file(bench, "Replay OSC recording", RECORDING_FILTER, self.replay))
         panel.record_requested.connect(self._ask_recording)
         panel.close_requested.connect(self.close_source)
         panel.sender_switched.connect(self.switch)
@@ -105,7 +107,7 @@ class LiveControl:
     # What the user asks for
 
     def listen(self, port: int, address: str = LOOPBACK) -> None:
-        """Listen at a port; returns a sentence if that fails."""
+        """Listen at a port; a failure is reported as a message."""
         try:
             feeder = UdpInput(Inbox(), port, address)
         except StudioError as error:
@@ -115,7 +117,7 @@ class LiveControl:
         self._add(LiveSource(f"Port {feeder.port}", feeder))
 
     def replay(self, path: Path) -> None:
-        """Play a recording of datagrams in a loop; returns a sentence if it is none."""
+        """Play a recording of datagrams in a loop; a file that is not a recording is reported as a message."""
         try:
             replay = Replay(path, Inbox())
         except StudioError as error:
@@ -126,7 +128,7 @@ class LiveControl:
             self.bench.post_message(replay.problem)
 
     def record(self, path: Path) -> None:
-        """Write all received datagrams to a file, in place of any other, until stopped."""
+        """Write all received datagrams to a file until recording is stopped; ends a recording that runs."""
         self.stop_recording()
         try:
             self.recorder = Recorder(path)
@@ -148,7 +150,7 @@ class LiveControl:
         self.update_counts()
 
     def close_source(self, key: str) -> None:
-        """Close a source; the performers that it drives play their own clips again."""
+        """Close a source; performers driven by it play their own clips again."""
         source = self.sources.pop(key, None)
         if source is None:
             return
@@ -162,13 +164,13 @@ class LiveControl:
         self.update_counts()
 
     def switch(self, key: str, sender: str, on: bool) -> None:
-        """Accept or ignore a sender."""
+        """Accept or ignore packets from a sender."""
         feeder = self.sources[key].feeder if key in self.sources else None
         if isinstance(feeder, UdpInput) and sender in feeder.senders:
             feeder.senders[sender].on = on
 
     def drive(self, performer_id: str, key: str) -> None:
-        """Drive a performer by the body of a source; with none it plays its own clips."""
+        """Drive a performer by the body received from a source; an empty ``key`` lets it play its own clips."""
         from studio.live.driving import ReceivedPose  # loads the solver
 
         self.drivers.pop(performer_id, None)
@@ -181,7 +183,7 @@ class LiveControl:
         self.update_counts()
 
     def track(self, key: str, names: str, prop_id: str) -> None:
-        """Move a prop with a tracked head; without a source or a prop it stays."""
+        """Move a prop with the tracked head of a source; without a source or a prop, stop moving it."""
         wanted = names_in(names)
         self._rest()
         self.tracked = TrackedHead(key, wanted, prop_id) if key in self.sources and wanted and prop_id else None
@@ -189,7 +191,9 @@ class LiveControl:
         self.update_counts()
 
     def stream(self, on: bool, address: str = LOOPBACK, port: int = OUT_PORT) -> None:
-        """Send the visible bodies as VMC, the first to ``port``, the next to the one after it."""
+        """Start or stop sending the visible characters as VMC, the first one to ``port`` and each next one to the next
+        port.
+        """
         if self.broadcast is not None:
             self.broadcast.close()
         self.broadcast, self._out_port = Broadcast(address or LOOPBACK) if on else None, port
@@ -223,7 +227,7 @@ class LiveControl:
             self.broadcast.show([body for _, body in self.bodies_to_stream()], time.monotonic())
 
     def bodies_to_stream(self) -> list[tuple[str, StreamedPose]]:
-        """Visible bodies with their names, at their positions on the stage."""
+        """Name and pose on the stage of each visible character."""
         _, _, posed = displayed_stage(self.bench.document, self.bench.live)
         bodies = []
         for place, pose in enumerate(posed.values()):
@@ -243,7 +247,7 @@ class LiveControl:
             return
         x, y, z = place.tolist()
         before = prop.position if isinstance(prop.position, tuple) else (0.0, 0.0, -1e9)
-        if max(abs(new - old) for new, old in zip((x, y, z), before, strict=True)) < HEAD_MOVE:
+        if max(abs(new - old) for new, old in zip((x, y, z), before, strict=True)) < HEAD_MOVE_METRES:
             return
         followed = any(
             follow.prop_id == tracked.prop_id
@@ -257,7 +261,7 @@ class LiveControl:
         document.replace("props", tracked.prop_id, moved, f"Track {prop.name}", self._gesture)
 
     def track_camera(self, on: bool) -> None:
-        """Let the tracked head look at the stage through the screen, from the present camera."""
+        """Start or stop moving the camera with the tracked head, as if the screen were a window to the stage."""
         place = self._head()
         if on and place is None:
             self.bench.post_message(
@@ -269,7 +273,9 @@ class LiveControl:
             self._look_from(CENTRE_EYE)
 
     def _head(self) -> FloatArray | None:
-        """(3,) position of the tracked head; that of the source and names in the panel if no prop is moved."""
+        """(3,) position of the tracked head, by the source and the names chosen in the panel; None if it is not
+        tracked.
+        """
         source = self.sources.get(self.tracked.source if self.tracked else str(self.panel.head.value))
         names = self.tracked.names if self.tracked else names_in(self.panel.names.text())
         return None if source is None else source.inbox.position_of(names)
@@ -293,7 +299,7 @@ class LiveControl:
     # What is told
 
     def update_counts(self) -> None:
-        """Show the received counts."""
+        """Update the packet counts in the panel."""
         now = time.monotonic()
         seconds, self._told_at = now - self._told_at, now
         rows, counts = [], [0, 0, 0]
@@ -354,7 +360,7 @@ class LiveControl:
         if self.recorder is not None:
             self.stop_recording()
         else:
-            ask_new_file(self.bench, "Record OSC input", RECORDINGS, "session.osc", self.record, "osc")
+            ask_new_file(self.bench, "Record OSC input", RECORDING_FILTER, "session.osc", self.record, "osc")
 
     def _offer(self) -> None:
         project = self.bench.document.project
@@ -367,7 +373,7 @@ class LiveControl:
 
 
 def names_in(words: str) -> tuple[str, ...]:
-    """Bones or trackers, with commas between them."""
+    """Names of bones or trackers in a text, separated by commas."""
     return tuple(name.strip() for name in words.split(",") if name.strip())
 
 
@@ -382,7 +388,7 @@ def _senders(source: LiveSource, now: float, seconds: float) -> tuple[SenderRow,
 
 
 def show_live(bench: Workbench) -> None:
-    """Open the panel."""
+    """Show the Live panel."""
     bench.window.show_dock("Live")
 
 

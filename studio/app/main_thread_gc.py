@@ -1,4 +1,4 @@
-"""Collector: garbage collection on the window's thread alone while a window is open."""
+"""Garbage collection on the window's thread only, while a window is open."""
 
 import gc
 
@@ -8,16 +8,16 @@ from studio.app.main_window import MainWindow
 from studio.startup.process import give_back_freed_memory
 
 COLLECT_INTERVAL_MS = 1000
-"""Milliseconds between two looks at whether there is enough to look for."""
+"""Milliseconds between two checks if a collection is due."""
 SETTLE_MS = 5_000
-"""Milliseconds after which nothing of the project before is in use any more."""
+"""Milliseconds after which the previous project is no longer in use and can be collected."""
 
 
 class Collector(QObject):
-    """Replacement of Python's automatic collection, which runs in whatever thread allocates an object.
+    """Replacement of Python's automatic garbage collection, which runs on whatever thread allocates an object.
 
-    A worker that collected a part of the window would crash, because Qt requires its objects to be deleted on their own
-    thread. It is never restored: the window closes with the program, which ends threads and window at once.
+    A worker thread that collected a widget would crash, because Qt requires its objects to be deleted on their own
+    thread. Automatic collection is never restored: the process ends with the window.
     """
 
     def __init__(self, window: MainWindow) -> None:

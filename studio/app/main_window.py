@@ -42,7 +42,7 @@ from studio.app.sound_playback import SoundPlayback
 from studio.app.strike_search import StrikeSearchController
 from studio.app.top_bar import TopBar
 from studio.app.verbs import editing, files
-from studio.app.verbs.behaviours import READY_MADE
+from studio.app.verbs.behaviours import READY_MADE_PARTS
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.engine.problem_search import ProblemSearch
@@ -52,9 +52,9 @@ from studio.panels.console import Console
 from studio.panels.fields import styled_label
 from studio.panels.history import History
 from studio.panels.inspector import Inspector
-from studio.panels.library_drops import BODIES, LibraryDrops
+from studio.panels.library_drops import BODY_COLLECTIONS, LibraryDrops
 from studio.panels.library_panel import LibraryPanel
-from studio.panels.library_rows import OPENED
+from studio.panels.library_rows import SCENE_COLLECTIONS
 from studio.panels.message_strip import Lifetime, MessageStrip, RecoveryBar
 from studio.panels.problem_table import ProblemTable
 from studio.panels.status_line import StatusLine
@@ -65,23 +65,23 @@ if TYPE_CHECKING:
 
 MAIN_WINDOW_SIZE = (1680, 1050)
 LIBRARY_WIDTH, INSPECTOR_WIDTH = 236, 316
-TIMELINE_SHARE, TIMELINE_MOST = 0.35, 0.45
-HISTORY_HEIGHT, HISTORY_SHARE = 160, 0.24
-TITLE_BAR = 36
-"""Pixels that a window manager may put above the window."""
-ABOVE_NOTES = 48
-"""Pixels of the view's edges that its chips have, which no sentence covers."""
+TIMELINE_FRACTION, MAX_TIMELINE_FRACTION = 0.35, 0.45
+HISTORY_HEIGHT_PX, HISTORY_FRACTION = 160, 0.24
+TITLE_BAR_PX = 36
+"""Pixels reserved for the title bar that a window manager puts above the window."""
+CHIP_STRIP_PX = 48
+"""Pixels at the upper and lower edge of the 3D view that are left to its chips, so that no message covers them."""
 
 Area = Qt.DockWidgetArea
 TABBED_PANELS = {
     "Inspector": ("Strikes", "Live", "Poses"),
     "Timeline": ("Behaviour", "Pose map", "Console", "Problems"),
 }
-"""Panels that stand in the place of another one, when they are asked for."""
+"""Panels that share the dock area of another panel as tabs once they are shown."""
 
 
 class MainWindow(QMainWindow):
-    """Single main window. Views of the motion are added later by ``show_viewport`` and ``show_timeline``."""
+    """Main window. The 3D view and the timeline are added later by ``show_viewport`` and ``show_timeline``."""
 
     closed = Signal()
 
@@ -125,7 +125,9 @@ class MainWindow(QMainWindow):
             note.raise_()
         viewport.strike_drops.dropped.connect(self.striking.play)
         viewport.pose_drops.dropped.connect(self.pose_library.apply_to)
-        LibraryDrops(viewport, ("captures", *BODIES, *OPENED)).dropped.connect(self.library.open_item)
+        LibraryDrops(viewport, ("captures", *BODY_COLLECTIONS, *SCENE_COLLECTIONS)).dropped.connect(
+            self.library.open_item
+        )
         viewport.covered_below = self._covered_below
         self.bench.set_viewport(viewport)
         self._apply_preferences()
@@ -134,7 +136,7 @@ class MainWindow(QMainWindow):
         self.bench.views_changed.emit()
 
     def _covered_below(self) -> float:
-        """Pixels of the view that the message strip covers along its lower edge."""
+        """Height in pixels of the lower part of the 3D view that the message strip covers."""
         self._stage_layout.activate()
         return 0.0 if self.strip.isHidden() else float(self._stage_layout.geometry().height() - self.strip.y())
 
@@ -144,13 +146,13 @@ class MainWindow(QMainWindow):
         timeline.message_posted.connect(self.status.show_hint)
         timeline.action_requested.connect(lambda key: self.actions_by_id.by_id[key].trigger())
         timeline.tracks.strike_dropped.connect(self.striking.play)
-        LibraryDrops(timeline.tracks, BODIES).dropped.connect(self.library.open_item)
+        LibraryDrops(timeline.tracks, BODY_COLLECTIONS).dropped.connect(self.library.open_item)
         self.bench.set_timeline(timeline)
         self._show_progress(*self.status.progress.now)
         self.bench.views_changed.emit()
 
     def show_dock(self, name: str) -> None:
-        """Show a panel, on top of those in the same tab area."""
+        """Show a panel, in front of the other tabs of its area."""
         self.docks[name].show()
         self.docks[name].raise_()
 
@@ -166,7 +168,7 @@ class MainWindow(QMainWindow):
         self.console.setFocus()
 
     def choose(self, title: str, choices: Sequence[tuple[tuple[str, str], Callable[[], object]]]) -> None:
-        """Show a list like the palette's, of ((text, detail), function)."""
+        """Show a searchable list of choices ((text, detail), function) and call the function of the chosen one."""
         actions = []
         for (text, detail), run in choices:
             action = QAction(text, self.choice_panel)
@@ -176,7 +178,7 @@ class MainWindow(QMainWindow):
         self.choice_panel.offer(title, actions)
 
     def set_preferences(self, preferences: Preferences) -> None:
-        """Apply and store these preferences."""
+        """Apply and store ``preferences``."""
         self.bench.preferences = preferences
         save_preferences(self.bench.settings, preferences)
         self.actions_by_id.apply_keys()
@@ -200,20 +202,20 @@ class MainWindow(QMainWindow):
             files.save(self.bench)
 
     def show_shortcuts(self) -> None:
-        """Show the sheet of all shortcuts."""
+        """Show the list of all shortcuts."""
         self._sheet = ShortcutSheet(self, self.actions_by_id.by_menu())
         self._sheet.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self._sheet.show()
 
     def set_dock_titles_shown(self, on: bool) -> None:
-        """Show or hide the title bars of docks, by which they are moved."""
+        """Show or hide the title bars by which panels are moved."""
         self.arranging = on
         for dock in self.docks.values():
             dock.setTitleBarWidget(None if on else QWidget(dock))  # type: ignore[arg-type]
         self.history.head.setHidden(on)
 
     def reset_layout(self) -> None:
-        """Move all docks to their default places."""
+        """Move all panels to their default places."""
         self.bench.settings.forget_layout()
         self.restoreState(self._first_state)
         self._size_docks()
@@ -261,7 +263,7 @@ class MainWindow(QMainWindow):
         self._waiting.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._stage_layout.addWidget(self._waiting, 0, 0)
         notes = QVBoxLayout()  # over the view, whose size is the same with them and without
-        notes.setContentsMargins(12, ABOVE_NOTES, 12, ABOVE_NOTES)
+        notes.setContentsMargins(12, CHIP_STRIP_PX, 12, CHIP_STRIP_PX)
         notes.setSpacing(8)
         notes.addWidget(self.recovery)
         notes.addWidget(self.question)
@@ -281,7 +283,7 @@ class MainWindow(QMainWindow):
         self.live_control = LiveControl(self.bench)
         self.pose_library = PoseLibrary(self.bench)
         self.footage_playback = FootagePlayback(self.bench, self)
-        ready_made = [(key, text, tip) for key, (text, tip, _) in READY_MADE.items()]
+        ready_made = [(key, text, tip) for key, (text, tip, _) in READY_MADE_PARTS.items()]
         self.behaviour = BehaviourPanel(self.bench.document, ready_made)
         self.behaviour.action_requested.connect(lambda key: self.actions_by_id.by_id[key].trigger())
         self.console = Console(self.bench.document)
@@ -332,10 +334,10 @@ class MainWindow(QMainWindow):
         self.resizeDocks(
             [docks["Library"], docks["Inspector"]], [LIBRARY_WIDTH, INSPECTOR_WIDTH], Qt.Orientation.Horizontal
         )
-        height = round(self.height() * TIMELINE_SHARE)
+        height = round(self.height() * TIMELINE_FRACTION)
         self.resizeDocks([docks["Timeline"]], [height], Qt.Orientation.Vertical)
         left = self.height() - height
-        history = min(HISTORY_HEIGHT, round(left * HISTORY_SHARE))
+        history = min(HISTORY_HEIGHT_PX, round(left * HISTORY_FRACTION))
         self.resizeDocks([docks["Library"], docks["History"]], [left - history, history], Qt.Orientation.Vertical)
 
     def _connect(self) -> None:
@@ -380,11 +382,11 @@ class MainWindow(QMainWindow):
             self.restoreState(layout[1])
 
     def _stay_on_screen(self) -> None:
-        """Limit size and position to the screen."""
-        room = self.screen().availableGeometry().adjusted(0, TITLE_BAR, 0, 0)
+        """Limit size and position of the window to the screen."""
+        room = self.screen().availableGeometry().adjusted(0, TITLE_BAR_PX, 0, 0)
         self.resize(self.size().boundedTo(room.size()))
         if not room.contains(self.geometry()):
-            self.move(room.topLeft() - QPoint(0, TITLE_BAR))
+            self.move(room.topLeft() - QPoint(0, TITLE_BAR_PX))
 
     # What it answers to
 
@@ -418,7 +420,7 @@ class MainWindow(QMainWindow):
             self.bench.post_message(str(error))
 
     def event(self, event: QEvent) -> bool:
-        """Leave Space to the button that has the focus, which only Tab gives to it."""
+        """Leave Space to a focused button: only Tab gives a button the focus."""
         pressed = event.type() == QEvent.Type.ShortcutOverride and cast(QKeyEvent, event).key() == Qt.Key.Key_Space
         if pressed and isinstance(self.focusWidget(), QAbstractButton):
             event.accept()
@@ -426,35 +428,35 @@ class MainWindow(QMainWindow):
         return bool(super().event(event))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Pass what no panel takes to the gizmo, so that it needs no focus in the 3D view."""
+        """Pass keys that no panel uses to the gizmo, so that it works without focus in the 3D view."""
         if not (self.bench.has_viewport and self.bench.viewport.nudge_by_key(event)):
             super().keyPressEvent(event)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Take the focus from a field by a click outside."""
+        """Take the focus from a text field when the user clicks outside of it."""
         self.setFocus()
         super().mousePressEvent(event)
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        """Accept any file: an unreadable one is reported by a sentence with advice."""
+        """Accept any dropped file; an unreadable one is reported by a message."""
         if _dropped(event):
             event.acceptProposedAction()
             self.drop_frame.setGeometry(self.rect())
             self.drop_frame.show()
 
     def dragLeaveEvent(self, event: QDragLeaveEvent) -> None:
-        """Remove the highlight of a drop."""
+        """Remove the highlight of the drop target."""
         self.drop_frame.hide()
         super().dragLeaveEvent(event)
 
     def dropEvent(self, event: QDropEvent) -> None:
-        """Open or import, without a dialog."""
+        """Open or import the dropped files without a dialog."""
         self.drop_frame.hide()
         event.acceptProposedAction()
         self.open_paths(_dropped(event))
 
     def open_paths(self, paths: list[Path]) -> None:
-        """Open a project, import captures; errors are shown in the strip."""
+        """Open a project or import captures; errors are shown as messages."""
         for path in paths:
             try:
                 files.open_path(self.bench, path)
@@ -462,7 +464,7 @@ class MainWindow(QMainWindow):
                 self.bench.post_message(str(error))
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Set the sizes of docks, which need a visible window."""
+        """Set the sizes of the panels, which is possible only in a visible window."""
         super().showEvent(event)
         if self.bench.settings.layout() is None:
             self._size_docks()
@@ -473,14 +475,14 @@ class MainWindow(QMainWindow):
         QTimer.singleShot(0, self, self._bound_timeline)
 
     def _bound_timeline(self) -> None:
-        most, dock = round(self.height() * TIMELINE_MOST), self.docks["Timeline"]
+        most, dock = round(self.height() * MAX_TIMELINE_FRACTION), self.docks["Timeline"]
         # One that was dragged out onto another, as its tab, floats with that one and not by itself.
         placed = self.dockWidgetArea(dock) is not Qt.DockWidgetArea.NoDockWidgetArea and not dock.isFloating()
         if dock.height() > most and placed:
             self.resizeDocks([dock], [most], Qt.Orientation.Vertical)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask about unsaved work without a modal dialog; then stop everything, views first."""
+        """Ask about unsaved changes in the message strip; then stop all work, views first."""
         if self.bench.document.dirty and not self._leaving:
             event.ignore()
             self.run_when_saved(self.close_without_saving)
@@ -502,7 +504,7 @@ class MainWindow(QMainWindow):
         self.closed.emit()
 
     def close_without_saving(self) -> None:
-        """Close without saving; the journal keeps unsaved edits."""
+        """Close without saving; unsaved edits stay in the journal."""
         self._leaving = True
         self.close()
 

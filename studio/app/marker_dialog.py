@@ -1,4 +1,4 @@
-"""Markers of a capture: map, cleaning and signals in one window; its changes can be undone."""
+"""Dialog for the markers of a capture: marker map, cleaning and signals. Applied changes can be undone."""
 
 from collections.abc import Callable, Collection
 from dataclasses import replace
@@ -20,7 +20,9 @@ MARKER_DIALOG_SIZE = (1120, 680)
 
 
 def open_markers(bench: Workbench, capture_id: str | None = None) -> "MarkerDialog":
-    """Show the markers of a capture, by default the playing or selected one. Raises StudioError without any."""
+    """Show the markers of a capture, by default of the selected or playing one. Raises StudioError if there are
+    none.
+    """
     capture_id = capture_id or _shown_capture(bench)
     capture = bench.document.project.captures.get(capture_id or "")
     if capture_id is None or capture is None or capture.markers is None:
@@ -31,7 +33,7 @@ def open_markers(bench: Workbench, capture_id: str | None = None) -> "MarkerDial
 
 
 def has_markers(bench: Workbench) -> bool:
-    """True if ``open_markers`` has markers to show."""
+    """True if the selected or the playing capture has markers."""
     capture = bench.document.project.captures.get(_shown_capture(bench) or "")
     return capture is not None and capture.markers is not None
 
@@ -45,7 +47,7 @@ def _shown_capture(bench: Workbench) -> str | None:
 
 
 class MarkerDialog(QDialog):
-    """Dialog that is not modal. Its settings are applied by its button, as one undo step."""
+    """Non-modal marker dialog. Its settings are applied by a button, as one undo step."""
 
     def __init__(self, bench: Workbench, capture_id: str, capture: Capture) -> None:
         super().__init__(bench.window)
@@ -93,7 +95,7 @@ class MarkerDialog(QDialog):
 
     @property
     def take(self) -> MarkerTake:
-        """Take with the present settings."""
+        """Marker take with the dialog's current settings."""
         return replace(
             self._take,
             marker_map=self.assistant.marker_map,
@@ -102,12 +104,12 @@ class MarkerDialog(QDialog):
         )
 
     def solve(self) -> None:
-        """Apply the settings to the capture."""
+        """Solve the capture again with the current settings."""
         self.apply.setEnabled(False)
         resolve_markers(self._bench, self._capture_id, self.take)
 
     def _clean(self) -> None:
-        """Run the cleaning steps in the background to show their reports before they are applied."""
+        """Run the cleaning steps in the background and show their reports as a preview."""
         take = self.take
 
         def work(progress: Callable[[float, str], None]) -> tuple[StepReport, ...]:

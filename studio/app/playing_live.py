@@ -1,4 +1,4 @@
-"""Live play in the window: keys and clicked clips while the stage plays, and takes that become edits."""
+"""Live play in the window: number keys and clicked clips start motions, and recorded takes become edits."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -14,20 +14,20 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import clips_until, copies_for_parts
 from studio.core.stage.conditions import KeyCondition
 from studio.core.stage.project import Entity, Performer, Project, new_id
-from studio.document.clip_edits import put_copies
+from studio.document.clip_edits import add_copies
 from studio.live.recorded_take import StageTake, edits_of
 from studio.panels.fields import NumberField
 from studio.panels.message_strip import Lifetime
 
-TYPING = (QLineEdit, QAbstractSpinBox, QComboBox, QTextEdit, QPlainTextEdit)
+TYPING_WIDGETS = (QLineEdit, QAbstractSpinBox, QComboBox, QTextEdit, QPlainTextEdit)
 KEY_EVENTS = (QEvent.Type.ShortcutOverride, QEvent.Type.KeyPress)
 
 
-PLAYS_LIVE = "Live play is on."
+LIVE_PLAY_MESSAGE = "Live play is on."
 
 
 class LivePlayController(QObject):
-    """Connection of the live stage with the window: handles keys and clicks while it runs, and stores takes."""
+    """Controller of live play: handles keys and clicks while the stage plays live, and inserts recorded takes."""
 
     def __init__(self, bench: Workbench, parent: QObject) -> None:
         super().__init__(parent)
@@ -38,11 +38,11 @@ class LivePlayController(QObject):
         bench.document.selection.changed.connect(self._start_chosen)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Handle keys of live play before all shortcuts, but not before a field that takes them."""
+        """Handle the keys of live play before all shortcuts, but after a focused text field."""
         if event.type() not in KEY_EVENTS or not isinstance(event, QKeyEvent):
             return False
         focused = QApplication.focusWidget()
-        if isinstance(focused, TYPING) and not (isinstance(focused, NumberField) and focused.leaves(event)):
+        if isinstance(focused, TYPING_WIDGETS) and not (isinstance(focused, NumberField) and focused.leaves(event)):
             return False
         if event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
             return False
@@ -55,7 +55,7 @@ class LivePlayController(QObject):
         return True
 
     def _meaning(self, event: QKeyEvent) -> Callable[[], object] | None:
-        """Function of a key during live play; None if it keeps its usual one."""
+        """Function that a key has during live play; None if the key keeps its usual function."""
         dragging = self._bench.has_viewport and self._bench.viewport.gesture is not None
         if event.key() == Qt.Key.Key_Escape:
             return None if dragging else self._play.end
@@ -85,11 +85,11 @@ class LivePlayController(QObject):
         application = QApplication.instance()
         if application is not None:
             (application.installEventFilter if running else application.removeEventFilter)(self)
-        if not running and self._bench.window.strip.text.startswith(PLAYS_LIVE):
+        if not running and self._bench.window.strip.text.startswith(LIVE_PLAY_MESSAGE):
             self._bench.clear_message()
 
     def _start_chosen(self) -> None:
-        """Start the clip that is clicked during live play, on the active performer."""
+        """Play the clip that was clicked during live play on the active performer."""
         before, self._clips = self._clips, self._bench.document.selection.of("clips")
         if not self._play.running or self._clips == before or not self._clips:
             return
@@ -117,7 +117,7 @@ def toggle(bench: Workbench) -> None:
     heard = [f"{key}: {'; '.join(words)}." for key, words in keys_of(bench.document.project).items()]
     record_keys = bench.window.actions_by_id.by_id["record_take"].shortcut().toString()
     recording = [f"{record_keys}: record."] if record_keys else []
-    bench.inform(" ".join([PLAYS_LIVE, *own, *heard, *recording, "Esc: stop."]))
+    bench.inform(" ".join([LIVE_PLAY_MESSAGE, *own, *heard, *recording, "Esc: stop."]))
 
 
 def record(bench: Workbench) -> None:
@@ -126,7 +126,7 @@ def record(bench: Workbench) -> None:
 
 
 def insert_take(bench: Workbench, take: StageTake) -> None:
-    """Add a recorded take to the rows of its performers from the playhead on, as one undo step."""
+    """Add a recorded take to the clip tracks of its performers, at the playhead, as one undo step."""
     document = bench.document
     project, begin = document.project, document.playhead.time
     if abs(begin - take.begin) < 0.5 / document.playhead.frame_rate:
@@ -144,7 +144,7 @@ def insert_take(bench: Workbench, take: StageTake) -> None:
         for _, key, entity in made if begin != take.begin else ():
             if isinstance(entity, Performer):
                 kept = [clip for clip in entity.clips if clip.start < begin]
-                put_copies(document, copies_for_parts(document.project, project.performers[key], kept), "Record take")
+                add_copies(document, copies_for_parts(document.project, project.performers[key], kept), "Record take")
     rate = document.playhead.frame_rate
     document.playhead.set_range(round(begin * rate), round((begin + take.end - take.begin) * rate))
     document.playhead.set_time(begin)
@@ -157,7 +157,7 @@ def insert_take(bench: Workbench, take: StageTake) -> None:
 
 
 def _after(project: Project, collection: str, key: str, entity: Entity, begin: float) -> tuple[str, str, Entity]:
-    """Edit of a take that keeps the row until ``begin``."""
+    """Edit of a recorded take, changed so that clips before ``begin`` are kept."""
     if not isinstance(entity, Performer):
         return collection, key, entity
     before = project.performers[key]
@@ -166,7 +166,7 @@ def _after(project: Project, collection: str, key: str, entity: Entity, begin: f
 
 
 def clips_of(project: Project, performer_id: str) -> list[Clip]:
-    """Clips that a performer plays by the keys 1 to 9: those of its row, each once."""
+    """Clips of a performer that the keys 1 to 9 start: each clip of its track once."""
     performer = project.performers.get(performer_id)
     clips = performer.clips if performer else ()
     return list({(clip.motion_id, clip.first, clip.last): detached_clip(clip) for clip in reversed(clips)}.values())[
@@ -175,12 +175,12 @@ def clips_of(project: Project, performer_id: str) -> list[Clip]:
 
 
 def detached_clip(clip: Clip) -> Clip:
-    """Clip of a row detached from it, to begin anywhere."""
+    """Copy of a clip that no longer aligns to the previous clip and may start at any time."""
     return replace(clip, joined=True, turn=0.0, offset=(0.0, 0.0))
 
 
 def keys_of(project: Project) -> dict[str, list[str]]:
-    """Keys used by behaviours, each with the states to which it leads and the characters that it concerns."""
+    """Keys that start transitions of behaviours, each with the names of the target states and of the characters."""
     keys: dict[str, dict[str, None]] = {}
     for behaviour in project.behaviours.values():
         names = [project.performers[each.performer_id].name for each in behaviour.cast]

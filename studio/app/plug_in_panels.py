@@ -1,4 +1,4 @@
-"""Panels of installed packages, loaded when they are first shown."""
+"""Panels of installed plug-ins, loaded when they are first shown."""
 
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def add_panel_actions(window: "MainWindow") -> None:
-    """Add an entry to the menu *View* of the main window for each panel of a package, without loading it."""
+    """Add an entry to the *View* menu for each panel of a plug-in, without loading the panel."""
     for offer in plug_ins.plug_in_entries(plug_ins.PANELS_GROUP):
         action = QAction(escaped_mnemonics(f"{offer.name.replace('_', ' ').capitalize()} panel"), window)
         action.setToolTip(f"Added by {offer.package}")
@@ -24,7 +24,7 @@ def add_panel_actions(window: "MainWindow") -> None:
 
 
 def show_plug_in(window: "MainWindow", offer: plug_ins.PlugInEntry) -> None:
-    """Show a package's panel beside the inspector; errors in it are reported as a message."""
+    """Show the panel of a plug-in beside the inspector; an error in it is reported as a message."""
     key = f"plug-in {offer.name}"
     if key not in window.docks:
         try:

@@ -1,4 +1,4 @@
-"""Pose library in the window: poses of the active body are saved, and applied as keys of a manual correction."""
+"""Pose library: poses of the active character are saved, and applied as keys of a correction layer."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -14,20 +14,20 @@ from studio.core.stage.correction import PoseOffsets
 from studio.core.stage.local_pose import POSE_REGIONS, local_pose, turns_to
 from studio.document.correction_edits import correction_at, set_pose
 from studio.engine.correction_range import fitted_range
-from studio.engine.performance import PosedPerformer, pose_of
+from studio.engine.posed_performer import PosedPerformer, pose_of
 from studio.library.saved_poses import SavedPose, delete_pose, read_poses, rename_pose, write_pose
 from studio.panels.pose_list import PosePanel
 from studio.panels.thumbnails import pose_picture
 
-HIPS_REGIONS = ("Whole body", "Legs")
-"""Regions with which the height of the hips is applied."""
+REGIONS_WITH_HIPS = ("Whole body", "Legs")
+"""Body regions with which the saved height of the hips is applied too."""
 NO_POSE_MESSAGE = (
     "No selected character shows a pose at the playhead. Select one that plays a clip, and wait until it is adapted."
 )
 
 
 class PoseLibrary:
-    """Connection of the panel, the files and the document."""
+    """Controller that connects the panel of saved poses, their files and the document."""
 
     def __init__(self, bench: Workbench, folder: Path | None = None) -> None:
         self._bench, self._folder = bench, folder or library_folder() / "poses"
@@ -40,7 +40,7 @@ class PoseLibrary:
         self._list()
 
     def save(self) -> None:
-        """Save the pose of the active performer at the playhead; its name is typed in the list."""
+        """Save the pose of the active performer at the playhead; the user types the name in the list."""
         _, shown = self._shown()
         motion = shown.motion
         pose = local_pose(motion.morphology.layout, motion.rotations[shown.row], _hips_height(shown))
@@ -48,7 +48,9 @@ class PoseLibrary:
         self.panel.edit_name(self._list(write_pose(self._folder, name, pose).path))
 
     def apply(self, row: int) -> None:
-        """Set a key of a correction of the active performer at the playhead that brings the chosen part to a pose."""
+        """Set a correction key at the playhead that brings the chosen body region of the active performer to the pose
+        in ``row``.
+        """
         document, saved, (performer_id, shown) = self._bench.document, self._saved[row], self._shown()
         time, region, fraction = document.playhead.time, str(self.panel.region.value), self.panel.fraction
         correction = document.project.corrections.get(correction_at(document, performer_id, time) or "")
@@ -58,22 +60,22 @@ class PoseLibrary:
         layout, rotations = shown.motion.morphology.layout, shown.motion.rotations[shown.row]
         turns = turns_to(layout, rotations, saved.pose, POSE_REGIONS[region], fraction, dict(acting.turns))
         x, y, z = acting.hips
-        rise = fraction * (saved.pose.hips_height - _hips_height(shown)) if region in HIPS_REGIONS else 0.0
+        rise = fraction * (saved.pose.hips_height - _hips_height(shown)) if region in REGIONS_WITH_HIPS else 0.0
         wanted = PoseOffsets(tuple(turns.items()), (x, y, z + rise)).scaled(1.0 / weight)
         keyed = {part: wanted.turn(part) for part in turns}
-        hips = wanted.hips if region in HIPS_REGIONS else None
+        hips = wanted.hips if region in REGIONS_WITH_HIPS else None
         motion = self._bench.live.result(performer_id) or shown.motion
         fitted = fitted_range(timing_of(document.project, shown.performer), motion, wanted, time)
         text = f"Apply pose '{saved.name}'"
         set_pose(document, performer_id, time, keyed, hips, text=text, name=saved.name, activation=fitted)
 
     def apply_to(self, row: int, performer_id: str) -> None:
-        """Select a performer and apply a pose to it."""
+        """Select a performer and apply the pose in ``row`` to it."""
         self._bench.document.selection.set(("performers", performer_id))
         self._try(lambda: self.apply(row))
 
     def rename(self, row: int, name: str) -> None:
-        """Rename a pose; an empty name or that of another pose is refused."""
+        """Rename the pose in ``row``; an empty or used name is refused with a message."""
         saved = self._saved[row]
         taken = {each.name for each in self._saved if each is not saved}
         path = saved.path
@@ -87,12 +89,12 @@ class PoseLibrary:
             self._list(path)
 
     def delete(self, row: int) -> None:
-        """Delete the file of a pose."""
+        """Delete the file of the pose in ``row``."""
         delete_pose(self._saved[row])
         self._list()
 
     def _list(self, current: Path | None = None) -> int:
-        """List the folder's content; the row of ``current``."""
+        """Show the poses of the folder in the list. Returns the row of the file ``current``, or -1."""
         self._saved, problems = read_poses(self._folder)
         row = next((place for place, each in enumerate(self._saved) if each.path == current), -1)
         listed = [(each.name, QIcon(QPixmap.fromImage(pose_picture(each.pose)))) for each in self._saved]
@@ -100,7 +102,7 @@ class PoseLibrary:
         return row
 
     def _shown(self) -> tuple[str, PosedPerformer]:
-        """Active performer's id and pose at the playhead."""
+        """Id and pose at the playhead of the active performer."""
         document = self._bench.document
         key = document.active_performer_id or ""
         performer, motion = document.project.performers.get(key), self._bench.live.shown_frame(key)
@@ -116,5 +118,5 @@ class PoseLibrary:
 
 
 def _hips_height(shown: PosedPerformer) -> float:
-    """Height of the hips in leg lengths."""
+    """Height of the hips above the ground in leg lengths."""
     return float(shown.motion.positions[shown.row, 0, 2]) / shown.motion.body.leg_length

@@ -1,4 +1,4 @@
-"""Pose map in the window: computed in the background; hovered and chosen groups are shown in other views."""
+"""Controller of the pose map: groups poses in the background and shows hovered or clicked groups in other views."""
 
 from typing import TYPE_CHECKING
 
@@ -12,12 +12,12 @@ if TYPE_CHECKING:
     from studio.library.clusters import PoseMap
     from studio.library.library import Library, LibraryClip
 
-GROUPS = 24
+POSE_GROUP_COUNT = 24
 HIP_JOINTS, KNEE_JOINT = (12, 16), 1
 
 
 class PoseMapController:
-    """Controller of the pose map: draws the open library's poses in groups, and lists the clips of a chosen group."""
+    """Controller that draws the poses of the open library in groups, and lists the clips of a clicked group."""
 
     def __init__(self, striking: "StrikeSearchController") -> None:
         self._striking = striking
@@ -29,14 +29,14 @@ class PoseMapController:
         self.view.pose_chosen.connect(self.choose)
 
     def show(self, library: "Library") -> None:
-        """Group the poses of a library, and draw them."""
+        """Group the poses of a library, and draw one figure per group."""
         if library is self._library:
             return
 
         def work(_: object) -> "tuple[PoseMap, list[PoseGroup]]":
             from studio.library.clusters import map_of
 
-            made = map_of(library.table, GROUPS)
+            made = map_of(library.table, POSE_GROUP_COUNT)
             return made, groups_of(made, library)
 
         def done(made: "tuple[PoseMap, list[PoseGroup]]") -> None:
@@ -48,7 +48,9 @@ class PoseMapController:
         self._striking.bench.runner.run("Drawing the map of the library", work, done)
 
     def show_group(self, group: int) -> None:
-        """Show the clip of a group's most typical pose as a ghost, from that pose on; none if ``group`` is negative."""
+        """Show a ghost of the clip with the group's most typical pose, starting at that pose; a negative ``group``
+        removes it.
+        """
         if group < 0 or self._map is None or self._library is None:
             self._striking.show_ghost(None, 0)
             return
@@ -56,7 +58,7 @@ class PoseMapController:
         self._striking.show_ghost(clip, frame)
 
     def choose(self, group: int) -> None:
-        """List the clips with poses in a group, those with most of them first."""
+        """List the clips that have poses in a group, those with most poses first."""
         if self._map is None or self._library is None:
             return
         numbers = self._map.clips_of(group, self._library.table)
@@ -65,7 +67,7 @@ class PoseMapController:
 
 
 def groups_of(made: "PoseMap", library: "Library") -> "list[PoseGroup]":
-    """Figures of the map, one for each group of poses."""
+    """Figures of the pose map, one for each group of poses."""
     from studio.core.retrieval import row_points
 
     points, places = row_points(library.table.rows[made.representatives]), made.places(library.table.rows)
@@ -82,5 +84,5 @@ def groups_of(made: "PoseMap", library: "Library") -> "list[PoseGroup]":
 
 
 def show_map(bench: Workbench) -> None:
-    """Open the map."""
+    """Show the pose map."""
     bench.window.show_dock("Pose map")

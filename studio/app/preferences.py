@@ -1,4 +1,4 @@
-"""Preferences of the user, and key maps: their storage, and the keys of each action."""
+"""Preferences and key maps of the user: their storage, and the shortcuts of each action."""
 
 import json
 import math
@@ -16,9 +16,9 @@ from studio.viewport.onion_skins import OnionSkins
 from studio.viewport.snap_steps import SnapSteps
 
 KeyTable = Mapping[str, tuple[str, ...]]
-"""Keys by the id of an action."""
+"""Shortcuts by action id."""
 STUDIO_KEYS = "studio"
-LEAST_SNAP = 1e-3
+MIN_SNAP_STEP = 1e-3
 INTEGER_RANGES = (
     ("onion_before", 0, 20),
     ("onion_after", 0, 20),
@@ -27,7 +27,7 @@ INTEGER_RANGES = (
     ("interface_scale", 50, 300),
 )
 FITTED, WHOLE_CLIP_ACTIVATION = "fitted", "whole_clip"
-CHOICES: Mapping[str, tuple[str, ...]] = {
+PREFERENCE_CHOICES: Mapping[str, tuple[str, ...]] = {
     "activation": (FITTED, WHOLE_CLIP_ACTIVATION),
     "theme": tuple(colours.THEMES),
     "lengths": tuple(LENGTH_CHOICES),
@@ -36,35 +36,37 @@ CHOICES: Mapping[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class Preferences:
-    """Choices of the user; a number out of its range raises ValueError."""
+    """Preferences of the user. A number outside its range raises ValueError."""
 
     move_step: float = 1.0
-    """Centimetres."""
+    """Snapping step of the move tool, in centimetres."""
     rotate_step: float = 15.0
-    """Degrees."""
+    """Snapping step of the rotate tool, in degrees."""
     scale_step: float = 10.0
-    """Percent."""
+    """Snapping step of the scale tool, in percent."""
     onion_before: int = 3
     onion_after: int = 3
     onion_step: int = 4
     """Frames between two onion skins."""
     autosave_minutes: int = 0
-    """Minutes between two saves of a project that has a file; 0 never."""
+    """Minutes between two automatic saves of a project that has a file; 0 turns them off."""
     activation: str = FITTED
-    """Activation of a new constraint: fitted to the motion, or the whole clip."""
+    """Default activation of a new constraint: fitted to the motion, or the whole clip."""
     theme: str = "dark"
     lengths: str = "usual"
-    """Units of lengths: metres, centimetres and millimetres as usual for what is shown, or one for all."""
+    """Unit of displayed lengths: ``usual`` chooses metres, centimetres or millimetres by field; other values use one
+    unit everywhere.
+    """
     interface_scale: int = 100
-    """Percent."""
+    """Scale of the interface in percent."""
     key_map: str = STUDIO_KEYS
     own_keys: KeyTable = field(default_factory=dict)
-    """Keys that the user has given to actions, over those of the map."""
+    """Shortcuts assigned by the user, which override those of the key map."""
 
     def __post_init__(self) -> None:
         for each in ("move_step", "rotate_step", "scale_step"):
             value = getattr(self, each)
-            if not (isinstance(value, float | int) and math.isfinite(value) and value >= LEAST_SNAP):
+            if not (isinstance(value, float | int) and math.isfinite(value) and value >= MIN_SNAP_STEP):
                 raise ValueError(f"The preference '{each}' must be greater than zero, not {value!r}.")
         for each, least, most in INTEGER_RANGES:
             value = getattr(self, each)
@@ -72,7 +74,7 @@ class Preferences:
                 raise ValueError(
                     f"The preference '{each}' must be a whole number from {least} to {most}, not {value!r}."
                 )
-        for each, allowed in CHOICES.items():
+        for each, allowed in PREFERENCE_CHOICES.items():
             if getattr(self, each) not in allowed:
                 raise ValueError(
                     f"The preference '{each}' must be one of {', '.join(allowed)}, not {getattr(self, each)!r}."
@@ -81,7 +83,7 @@ class Preferences:
 
     @property
     def onion_skins(self) -> OnionSkins:
-        """Onion skins of the viewport."""
+        """Settings of onion skins for the 3D view."""
         return OnionSkins(self.onion_before, self.onion_after, self.onion_step)
 
     @property
@@ -91,7 +93,7 @@ class Preferences:
 
 
 def load_preferences(settings: Settings) -> Preferences:
-    """Saved preferences; default ones for invalid values in the file."""
+    """Stored preferences; invalid values are replaced by defaults."""
     stored = settings.preferences
     kept = {}
     for each in fields(Preferences):
@@ -105,13 +107,13 @@ def load_preferences(settings: Settings) -> Preferences:
 
 
 def save_preferences(settings: Settings, preferences: Preferences) -> None:
-    """Store them for the next start."""
+    """Store preferences for the next start."""
     settings.preferences = asdict(preferences)
 
 
 @dataclass(frozen=True)
 class KeyMap:
-    """Keys of actions, and mouse buttons of the camera, that differ from those of the studio."""
+    """Shortcuts of actions and mouse buttons of the camera that differ from the default ones."""
 
     name: str
     keys: KeyTable = field(default_factory=dict)
@@ -119,7 +121,7 @@ class KeyMap:
 
 
 def key_maps() -> dict[str, KeyMap]:
-    """Bundled maps by their ids; the studio's own changes nothing."""
+    """Bundled key maps by id; the default one is empty."""
     maps = {STUDIO_KEYS: KeyMap("Morpho Studio")}
     for file in sorted((resources_folder() / "key_maps").glob("*.json")):
         record = json.loads(file.read_text("utf-8"))
@@ -129,13 +131,15 @@ def key_maps() -> dict[str, KeyMap]:
 
 
 def key_map_of(preferences: Preferences) -> KeyMap:
-    """Chosen map; the studio's own in place of one that is not there any more."""
+    """Key map chosen in the preferences; the default one if that no longer exists."""
     maps = key_maps()
     return maps.get(preferences.key_map, maps[STUDIO_KEYS])
 
 
 def keys_with(defaults: KeyTable, *layers: KeyTable) -> dict[str, tuple[str, ...]]:
-    """Keys of each action: those of the last layer that names it; a key belongs to the last layer that assigns it."""
+    """Shortcuts of each action after ``layers`` override ``defaults``: a later layer wins, and a shortcut belongs to
+    the last action that it is assigned to.
+    """
     keys = {action: tuple(map(_normal, each)) for action, each in defaults.items()}
     for layer in layers:
         own = {action: tuple(map(_normal, each)) for action, each in layer.items() if action in keys}
@@ -145,7 +149,7 @@ def keys_with(defaults: KeyTable, *layers: KeyTable) -> dict[str, tuple[str, ...
 
 
 def conflicts_in(keys: KeyTable) -> dict[str, tuple[str, ...]]:
-    """Keys that belong to more than one action, with these actions."""
+    """Shortcuts that are assigned to more than one action, with the ids of these actions."""
     owners: dict[str, list[str]] = {}
     for action, each in keys.items():
         for key in each:
@@ -154,7 +158,7 @@ def conflicts_in(keys: KeyTable) -> dict[str, tuple[str, ...]]:
 
 
 def keys_in(text: str) -> tuple[str, ...]:
-    """Keys in a typed text, separated by blanks. Raises ValueError for an invalid one."""
+    """Shortcuts in a typed text, separated by spaces. Raises ValueError for an invalid one."""
     words = text.split()
     for word in words:
         if not _normal(word):

@@ -1,4 +1,4 @@
-"""Dialog of preferences: every change is applied at once."""
+"""Preferences dialog: every change is applied at once."""
 
 from collections.abc import Sequence
 
@@ -8,9 +8,9 @@ from PySide6.QtWidgets import QDialog, QHeaderView, QTableWidget, QTableWidgetIt
 
 from studio.app.actions import ACTIONS
 from studio.app.preferences import (
-    CHOICES,
     FITTED,
     INTEGER_RANGES,
+    PREFERENCE_CHOICES,
     WHOLE_CLIP_ACTIVATION,
     conflicts_in,
     key_map_of,
@@ -23,23 +23,25 @@ from studio.document import colours
 from studio.panels.fields import Choice, NumberField, Section, room_on_screen, styled_label
 from studio.viewport.navigation import CAMERA_DRAGS, Navigation
 
-NUMBERS = (
+SNAP_FIELDS = (
     ("move_step", "Move step", "cm", 0.1, 100.0),
     ("rotate_step", "Rotate step", "°", 0.1, 180.0),
     ("scale_step", "Scale step", "%", 1.0, 100.0),
 )
-ONION_NUMBERS = (
+ONION_FIELDS = (
     ("onion_before", "Before", ""),
     ("onion_after", "After", ""),
     ("onion_step", "Step", "frames"),
 )
-ACTIVATIONS = ((FITTED, "While the point stays still"), (WHOLE_CLIP_ACTIVATION, "For the whole clip"))
-LENGTHS = (("usual", "m, cm and mm"), ("m", "Metres"), ("cm", "Centimetres"), ("in", "Inches"))
-ACTION_ID = Qt.ItemDataRole.UserRole
+ACTIVATION_CHOICES = ((FITTED, "While the point stays still"), (WHOLE_CLIP_ACTIVATION, "For the whole clip"))
+LENGTH_UNIT_CHOICES = (("usual", "m, cm and mm"), ("m", "Metres"), ("cm", "Centimetres"), ("in", "Inches"))
+ACTION_ID_ROLE = Qt.ItemDataRole.UserRole
 
 
 class PreferencesDialog(QDialog):
-    """Snapping steps, onion skins, activation, autosave, theme, and keys in an editable table."""
+    """Dialog with snapping steps, onion skins, activation, autosave, theme, units, and a table of editable
+    shortcuts.
+    """
 
     def __init__(self, bench: Workbench) -> None:
         super().__init__(bench.window)
@@ -49,21 +51,21 @@ class PreferencesDialog(QDialog):
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.resize(QSize(520, 860).boundedTo(room_on_screen(bench.window)))
         section = Section("Gizmo snapping")
-        for name, words, unit, low, high in NUMBERS:
+        for name, words, unit, low, high in SNAP_FIELDS:
             field = NumberField(words, unit, low, high, low, 2)
             field.show_value(getattr(bench.preferences, name))
             field.edited.connect(lambda value, name=name: self._change(**{name: value}))
             section.add_row(words, field)
         onion = Section("Onion skins")
-        for name, words, unit in ONION_NUMBERS:
+        for name, words, unit in ONION_FIELDS:
             self._add_whole(onion, name, words, unit)
         work = Section("General")
-        self._add_choice(work, "activation", "New constraints active", ACTIVATIONS)
+        self._add_choice(work, "activation", "New constraints active", ACTIVATION_CHOICES)
         self._add_whole(work, "autosave_minutes", "Autosave", "min")
         look = Section("Appearance (after restart)")
-        self._add_choice(look, "theme", "Theme", [(name, name.capitalize()) for name in CHOICES["theme"]])
+        self._add_choice(look, "theme", "Theme", [(name, name.capitalize()) for name in PREFERENCE_CHOICES["theme"]])
         self._add_whole(look, "interface_scale", "Interface scale", "%")
-        self._add_choice(look, "lengths", "Linear units", LENGTHS)
+        self._add_choice(look, "lengths", "Linear units", LENGTH_UNIT_CHOICES)
         keys = Section("Shortcuts")
         self.map = Choice("Keymap", [(key, each.name) for key, each in key_maps().items()])
         self.map.show_value(bench.preferences.key_map)
@@ -108,7 +110,7 @@ class PreferencesDialog(QDialog):
         for line, row in enumerate(ACTIONS):
             name, typed = QTableWidgetItem(f"{row.menu} > {row.text}"), QTableWidgetItem("  ".join(keys[row.id]))
             name.setFlags(Qt.ItemFlag.ItemIsEnabled)
-            typed.setData(ACTION_ID, row.id)
+            typed.setData(ACTION_ID_ROLE, row.id)
             if any(key in conflicts for key in keys[row.id]):
                 typed.setForeground(QColor(colours.NOT_REACHED))
             self.table.setItem(line, 0, name)
@@ -121,17 +123,17 @@ class PreferencesDialog(QDialog):
         )
 
     def _typed(self, item: QTableWidgetItem) -> None:
-        """Assign other keys to an action, or report why they are invalid."""
+        """Assign the typed shortcuts to the action in the row of ``item``, or report why they are invalid."""
         try:
             keys = keys_in(item.text())
         except ValueError as error:
             self._fill()
             self.words.setText(str(error))
             return
-        self._change(own_keys={**self._bench.preferences.own_keys, item.data(ACTION_ID): keys})
+        self._change(own_keys={**self._bench.preferences.own_keys, item.data(ACTION_ID_ROLE): keys})
 
 
 def navigation_words(navigation: Navigation) -> str:
-    """``Orbit: Alt+Left  ·  Pan: Middle  ·  Zoom: Alt+Right``."""
+    """Mouse buttons of the camera as text, for example ``Orbit: Alt+Left  ·  Pan: Middle  ·  Zoom: Alt+Right``."""
     strokes = {drag: [stroke for stroke, kind in navigation.items() if kind == drag] for drag in CAMERA_DRAGS}
     return "  ·  ".join(f"{drag.capitalize()}: {' or '.join(each)}" for drag, each in strokes.items())

@@ -1,4 +1,4 @@
-"""Tour of the stage's problems: next and previous by keys, the worst first."""
+"""Next and previous problem of the stage: the playhead goes to each one, the worst first."""
 
 from PySide6.QtCore import QObject
 
@@ -7,11 +7,13 @@ from studio.engine.problem_search import ProblemSearch
 from studio.engine.quality_summary import FoundProblem, SummaryRow
 from studio.panels.message_strip import Lifetime
 
-NO_PROBLEMS = "No problems: all constraints are met; no foot sliding, penetration or pops."
+NO_PROBLEMS_MESSAGE = "No problems: all constraints are met; no foot sliding, penetration or pops."
 
 
 class ProblemTour(QObject):
-    """Goes from problem to problem; a solved one leaves the list, and the worst remaining one is next."""
+    """Controller that goes from problem to problem. A solved problem leaves the list, and the worst remaining one is
+    next.
+    """
 
     def __init__(self, bench: Workbench, search: ProblemSearch, parent: QObject) -> None:
         super().__init__(parent)
@@ -21,13 +23,15 @@ class ProblemTour(QObject):
         search.found.connect(self._found)
 
     def go(self, step: int) -> None:
-        """Go to the next problem (1) or the previous one (-1), as soon as the stage is measured."""
+        """Go to the next problem (``step`` 1) or the previous one (-1), as soon as the stage is measured."""
         self._step = step
         if self._search.request_summary():
             self._found()
 
     def show(self, row: SummaryRow, aspect: str) -> None:
-        """Go to the worst frame of one aspect of a row, or else to the row's constraint."""
+        """Go to the worst frame of one aspect of a row of the problem table; without such a frame, to the row's
+        constraint.
+        """
         finding = row.findings.get(aspect)
         if finding is not None:
             self._bench.document.playhead.pause()
@@ -45,7 +49,7 @@ class ProblemTour(QObject):
             return
         if not problems:
             self._at = None
-            self._bench.inform(NO_PROBLEMS, until=Lifetime.EDITED)
+            self._bench.inform(NO_PROBLEMS_MESSAGE, until=Lifetime.EDITED)
             return
         places = {each.key: place for place, each in enumerate(problems)}
         at = places.get(self._at) if self._at is not None else None

@@ -1,4 +1,4 @@
-"""Logging of uncaught exceptions, which are also reported as a message. Nothing is swallowed."""
+"""Log file of warnings and errors, and messages about uncaught exceptions."""
 
 import logging
 import sys
@@ -13,7 +13,7 @@ from PySide6.QtCore import QObject, Signal
 
 from studio.core.errors import INTERNAL_ERROR, StudioError
 
-LOG_BYTES = 1_000_000
+MAX_LOG_BYTES = 1_000_000
 _log = logging.getLogger("studio")
 
 
@@ -26,7 +26,9 @@ def start_log() -> None:
     """Log warnings and errors to the log file and to standard error."""
     file = log_file()
     file.parent.mkdir(parents=True, exist_ok=True)
-    handlers: list[logging.Handler] = [RotatingFileHandler(file, maxBytes=LOG_BYTES, backupCount=2, encoding="utf-8")]
+    handlers: list[logging.Handler] = [
+        RotatingFileHandler(file, maxBytes=MAX_LOG_BYTES, backupCount=2, encoding="utf-8")
+    ]
     if sys.stderr is not None:
         handlers.append(logging.StreamHandler())
     logging.basicConfig(
@@ -35,7 +37,9 @@ def start_log() -> None:
 
 
 def error_sentence(error: BaseException) -> str:
-    """Error as a sentence: a StudioError unchanged, an internal error by its kind with advice."""
+    """Error as a sentence for the user: a StudioError unchanged, any other exception as an internal error with
+    advice.
+    """
     if isinstance(error, StudioError):
         return str(error)
     what = f"{type(error).__name__}: {error}".rstrip(": ")
@@ -43,7 +47,7 @@ def error_sentence(error: BaseException) -> str:
 
 
 class ProblemHooks(QObject):
-    """Hooks for exceptions at the end of a thread; closing restores the interpreter's own."""
+    """Handlers of uncaught exceptions of all threads; ``close`` restores Python's own handlers."""
 
     message_posted = Signal(str)
 
@@ -54,7 +58,7 @@ class ProblemHooks(QObject):
         threading.excepthook = self._on_thread_error
 
     def close(self) -> None:
-        """Restore the former hooks."""
+        """Restore the previous handlers."""
         sys.excepthook, threading.excepthook = self._hooks
 
     def _on_error(self, kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:

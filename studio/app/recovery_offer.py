@@ -1,4 +1,4 @@
-"""Offer to recover the work of a crashed session; no answer deletes it."""
+"""Offer to recover the unsaved work of a crashed session. Declining never deletes it."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -7,7 +7,7 @@ from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.document.recovery import (
     Session,
-    decline_session,
+    move_damaged_session,
     put_damaged_aside,
     recoverable_sessions,
     remove_useless_sessions,
@@ -15,7 +15,7 @@ from studio.document.recovery import (
 
 
 def offer_recovery(bench: Workbench, folder: Path) -> None:
-    """Offer the newest session that ended without being closed, if there is one; remove useless ones."""
+    """Offer to recover the newest session that crashed, if there is one; sessions without unsaved edits are removed."""
     bench.journals = folder
     try:
         for sentence in put_damaged_aside(folder):
@@ -30,7 +30,7 @@ def offer_recovery(bench: Workbench, folder: Path) -> None:
 
 
 def choose_recovery(bench: Workbench) -> None:
-    """List all unsaved earlier work, newest first, declined sessions included."""
+    """Show a list of all unsaved work, newest first, including sessions whose recovery was declined."""
     sessions = recoverable_sessions(bench.journals, declined=True) if bench.journals else ()
     if not sessions:
         raise StudioError("There is no unsaved work of the last 30 days to recover.")
@@ -38,7 +38,7 @@ def choose_recovery(bench: Workbench) -> None:
 
 
 def session_title(session: Session) -> tuple[str, str]:
-    """Name, and time with number of edits, of a session: ``walk.studio`` and ``4 May 14:32 · 12 edits``."""
+    """Name, and time with number of edits, of a session, for example ``walk.studio`` and ``4 May 14:32 · 12 edits``."""
     begun = session.begun.astimezone()
     return session.path.name if session.path else "Untitled", f"{begun.day} {begun:%b %H:%M} · {_edits(session)}"
 
@@ -48,15 +48,15 @@ def _recovery(bench: Workbench, session: Session) -> Callable[[], object]:
 
 
 def _recover(bench: Workbench, session: Session) -> None:
-    """Recover the session; an unreadable one is moved aside and reported."""
+    """Recover a session; an unreadable one is moved aside and reported."""
     try:
         bench.document.recover(session)
     except StudioError as error:
-        raise StudioError(decline_session(session, str(error))) from error
+        raise StudioError(move_damaged_session(session, str(error))) from error
 
 
 def session_message(session: Session) -> str:
-    """``Unsaved work on walk.studio from 14:32 was found: 12 edits.``"""
+    """Sentence that offers a session, for example ``Unsaved work on walk.studio from 14:32 was found: 12 edits.``"""
     name = f" on {session.path.name}" if session.path else ""
     return f"Unsaved work{name} from {session.begun.astimezone():%H:%M} was found: {_edits(session)}."
 

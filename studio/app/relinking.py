@@ -1,4 +1,4 @@
-"""Source files that have moved: found by content or name in known folders, else by the user."""
+"""Relinking of moved source files: found by content or name in known folders, else chosen by the user."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -13,14 +13,18 @@ from studio.panels.message_strip import Lifetime
 
 
 def source_finder(bench: Workbench, capture_id: str) -> Callable[[Progress], SourceFile]:
-    """Job that finds the source file of a capture; it raises SourceMissing if there is none."""
+    """Function for a background task that finds the source file of a capture; it raises SourceMissing if there is
+    none.
+    """
     capture, known = bench.document.project.captures[capture_id], bench.sources.get(capture_id)
     folders = known_folders(bench)
     return lambda progress: find_source(capture, known, folders, progress)
 
 
 def known_folders(bench: Workbench) -> tuple[Path, ...]:
-    """Folders to search for sources: those of the project, of other sources and of the recent dialogs."""
+    """Folders in which moved sources are searched: those of the project, of other sources and of recent file
+    dialogs.
+    """
     project, settings = bench.document.path, bench.settings
     files = (*([project] if project else ()), *bench.sources.values(), *settings.recent)
     folders = (*(file.parent for file in files), *settings.source_folders, Path(settings.folder))
@@ -28,7 +32,7 @@ def known_folders(bench: Workbench) -> tuple[Path, ...]:
 
 
 def relink_shown(bench: Workbench) -> None:
-    """Relink the selected capture, else that of the playing motion."""
+    """Relink the source file of the selected capture, else of the capture that is playing."""
     capture_id = shown_capture(bench)
     if capture_id is None:
         raise StudioError("No capture is selected. Select one in the library.")
@@ -36,14 +40,14 @@ def relink_shown(bench: Workbench) -> None:
 
 
 def shown_capture(bench: Workbench) -> str | None:
-    """Selected capture, else that of the playing motion."""
+    """Id of the selected capture, else of the capture that is playing."""
     selected = bench.document.selection.of("captures")
     motion = bench.document.project.motions.get(bench.document.active_motion_id or "")
     return str(selected[0]) if selected else motion.capture_id if motion else None
 
 
 def relink(bench: Workbench, capture_id: str) -> int:
-    """Search the file of a capture, and ask for it if it is not found; returns the task."""
+    """Search for the source file of a capture, and ask the user if it is not found. Returns the id of the task."""
     capture = bench.document.project.captures[capture_id]
 
     def missed(error: StudioError) -> None:
@@ -79,11 +83,13 @@ def ask_source(bench: Workbench, capture_id: str, then: Callable[[], object] = l
 
         bench.runner.run(f"Relinking {capture.name}", lambda _: SourceFile(path, digest_of(path)), linked)
 
-    ask_file(bench, f"Source file of {capture.name}", motions("capture_reader"), chosen)
+    ask_file(bench, f"Locate the source file of {capture.name}", motions("capture_reader"), chosen)
 
 
 def link_source(bench: Workbench, capture_id: str, source: SourceFile) -> bool:
-    """Make a file the source of a capture; another name or content is an undo step. False if the capture is gone."""
+    """Set the source file of a capture; another name or content is an undo step. Returns False if the capture no longer
+    exists.
+    """
     capture = bench.document.project.captures.get(capture_id)
     if capture is None:
         return False
@@ -96,7 +102,7 @@ def link_source(bench: Workbench, capture_id: str, source: SourceFile) -> bool:
 
 
 def offer_media_relinking(bench: Workbench, collection: str, source: str, error: StudioError) -> None:
-    """Report that the file ``source`` of sounds or footage is missing, with a button that asks for it."""
+    """Report that the file ``source`` of sounds or footage is missing, with a button to locate it."""
     ask = ("Relink…", lambda: ask_media(bench, collection, source))
     bench.post_message(str(error), ask, ("Close", bench.clear_message))
 
@@ -114,11 +120,13 @@ def ask_media(bench: Workbench, collection: str, source: str) -> None:
                 bench.document.replace(collection, key, each, f"Relink {each.name}")
         bench.media_relinked.emit(str(path))
 
-    ask_file(bench, f"File {Path(source).name}", MEDIA_FILTERS[collection], chosen)
+    ask_file(bench, f"Locate {Path(source).name}", MEDIA_FILTERS[collection], chosen)
 
 
 def _report(bench: Workbench, capture_id: str, source: SourceFile, is_other: bool = False) -> None:
-    """Report the linked source of a capture, and if its content ``is_other`` than that of the imported file."""
+    """Report the new source file of a capture, and a warning if its content differs (``is_other``) from the imported
+    file.
+    """
     name = bench.document.project.captures[capture_id].name
     warning = " Its content differs from that of the imported file." if is_other else ""
     sentence = f"The source file of {name} is {source.path}.{warning} Change an import setting to re-import it."

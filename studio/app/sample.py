@@ -1,6 +1,7 @@
-"""Project at the first start: one bundled motion on five characters, side by side and playing.
+"""Sample project of the first start: one bundled motion on five characters, side by side and playing.
 
-It is shown as adapted beforehand (``examples/make_sample.py``), because a first start still compiles the solver.
+Its adapted motions are stored with it (``examples/make_sample.py``), because the solver is still being compiled at a
+first start.
 """
 
 from collections.abc import Callable
@@ -24,18 +25,18 @@ SAMPLE_PROJECT, SAMPLE_MOTIONS = f"{SAMPLE_NAME}.studio", f"{SAMPLE_NAME}.npz"
 
 
 def empty_project() -> Project:
-    """Bundled characters without a capture."""
+    """Project with the bundled characters and no capture."""
     characters = bundled_characters()
     return Project(characters=characters, performers=side_by_side(characters))
 
 
 def capture_file() -> Path:
-    """Capture of the sample."""
+    """Path of the sample's capture."""
     return example_captures_folder() / f"{SAMPLE_NAME}.bvh"
 
 
 def read_sample() -> tuple[Project, dict[str, AdaptedMotion]]:
-    """Project of the bundled characters with one motion, and the adapted motions by performer."""
+    """Sample project, and its stored adapted motions by performer id."""
     folder = sample_folder()
     characters = {name: replace(each, grip=FIST_GRIP) for name, each in bundled_characters().items()}
     kept = read_project(folder / SAMPLE_PROJECT).project
@@ -46,7 +47,7 @@ def read_sample() -> tuple[Project, dict[str, AdaptedMotion]]:
 
 
 def open_sample(bench: Workbench) -> None:
-    """Read the bundled motion in the background, show it and play."""
+    """Read the sample in the background, show it and start playback."""
     revision = bench.document.revision
 
     def show(read: tuple[Project, dict[str, AdaptedMotion]]) -> None:
@@ -65,7 +66,7 @@ def open_sample(bench: Workbench) -> None:
 
 
 def open_scene(bench: Workbench, scene: BundledScene) -> None:
-    """Make a scene in the background, show it, play it, and show its description."""
+    """Create an example scene in the background, show it, start playback, and show its description."""
     revision = bench.document.revision
 
     def show(project: Project) -> None:

@@ -1,4 +1,4 @@
-"""Settings of the user stored between sessions: layout, recent files, preferences. Never project data."""
+"""Settings of the user that are kept between sessions: layout, recent files, preferences. Never project data."""
 
 import json
 from pathlib import Path
@@ -8,13 +8,13 @@ from PySide6.QtCore import QByteArray, QSettings
 
 from studio.io.json_text import JsonObject
 
-MOST_RECENT = 10
-MOST_CORRECTED = 100
+MAX_RECENT_PROJECTS = 10
+MAX_CORRECTIONS = 100
 LAYOUT_VERSION = 1
 
 
 class Settings:
-    """Settings in a small file of the user's settings folder."""
+    """Settings stored in a file of the user's configuration folder."""
 
     def __init__(self, file: Path | None = None) -> None:
         folder = Path(platformdirs.user_config_dir("morpho-studio", appauthor=False))
@@ -22,7 +22,7 @@ class Settings:
 
     @property
     def recent(self) -> tuple[Path, ...]:
-        """Recent projects, newest first."""
+        """Paths of recent projects, newest first."""
         stored = self._store.value("recent")
         names = stored if isinstance(stored, list) else [stored] if stored else []
         return tuple(Path(str(name)) for name in names)
@@ -31,7 +31,7 @@ class Settings:
         """Add a project at the head of the recent ones."""
         path = path.resolve()
         names = [str(path), *(str(other) for other in self.recent if other != path)]
-        self._store.setValue("recent", names[:MOST_RECENT])
+        self._store.setValue("recent", names[:MAX_RECENT_PROJECTS])
 
     @property
     def folder(self) -> str:
@@ -44,16 +44,16 @@ class Settings:
 
     @property
     def source_folders(self) -> tuple[Path, ...]:
-        """Folders of captures, newest first."""
+        """Folders from which captures were imported, newest first."""
         stored = self._store.value("sources")
         names = stored if isinstance(stored, list) else [stored] if stored else []
         return tuple(Path(str(name)) for name in names)
 
     def remember_source(self, path: Path) -> None:
-        """Add the folder of a capture's file at the head of the folders to search."""
+        """Add the folder of a capture's file at the head of the folders that are searched for sources."""
         folder = path.resolve().parent
         names = [str(folder), *(str(other) for other in self.source_folders if other != folder)]
-        self._store.setValue("sources", names[:MOST_RECENT])
+        self._store.setValue("sources", names[:MAX_RECENT_PROJECTS])
 
     @property
     def exported(self) -> JsonObject:
@@ -70,7 +70,7 @@ class Settings:
 
     @property
     def corrections(self) -> dict[str, JsonObject]:
-        """Corrections of import reports by the kind of file."""
+        """Corrected import options by kind of file."""
         try:
             stored = json.loads(str(self._store.value("corrections", "{}")))
         except ValueError:
@@ -78,11 +78,11 @@ class Settings:
         return stored if isinstance(stored, dict) else {}
 
     def correct(self, kind: str, options: JsonObject) -> None:
-        """Store options for files of this kind; with none, they are guessed again."""
+        """Store corrected import options for a kind of file; empty ``options`` remove them."""
         kept = {key: value for key, value in self.corrections.items() if key != kind}
         if options:
             kept[kind] = options
-        newest = dict(list(kept.items())[-MOST_CORRECTED:])
+        newest = dict(list(kept.items())[-MAX_CORRECTIONS:])
         self._store.setValue("corrections", json.dumps(newest))
 
     @property
@@ -99,19 +99,19 @@ class Settings:
         self._store.setValue("preferences", json.dumps(values))
 
     def layout(self) -> tuple[QByteArray, QByteArray] | None:
-        """Geometry and dock state of the window; None before the first close."""
+        """Geometry and panel layout of the window; None before the window was closed once."""
         geometry, state = self._store.value("geometry"), self._store.value(f"state {LAYOUT_VERSION}")
         if isinstance(geometry, QByteArray) and isinstance(state, QByteArray):
             return geometry, state
         return None
 
     def remember_layout(self, geometry: QByteArray, state: QByteArray) -> None:
-        """Store geometry and dock state of the window."""
+        """Store geometry and panel layout of the window."""
         self._store.setValue("geometry", geometry)
         self._store.setValue(f"state {LAYOUT_VERSION}", state)
         self._store.sync()  # the process ends at once
 
     def forget_layout(self) -> None:
-        """Restore the default layout for the next window."""
+        """Remove the stored layout, so that the next window has the default one."""
         self._store.remove("geometry")
         self._store.remove(f"state {LAYOUT_VERSION}")

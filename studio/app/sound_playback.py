@@ -17,11 +17,11 @@ from studio.io.media.sound_file import read_samples
 from studio.io.media.sound_output import HeardSound, SoundOutput
 
 SCRUB_SECONDS = 0.1
-"""Seconds that are heard at each place to which the playhead is dragged."""
+"""Length in seconds of the sound that is heard at each position of a dragged playhead."""
 
 
 class SoundPlayback(QObject):
-    """Follows the playhead; a file is read in the background at its first use."""
+    """Controller that plays sounds in sync with the playhead; a file is read in the background at its first use."""
 
     failed = Signal(str)
 
@@ -45,7 +45,7 @@ class SoundPlayback(QObject):
         self._follow_playing(self._playhead.playing)
 
     def close(self) -> None:
-        """Release the device."""
+        """Release the audio device."""
         self.output.close()
 
     def _follow_playing(self, playing: bool) -> None:
@@ -55,7 +55,7 @@ class SoundPlayback(QObject):
             self.output.pause()
 
     def _follow_playhead(self, seconds: float) -> None:
-        """Go on playing, or play a short moment where the playhead was moved."""
+        """Continue playback, or play a short sample if the playhead was dragged."""
         run = self._playhead.run
         if not self._playhead.playing:
             end = seconds + SCRUB_SECONDS

@@ -1,4 +1,4 @@
-"""Edit that makes a found strike a clip and a constraint of a performer: one undo step."""
+"""Insertion of a found strike: a clip and a constraint of a performer, as one undo step."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,9 +25,9 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class StrikeRequest:
-    """Request to play a found strike: performer, start in seconds of the stage, and target.
+    """Request to play a found strike: performer, start time on the stage in seconds, and target.
 
-    ``frozen`` (3,) is the position of the target on the stage at the request; with None the blow follows it.
+    ``frozen`` (3,) is a fixed target position on the stage; if it is None, the strike follows the moving target.
     """
 
     found: "Result"
@@ -38,7 +38,7 @@ class StrikeRequest:
 
 
 def _known_capture(project: Project, capture: Capture) -> str | None:
-    """Capture of the project with the same frames and a motion, whether imported or loaded."""
+    """Id of a capture of the project with the same frames as ``capture`` and a motion; None if there is none."""
     performed = {motion.capture_id for motion in project.motions.values()}
     for key, each in project.captures.items():
         same = each.skeleton.names == capture.skeleton.names and each.frame_rate == capture.frame_rate
@@ -48,9 +48,9 @@ def _known_capture(project: Project, capture: Capture) -> str | None:
 
 
 def put_strike(bench: Workbench, wish: StrikeRequest, source: ReadMotion | str) -> None:
-    """Let the performer play the strike; ``source`` is its capture as read, or the id of one in the project.
+    """Insert a strike as a clip of its performer; ``source`` is the capture just read, or the id of one in the project.
 
-    Raises StudioError, and changes nothing, if the body or target is missing.
+    Raises StudioError, and changes nothing, if the performer or the target is missing.
     """
     from studio.library.inserted_strike import inserted_strike
 
@@ -77,7 +77,9 @@ def put_strike(bench: Workbench, wish: StrikeRequest, source: ReadMotion | str) 
 def strike_scene(
     bench: Workbench, performer_id: str, time: float, target: StrikeTarget, frozen: FloatArray | None
 ) -> "StrikeScene":
-    """Scene in which a strike is tried and inserted; arguments as in ``StrikeRequest``."""
+    """Scene in which a strike is evaluated and inserted: performer, time in seconds, and target position ``frozen``
+    (3,) or None for a moving target.
+    """
     from studio.library.inserted_strike import StrikeScene
 
     project = bench.document.project
@@ -89,7 +91,7 @@ def strike_scene(
 
 
 def _put(document: EditedProject, made: Project, performer_id: str, text: str) -> None:
-    """Replace a performer by that of the project ``made``, and add its new constraints and contacts."""
+    """Replace a performer by the one in the project ``made``, and add the new constraints and contacts."""
     document.replace("performers", performer_id, made.performers[performer_id], text)
     for collection in ("constraints", "contacts"):
         known = getattr(document.project, collection)

@@ -1,4 +1,6 @@
-"""Library strikes in the window: folders are indexed, a strike is searched for the active body, and played."""
+"""Search for library strikes in the window: folders are indexed, strikes are searched for the active performer, and
+inserted.
+"""
 
 from dataclasses import replace
 from pathlib import Path
@@ -18,18 +20,18 @@ from studio.core.errors import StudioError
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.placement import Placement
 from studio.engine.background_tasks import CancelledError, Progress
-from studio.engine.performance import row_at
+from studio.engine.posed_performer import row_at
 from studio.io.importing import GUESS_ALL
 from studio.library.clip_labels import Kind, Limb
 from studio.panels.strikes import (
+    EVALUATING_HINT,
     NO_MATCH_HINT,
     NO_STRIKES_HINT,
-    NO_TARGET,
-    OF_A_POSE,
+    NO_TARGET_HINT,
     OWN_FACE_HINT,
-    READY,
-    TRYING,
-    UNSOLVED,
+    POSE_CLIPS_HINT,
+    READY_HINT,
+    UNSOLVED_HINT,
     Strikes,
 )
 from studio.resources_folder import bundled_strikes_folder
@@ -43,7 +45,7 @@ if TYPE_CHECKING:
 
 
 class StrikeSearchController:
-    """Connection of the panel, the library on disk and the document."""
+    """Controller that connects the Strikes panel, the motion library on disk and the document."""
 
     def __init__(self, bench: Workbench, folder: Path | None = None) -> None:
         self.bench, self.folder = bench, folder or library_folder()
@@ -84,16 +86,16 @@ class StrikeSearchController:
             self._offer_targets()
 
     def _project_opened(self) -> None:
-        """Forget what was found for the project before."""
+        """Discard the results that were found for the previous project."""
         self._end_trial()
         self._outdated = True
         self._offer_targets()
 
     def _offer_targets(self) -> None:
-        """Show the targets that can be hit.
+        """Update the list of targets that can be hit.
 
-        A new box is chosen if nothing is; a chosen target stays chosen. Results for another target, or for a performer
-        that is gone, are found again.
+        A new box is chosen if nothing is; a chosen target stays chosen. Results for another target, or for a removed
+        performer, are searched again.
         """
         targets = targets_of(self.bench.document.project)
         props = [target for target, _ in targets if target.collection == "props"]
@@ -105,12 +107,14 @@ class StrikeSearchController:
         self._update_results()
 
     def _update_results(self) -> None:
-        """Search again if the results are outdated, and visible."""
+        """Search again if the panel is visible and its results are outdated."""
         if self._outdated and self.library is not None and self.panel.isVisible():
             self.search_in(self.library)
 
     def add_folder(self, folder: Path) -> int:
-        """Index a folder in the background; returns the task. If cancelled, files already read are kept."""
+        """Index a folder of captures in the background. Returns the id of the task; files read before a cancellation
+        are kept.
+        """
 
         def work(progress: Progress) -> "tuple[IndexReport | None, Library, str]":
             from studio.library.catalogue import Catalogue
@@ -136,7 +140,7 @@ class StrikeSearchController:
         return task
 
     def search(self) -> None:
-        """Search strikes; the library is read from disk the first time."""
+        """Search strikes for the active performer; the library is read from disk the first time."""
         if self.library is not None:
             self.search_in(self.library)
             return
@@ -161,8 +165,8 @@ class StrikeSearchController:
         self.bench.runner.run("Opening the motion library", work, done)
 
     def play(self, index: int, performer_id: str | None = None, time: float | None = None) -> None:
-        """Let a performer, by default the active one, play the listed strike from ``time`` on, by default the
-        playhead's; errors are reported as a message.
+        """Insert the listed strike at ``index`` on a performer, by default the active one, at ``time`` seconds, by
+        default the playhead. Errors are reported as messages.
         """
         self.aim_at(-1)
         document = self.bench.document
@@ -188,7 +192,9 @@ class StrikeSearchController:
         )
 
     def _wish(self, clip: "LibraryClip", performer_id: str, time: float) -> StrikeRequest:
-        """Request for a clip from the frame that fits the body then; StudioError if the body or target is missing."""
+        """Request for a library clip, starting at the frame that best fits the performer's pose at ``time``. Raises
+        StudioError if the performer or the target is missing.
+        """
         from studio.library.searching import search_strikes
 
         project, target = self.bench.document.project, self.panel.target.value
@@ -200,7 +206,8 @@ class StrikeSearchController:
         asked = self._strike_query(performer_id, time)
         if asked is None or self.library is None:
             raise StudioError(
-                f"{name} has no clip yet, or the target is hidden. Wait until both are solved, then try again."
+                f"{name} or the target is hidden, has no clip or is not solved yet. Show both, wait until they are"
+                " adapted, then search again."
             )
         found = search_strikes(self.library, replace(asked, limbs=(), kinds=(), numbers=(clip.number,)), 1)
         if not found:
@@ -208,11 +215,11 @@ class StrikeSearchController:
         return StrikeRequest(found[0], performer_id, time, target, self._frozen(target, time))
 
     def _frozen(self, target: StrikeTarget, time: float) -> FloatArray | None:
-        """Position (3,) of the target at ``time`` on the stage; None if strikes follow it until they hit."""
+        """Position (3,) of the target at ``time`` on the stage; None if strikes follow the moving target."""
         return None if self.panel.follows else target.place(self.bench.document.project, self.bench.live.result, time)
 
     def aim_at(self, index: int) -> None:
-        """Show the listed strike as a ghost; none if ``index`` is negative."""
+        """Show the listed strike at ``index`` as a ghost; a negative ``index`` removes the ghost."""
         if 0 <= index < len(self.found) and self._sought is not None:
             asked, where = self._sought
             self._show_ghost(self.found[index].found, asked, where)
@@ -222,11 +229,13 @@ class StrikeSearchController:
             self.show_ghost(None, 0)
 
     def label(self, index: int) -> None:
-        """Open the result at an index of the list, to correct its label."""
+        """Open the form of the listed strike at ``index``, to correct its label."""
         self.labelling.open(self.listed[index])
 
     def show_ghost(self, clip: "LibraryClip | None", frame: int) -> None:
-        """Show a clip from a frame of its take to its hit, aligned with the active body; None ends it."""
+        """Show a library clip as a ghost from ``frame`` to its hit, aligned with the active performer; None removes the
+        ghost.
+        """
         document = self.bench.document
         key = document.active_performer_id
         asked = None if clip is None or key is None else self._posed(key, document.playhead.time)
@@ -262,11 +271,11 @@ class StrikeSearchController:
         self._end_trial()
         if asked is None or active is None or not isinstance(target, StrikeTarget):
             hint = self._unasked(active or "")
-            self._waits = hint == UNSOLVED
+            self._waits = hint == UNSOLVED_HINT
             self._show(hint)
             return
         self._waits, self.listed, self._searched_for = False, [], active
-        self.panel.show_results([], TRYING)
+        self.panel.show_results([], EVALUATING_HINT)
         self._sought = asked, Placement.of(self.bench.document.project.performers[active])
         scene = strike_scene(self.bench, active, now, target, self._frozen(target, now))
 
@@ -282,26 +291,26 @@ class StrikeSearchController:
         def done(found: "list[TriedStrike]") -> None:
             if self._trial == number:
                 self.found = found
-                self._show(READY if found else NO_MATCH_HINT)
+                self._show(READY_HINT if found else NO_MATCH_HINT)
 
-        number = self._trial = self.bench.runner.run("Trying strikes", work, done)
+        number = self._trial = self.bench.runner.run("Evaluating strikes", work, done)
 
     def _end_trial(self) -> None:
-        """Cancel the trial that runs, and drop the strikes that were found."""
+        """Cancel the running evaluation, and discard its results."""
         self.bench.runner.cancel(self._trial)
         self._trial, self.found = -1, []
 
     def _unasked(self, performer_id: str) -> str:
-        """Reason why no strike can be ranked."""
+        """Sentence why strikes cannot be ranked now."""
         target = self.panel.target.value
         if not isinstance(target, StrikeTarget):
-            return NO_TARGET
-        return OWN_FACE_HINT if target == StrikeTarget("performers", performer_id) else UNSOLVED
+            return NO_TARGET_HINT
+        return OWN_FACE_HINT if target == StrikeTarget("performers", performer_id) else UNSOLVED_HINT
 
     def _show(self, hint: str) -> None:
         self.listed = [each.found.clip for each in self.found]
         texts = [(each.found.clip.name, ", ".join(each.reasons)) for each in self.found]
-        if hint not in (READY, NO_MATCH_HINT) and self.library is not None:
+        if hint not in (READY_HINT, NO_MATCH_HINT) and self.library is not None:
             self.listed = [clip for clip in self.library.clips if self._is_wanted(clip)]
             texts = [(clip.name, _state(clip)) for clip in self.listed]
         self.panel.show_results(
@@ -313,14 +322,16 @@ class StrikeSearchController:
         return limb in (None, clip.label.limb) and kind in (None, clip.label.kind)
 
     def list_clips(self, clips: "list[LibraryClip]") -> None:
-        """List given clips: those of one group of the map."""
+        """List ``clips``, those of one group of the pose map."""
         self._end_trial()
         self.listed, self._outdated, self._searched_for = clips, False, ""
         aimed = isinstance(self.panel.target.value, StrikeTarget)
-        self.panel.show_results([(clip.name, _state(clip)) for clip in clips], OF_A_POSE, aimed)
+        self.panel.show_results([(clip.name, _state(clip)) for clip in clips], POSE_CLIPS_HINT, aimed)
 
     def _posed(self, performer_id: str, time: float) -> "StrikeQuery | None":
-        """Query of a body at ``time``, without a target; None without a motion, or if nothing can be solved."""
+        """Search query of a performer's pose at ``time``, without a target; None without a motion, or if its pose is
+        not solved.
+        """
         from studio.core.normalized.encode import encode_motion
         from studio.library.searching import StrikeQuery
 
@@ -334,7 +345,7 @@ class StrikeSearchController:
         return StrikeQuery(pose, adapted.morphology, (0.0, 0.0, 0.0))
 
     def _strike_query(self, performer_id: str, time: float) -> "StrikeQuery | None":
-        """Query of a body at ``time``, and the target; None if one of them is missing."""
+        """Search query of a performer's pose at ``time`` and the chosen target; None if one of them is missing."""
         project, panel = self.bench.document.project, self.panel
         target, posed = panel.target.value, self._posed(performer_id, time)
         if not isinstance(target, StrikeTarget) or target.id == performer_id or posed is None:
@@ -349,18 +360,18 @@ class StrikeSearchController:
 
 
 def show_strikes(bench: Workbench) -> None:
-    """Open the panel, and search strikes for the active body if there is a target."""
+    """Show the Strikes panel, and search strikes for the active performer if a target is chosen."""
     bench.window.striking.search()
     bench.window.show_dock("Strikes")
 
 
 def strike_chosen(bench: Workbench) -> bool:
-    """True if one of the listed strikes is chosen."""
+    """True if a strike of the list is selected."""
     return bench.window.striking.panel.place is not None
 
 
 def label_strike(bench: Workbench) -> None:
-    """Open the chosen strike, to correct its label."""
+    """Open the form of the selected strike, to correct its label."""
     bench.window.show_dock("Strikes")
     striking = bench.window.striking
     if striking.panel.place is not None:
@@ -368,7 +379,7 @@ def label_strike(bench: Workbench) -> None:
 
 
 def _unused_files(report: "IndexReport | None", folder: Path) -> str:
-    """Words for the files that could not be used; empty if all could."""
+    """Sentence about the files that could not be indexed; empty if all could."""
     if report is None:
         return f"Adding {folder.name} was cancelled. Clips indexed by then are in the library."
     if not report.problems:

@@ -1,4 +1,4 @@
-"""Ctrl-C in the terminal from which the window was opened."""
+"""Ctrl+C in the terminal from which the window was started."""
 
 import signal
 import socket
@@ -7,9 +7,10 @@ from PySide6.QtCore import QObject, QSocketNotifier, QTimer, Signal
 
 
 class TerminalInterrupt(QObject):
-    """Signal of a Ctrl-C, in place of an exception, which would end the process from within Qt.
+    """Qt signal for Ctrl+C, in place of a KeyboardInterrupt, which would end the process from within Qt.
 
-    Python calls its handler between two of its own instructions, and a window at rest executes none; a socket wakes it.
+    Python runs its signal handler between two of its own instructions, of which an idle window executes none; a socket
+    wakes it.
     """
 
     pressed = Signal()

@@ -1,4 +1,4 @@
-"""Theme of the application: Fusion, four greys, one font, defined once for every widget."""
+"""Theme of the application: Fusion style, one font and a few greys, defined once for all widgets."""
 
 from string import Template
 
@@ -8,10 +8,10 @@ from PySide6.QtWidgets import QApplication
 from studio.document import colours
 from studio.resources_folder import resources_folder
 
-FAMILIES = ("Inter", "Segoe UI", "SF Pro Text", "Noto Sans")
-BODY_PIXELS = 13
+FONT_FAMILIES = ("Inter", "Segoe UI", "SF Pro Text", "Noto Sans")
+FONT_SIZE_PX = 13
 FALLBACK_FAMILY = "DejaVu Sans"
-NARROWED = 92  # percent: DejaVu is a good deal wider than the faces that the measures were made for
+FALLBACK_STRETCH_PERCENT = 92  # percent: DejaVu is a good deal wider than the faces that the measures were made for
 
 
 def apply_theme(application: QApplication) -> None:
@@ -24,18 +24,18 @@ def apply_theme(application: QApplication) -> None:
 
 
 def make_font() -> QFont:
-    """Inter if present, else the system's sans, with tabular figures."""
+    """Inter if it is installed, else the system's sans serif font, with tabular figures."""
     present = set(QFontDatabase.families())
-    font = QFont(next((family for family in FAMILIES if family in present), QFont().defaultFamily()))
+    font = QFont(next((family for family in FONT_FAMILIES if family in present), QFont().defaultFamily()))
     if font.family() not in present and FALLBACK_FAMILY in present:
         font = QFont(FALLBACK_FAMILY)
-        font.setStretch(NARROWED)
-    font.setPixelSize(BODY_PIXELS)
+        font.setStretch(FALLBACK_STRETCH_PERCENT)
+    font.setPixelSize(FONT_SIZE_PX)
     return font
 
 
 def make_palette() -> QPalette:
-    """Greys as Qt's roles, for widgets without style sheet rules."""
+    """Qt palette with the greys of the theme, for widgets without style sheet rules."""
     roles = QPalette.ColorRole
     palette = QPalette()
     for role, colour in (

@@ -1,4 +1,4 @@
-"""Top bar: name, menus, tools, the document, the search for actions."""
+"""Top bar: program name, menus, tools, project name, and the search for actions."""
 
 from dataclasses import dataclass
 
@@ -12,10 +12,10 @@ from studio.document import colours
 from studio.document.document import Document
 
 TOP_BAR_HEIGHT = 34
-SEARCH_WIDTH, LEAST_SEARCH = 232, 64
-KEYS_FROM = 180
-"""Pixels of the search beside whose words its keys have room."""
-PRODUCT_FROM = 1100
+SEARCH_WIDTH_PX, MIN_SEARCH_WIDTH_PX = 232, 64
+SHORTCUT_FROM_WIDTH_PX = 180
+"""Width in pixels of the search field from which its shortcut is shown beside its text."""
+PRODUCT_NAME_FROM_WIDTH_PX = 1100
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class ToolButton:
 
 
 class TopBar(QWidget):
-    """Row with the open project, menus and tools."""
+    """Bar with the project name, menus and tools."""
 
     def __init__(self, document: Document, actions: ActionSet) -> None:
         super().__init__()
@@ -87,32 +87,32 @@ class TopBar(QWidget):
             self._fit()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Hide parts of a narrow bar in this order: the program's name, the search, texts of tools, document, tools;
-        never menus.
+        """Hide parts of a narrow bar in this order: program name, search, texts of tools, project name, tools; never
+        the menus.
         """
         super().resizeEvent(event)
         self._fit()
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Fit again: texts have the sizes of the theme only from the moment they are shown."""
+        """Fit the parts again, since texts get the theme's sizes only when they are shown."""
         super().showEvent(event)
         self._fit()
 
     def _fit(self) -> None:
-        self._product.setVisible(self.width() >= PRODUCT_FROM)
+        self._product.setVisible(self.width() >= PRODUCT_NAME_FROM_WIDTH_PX)
         for short, named, tools in ((False, True, True), (True, True, True), (True, False, True), (True, False, False)):
             for tool in self._tools:
                 tool.shorten(short)
                 tool.button.setVisible(tools)  # the menu View has them, and keys choose them
             self._label.setVisible(named)  # the title of the window says it as well
-            if (room := self._room()) >= LEAST_SEARCH:
+            if (room := self._room()) >= MIN_SEARCH_WIDTH_PX:
                 break
-        self._search.setFixedWidth(min(max(room, LEAST_SEARCH), SEARCH_WIDTH))
-        self._keys.setVisible(room >= KEYS_FROM)
+        self._search.setFixedWidth(min(max(room, MIN_SEARCH_WIDTH_PX), SEARCH_WIDTH_PX))
+        self._keys.setVisible(room >= SHORTCUT_FROM_WIDTH_PX)
         self._row.activate()  # now: the next event may be seconds away as the 3D view starts
 
     def _room(self) -> int:
-        """Pixels that everything else leaves to the search."""
+        """Pixels that remain for the search field."""
         others = (self._row.itemAt(place) for place in range(self._row.count() - 1))
         taken = sum(item.sizeHint().width() + self._row.spacing() for item in others if item is not None)
         margins = self._row.contentsMargins()

@@ -1,4 +1,4 @@
-"""Workbench: the document, the engine and the views for the functions of actions, and messages to the user."""
+"""Workbench: document, solver and views, as the functions of actions use them, and messages to the user."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 
 
 class Workbench(QObject):
-    """Parts of the running studio; the views are added after the window."""
+    """Parts of the running program; the 3D view and the timeline are added after the window."""
 
     window: "MainWindow"
-    """The one window, which enters itself when it is made."""
+    """Main window; it sets this attribute when it is made."""
 
     message_posted = Signal(UserMessage)
-    """UserMessage that the window shows, whoever it comes from; an empty one takes the last away."""
+    """Emitted with a UserMessage to be shown in the window; an empty one removes the last message."""
     media_relinked = Signal(str)
-    """Path of a file from which sounds or footage are read from now on, as if it was never tried before."""
+    """Emitted with the new path of a relinked sound or footage file, which is then read again."""
     views_changed = Signal()
 
     def __init__(self, document: Document, live: LiveAdaptation, runner: TaskRunner, settings: Settings) -> None:
@@ -39,11 +39,11 @@ class Workbench(QObject):
         self._viewport: Viewport | None = None
         self._timeline: Timeline | None = None
         self.journals: Path | None = None
-        """Folder in which sessions are kept for recovery."""
+        """Folder in which session journals are kept for recovery."""
         self.sources: dict[str, Path] = {}
-        """Files that captures were read from in this run, by capture id."""
+        """Source files of captures that were read or relinked in this run, by capture id."""
         self.read_as: dict[str, ReadAs] = {}
-        """Options by which the captures were read, to be corrected."""
+        """Import options of captures that were read in this run, by capture id."""
         # What is connected to them would keep them, and all that they hold, for good: they go with their parent.
         for part in (document, live, runner):
             part.setParent(self)
@@ -64,7 +64,7 @@ class Workbench(QObject):
 
     @property
     def has_viewport(self) -> bool:
-        """True once the 3D view exists; it is added after the window, and not on every machine."""
+        """True if the 3D view exists; it is added after the window, and is missing if OpenGL cannot be used."""
         return self._viewport is not None
 
     @property
@@ -95,14 +95,14 @@ class Workbench(QObject):
         self._timeline = timeline
 
     def finish_drag(self) -> None:
-        """Finish a drag that edits something in a view, so that nothing comes between its edits."""
+        """Finish a drag in the 3D view or the timeline, so that no other edit gets between its edits."""
         if self.live.interactive and self.has_viewport:
             self.viewport.finish_gesture()
         if self.live.interactive and self.has_timeline:
             self.timeline.tracks.finish_gesture()
 
     def close(self) -> None:
-        """Stop requests, join workers, then close the document."""
+        """Cancel requests, wait for worker threads, then close the document."""
         self.document.playhead.pause()
         self.runner.close()
         self.live.close()

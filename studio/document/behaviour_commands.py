@@ -12,23 +12,23 @@ from studio.document.edited_project import EditedProject
 
 BehaviourEdit = Callable[[Behaviour], Behaviour]
 COPY_OFFSET = (48.0, 72.0)
-"""Offset in the diagram of a copy from its original."""
+"""Offset (x, y) of a copied state from its original in the diagram, in scene units."""
 BEHAVIOUR_PARTS = ("states", "transitions")
-"""Collections of the selection within a behaviour: keys of ``Project.states`` and ``Project.transitions``."""
+"""Collections of the selection for parts of behaviours, whose ids are made by ``state_key`` and ``transition_key``."""
 
 
 def state_key(behaviour_id: str, name: str) -> str:
-    """Key by which a state is selected."""
+    """Id by which a state is selected."""
     return f"{behaviour_id}/{name}"
 
 
 def transition_key(behaviour_id: str, index: int) -> str:
-    """Key by which a transition is selected."""
+    """Id by which a transition is selected."""
     return f"{behaviour_id}/{index}"
 
 
 def behaviour_with(project: Project, collection: str, key: str) -> str | None:
-    """Id of the behaviour that contains a state or a transition; None if there is none."""
+    """Id of the behaviour that contains the state or transition with the id ``key``; None if there is none."""
     for behaviour_id, behaviour in project.behaviours.items():
         names = (
             [each.name for each in behaviour.states] if collection == "states" else range(len(behaviour.transitions))
@@ -39,12 +39,14 @@ def behaviour_with(project: Project, collection: str, key: str) -> str | None:
 
 
 def place_of(key: str) -> int:
-    """Index of a transition in its behaviour."""
+    """Index of a transition in its behaviour, from its id."""
     return int(key.rpartition("/")[2])
 
 
 def shown_behaviour(document: EditedProject) -> str | None:
-    """Behaviour that is selected itself or through one of its parts, else the active performer's."""
+    """Id of the behaviour that is selected itself or through one of its parts; else that of the active performer. None
+    without any.
+    """
     project = document.project
     for collection, key in reversed(document.selection.items):
         if collection == "behaviours" and key in project.behaviours:
@@ -57,7 +59,9 @@ def shown_behaviour(document: EditedProject) -> str | None:
 def edit_behaviour(
     document: EditedProject, behaviour_id: str, edit: BehaviourEdit, text: str, gesture: int | None = None
 ) -> None:
-    """Replace a behaviour by the result of ``edit``. ValueError of ``edit`` is raised as StudioError."""
+    """Replace a behaviour by the result of ``edit``, as one undo step. A ValueError raised by ``edit`` becomes a
+    StudioError.
+    """
     try:
         new = edit(document.project.behaviours[behaviour_id])
     except ValueError as error:
@@ -66,7 +70,7 @@ def edit_behaviour(
 
 
 def set_cast(document: EditedProject, performer_id: str, behaviour_id: str | None, partner_id: str = "") -> None:
-    """Let a performer play a behaviour against a partner, in place of any other one; with None it plays its clips."""
+    """Let a performer play a behaviour against a partner, in place of its former one; with None it plays its clips."""
     name = document.project.performers[performer_id].name
     chosen = document.project.behaviours[behaviour_id].name if behaviour_id else "own clips"
     text = f"Set behaviour of {name} to {chosen}"

@@ -1,4 +1,4 @@
-"""Channels: the single components of keyed fields, as curves of values with tangents, and their edits."""
+"""Channels: the components of keyed fields as scalar animation curves with tangents, and their edits."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
@@ -27,20 +27,20 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 
 SHOWN_EULER_ORDER = "ZYX"
-"""Order in which the angles of a rotation are shown: heading, then pitch, then roll."""
+"""Euler order in which rotations are shown: heading, then pitch, then roll."""
 ANGLE_NAMES = ("heading", "pitch", "roll")
 AXIS_NAMES = ("x", "y", "z")
 DEGREES_PER_RADIAN = 180.0 / np.pi
-RATE_STEP = 1e-5
-"""Seconds over which rates of angles are taken."""
+RATE_STEP_SECONDS = 1e-5
+"""Step in seconds of the finite differences for rates of angles."""
 ANGLE_SAMPLES = 24
-"""Steps from a key to the next in which angles are followed past half a turn."""
-HANDLE = 3.0
-"""A tangent of weight 1 has a handle a third of the way to the next key."""
+"""Samples from one key to the next, dense enough to follow angles beyond half a turn."""
+HANDLE_DIVISOR = 3.0
+"""Divisor of a handle's length: a tangent of weight 1 reaches a third of the way to the next key."""
 
 
 class Side(IntEnum):
-    """Side of a key."""
+    """Side of a key: of the arriving or of the leaving tangent."""
 
     ARRIVING = 0
     LEAVING = 1
@@ -48,7 +48,7 @@ class Side(IntEnum):
 
 @dataclass(frozen=True)
 class Channel:
-    """Component of a keyed field, shown in ``unit``: the stored value times ``factor``."""
+    """Scalar component of a keyed field, shown in ``unit``; shown values are stored values times ``factor``."""
 
     field: KeyedField
     component: int
@@ -56,13 +56,13 @@ class Channel:
     unit: str
     factor: float = 1.0
     baseline: float | None = None
-    """A value that is in sight whenever the values are framed."""
+    """Shown value that is included when the curves are framed; None if there is none."""
     limits: tuple[float, float] = (-PLACE_RANGE.most, PLACE_RANGE.most)
-    """Least and greatest stored value."""
+    """Minimum and maximum of the stored value."""
 
 
 def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
-    """Channels of a field; of measures only those that change, or else the stature."""
+    """Channels of a field. Of keyed proportions, only those that change, or the stature if none does."""
     match keyed:
         case KeyedPlace():
             metre = shown_unit("m")
@@ -93,12 +93,12 @@ def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
 
 
 def values_at(channel: Channel, keyed: Keyed, times: ArrayLike) -> FloatArray:
-    """(N,) values at ``times`` (N,) of the field."""
+    """(N,) shown values of the channel at ``times`` (N,), seconds of the field's own time."""
     return np.asarray(components_at(keyed, times)[:, channel.component] * channel.factor)
 
 
 def components_at(keyed: Keyed, times: ArrayLike) -> FloatArray:
-    """(N, D) stored values of all channels at ``times`` (N,), of a rotation its angles in radians."""
+    """(N, D) stored values of all components at ``times`` (N,), seconds; of a rotation, its Euler angles in radians."""
     seconds = np.asarray(times, dtype=np.float64)
     if isinstance(keyed, ActivationCurve):
         return keyed.at(seconds)[:, None]
@@ -106,7 +106,7 @@ def components_at(keyed: Keyed, times: ArrayLike) -> FloatArray:
 
 
 def allowed_value_at(field: KeyedField, keyed: Keys, time: float) -> Any:
-    """Value of a field at ``time``; of a number within its limits, which its curve may overshoot between keys."""
+    """Value of a field at ``time``. Numbers are clamped to their limits, which a curve may overshoot between keys."""
     value = keyed.value_at(time)
     if isinstance(keyed, KeyedNumber):
         least, most = channels_of(field, keyed)[0].limits
@@ -115,7 +115,7 @@ def allowed_value_at(field: KeyedField, keyed: Keys, time: float) -> Any:
 
 
 def key_values(channel: Channel, keyed: Keyed) -> FloatArray:
-    """(K,) values of the keys."""
+    """(K,) shown values of the channel at its keys."""
     if isinstance(keyed, ActivationCurve):
         return np.array([0.0, 1.0, 1.0, 0.0])
     if isinstance(keyed, KeyedTurn):
@@ -125,7 +125,7 @@ def key_values(channel: Channel, keyed: Keyed) -> FloatArray:
 
 
 def handle_of(channel: Channel, keyed: Keyed, index: int, side: Side) -> tuple[float, float] | None:
-    """Seconds and value from a key to the end of its tangent's handle; None if there is none on that side."""
+    """Offset (seconds, shown value) from a key to the end of its tangent handle; None if that side has no handle."""
     other = index + (1 if side is Side.LEAVING else -1)
     if not 0 <= other < len(keyed.times):
         return None
@@ -133,21 +133,23 @@ def handle_of(channel: Channel, keyed: Keyed, index: int, side: Side) -> tuple[f
     if isinstance(keyed, ActivationCurve):
         if (index, side) not in _EASES or gap == 0.0:
             return None
-        return keyed.weights[index] * gap / HANDLE, 0.0
+        return keyed.weights[index] * gap / HANDLE_DIVISOR, 0.0
     own = keyed.tangents[index] if keyed.tangents else None
     if side is Side.LEAVING and own is not None and own.is_stepped:
         return None
     weight = own.weights[side] if own is not None else 1.0
-    seconds = weight * gap / HANDLE
+    seconds = weight * gap / HANDLE_DIVISOR
     return seconds, seconds * _rate(channel, keyed, index, side)
 
 
 _EASES = ((0, Side.LEAVING), (1, Side.ARRIVING), (2, Side.LEAVING), (3, Side.ARRIVING))
-"""The sides of an activation's four times on which it rises or falls."""
+"""Sides of the four times of an activation on which its curve rises or falls, and which have a handle."""
 
 
 def with_values(channel: Channel, keyed: Keyed, values: Mapping[int, float]) -> Keyed:
-    """Copy with other values of some keys, within the limits of the channel; those of an activation are unchanged."""
+    """Copy with the shown ``values`` of some keys, by index, clamped to the channel's limits; those of an activation
+    are unchanged.
+    """
     if not isinstance(keyed, Keys):
         return keyed
     numbers = list(keyed.values)
@@ -160,15 +162,16 @@ def with_values(channel: Channel, keyed: Keyed, values: Mapping[int, float]) -> 
 def with_handle(
     channel: Channel, keyed: Keyed, index: int, side: Side, seconds: float, value: float, broken: bool = False
 ) -> Keyed:
-    """Copy with the end of a tangent's handle at ``seconds`` and ``value`` from its key, as in ``handle_of``; the other
-    side rotates with it unless it is ``broken``. Of an activation only the weight changes.
+    """Copy with the end of a tangent handle at the offset (``seconds``, ``value``) from its key.
+
+    The other tangent rotates with it unless it is ``broken``. Of an activation only the tangent weight changes.
     """
     other = index + (1 if side is Side.LEAVING else -1)
     gap = keyed.times[other] - keyed.times[index]
-    weight = min(max(HANDLE * seconds / gap, LIGHTEST), HEAVIEST)
+    weight = min(max(HANDLE_DIVISOR * seconds / gap, LIGHTEST), HEAVIEST)
     if isinstance(keyed, ActivationCurve):
         return keyed.with_weight(index, weight)
-    least = LIGHTEST * gap / HANDLE
+    least = LIGHTEST * gap / HANDLE_DIVISOR
     seconds = seconds if seconds / gap > least / gap else least
     rate = _stored_rate(channel, keyed, index, side, value / seconds / channel.factor)
     own = (keyed.tangents[index] if keyed.tangents else None) or Tangents()
@@ -181,7 +184,7 @@ def with_handle(
 
 
 def with_mode(keyed: Keyed, index: int, mode: TangentMode) -> Keyed:
-    """Copy with another mode of both tangents of a key; a free tangent keeps its present rate.
+    """Copy with another tangent mode on both sides of a key; a free tangent keeps its present slope.
 
     An activation is unchanged.
     """
@@ -198,7 +201,7 @@ def with_mode(keyed: Keyed, index: int, mode: TangentMode) -> Keyed:
 
 
 def with_broken(keyed: Keyed, index: int, broken: bool) -> Keyed:
-    """Copy with the tangents of a key broken, each unchanged, or joined again at the mean of both."""
+    """Copy with the tangents of a key broken, each unchanged, or unified at the mean of both slopes."""
     if not isinstance(keyed, Keys):
         return keyed
     if not broken:
@@ -212,7 +215,7 @@ def with_broken(keyed: Keyed, index: int, broken: bool) -> Keyed:
 
 
 def with_even_weights(keyed: Keyed, index: int) -> Keyed:
-    """Copy with the tangent weights of a key set to 1."""
+    """Copy with both tangent weights of a key set to 1."""
     if isinstance(keyed, ActivationCurve):
         return keyed.with_weight(index, 1.0)
     own = keyed.tangents[index] if keyed.tangents else None
@@ -235,7 +238,7 @@ def _with_component(keyed: Keys, index: int, component: int, value: float) -> ob
 
 
 def _rate(channel: Channel, keyed: Keys, index: int, side: Side) -> float:
-    """Rate a second of a channel on one side of a key, in its unit."""
+    """Slope of a channel on one side of a key, in shown units per second."""
     rate = keyed.rates()[side][index]
     if isinstance(keyed, KeyedTurn):
         rate = _angle_rates(keyed, index, rate)
@@ -243,7 +246,7 @@ def _rate(channel: Channel, keyed: Keys, index: int, side: Side) -> float:
 
 
 def _stored_rate(channel: Channel, keyed: Keys, index: int, side: Side, rate: float) -> tuple[float, ...]:
-    """Rates of all components, in stored units a second, for a given rate of the channel."""
+    """Slopes of all components in stored units per second, if the channel has the shown slope ``rate``."""
     rates = keyed.rates()[side][index].copy()
     if not isinstance(keyed, KeyedTurn):
         rates[channel.component] = rate
@@ -251,15 +254,17 @@ def _stored_rate(channel: Channel, keyed: Keys, index: int, side: Side, rate: fl
     angles = to_euler(SHOWN_EULER_ORDER, np.array(keyed.values[index]))
     turning = _angle_rates(keyed, index, rates)
     turning[channel.component] = rate
-    step = RATE_STEP / max(1.0, float(np.abs(turning).max()))
+    step = RATE_STEP_SECONDS / max(1.0, float(np.abs(turning).max()))
     later = _rotation(from_euler(SHOWN_EULER_ORDER, angles + step * turning))
     return tuple((_rotation(np.array(keyed.values[index])).inv() * later).as_rotvec() / step)
 
 
 def _angle_rates(keyed: KeyedTurn, index: int, rate: FloatArray) -> FloatArray:
-    """(3,) rates of heading, pitch and roll, radians a second, of a key with the body rates ``rate`` (3,)."""
+    """(3,) rates of heading, pitch and roll in radians per second at a key with the angular velocity ``rate`` (3,) in
+    body axes.
+    """
     here = np.array(keyed.values[index])
-    step = RATE_STEP / max(1.0, float(np.linalg.norm(rate)))
+    step = RATE_STEP_SECONDS / max(1.0, float(np.linalg.norm(rate)))
     later = (_rotation(here) * type(_rotation(here)).from_rotvec(step * rate)).as_quat()
     change = to_euler(SHOWN_EULER_ORDER, later) - to_euler(SHOWN_EULER_ORDER, here)
     return np.asarray((np.mod(change + np.pi, 2.0 * np.pi) - np.pi) / step)

@@ -1,4 +1,6 @@
-"""Edits of clips: each is one undo step, for all performers of the clip and for its constraints and contacts."""
+"""Edits of clips, each one undo step: they affect all performers that play the clip, and its constraints and
+contacts.
+"""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -22,12 +24,14 @@ from studio.core.stage.project import Entity, Project, new_id, new_ids
 from studio.core.stage.prop import Carried, InHand
 from studio.document.edited_project import EditedProject
 
-BLEND = 0.3
-"""Seconds by which a clip that is added overlaps what comes before it."""
+DEFAULT_BLEND_SECONDS = 0.3
+"""Seconds by which an added clip overlaps the clip before it."""
 
 
 def edit_clip(document: EditedProject, clip_id: str, edit: ClipEdit, text: str, gesture: int | None = None) -> None:
-    """Edit a clip on all its performers. Raises StudioError, and changes nothing, if ``edit`` raises ValueError."""
+    """Replace a clip by the result of ``edit`` on all its performers. Raises StudioError, and changes nothing, if
+    ``edit`` raises ValueError.
+    """
     with document.group(text, gesture):
         for key, performer in players_of(document.project, clip_id).items():
             try:
@@ -37,7 +41,7 @@ def edit_clip(document: EditedProject, clip_id: str, edit: ClipEdit, text: str, 
 
 
 def set_speed(document: EditedProject, clip_id: str, speed: Speed, text: str, gesture: int | None = None) -> None:
-    """Set the speed of a clip; the clips after it in its rows move with its end."""
+    """Set the speed of a clip; later clips of its tracks move with its end."""
     project = document.project
     clip, rows = project.clips[clip_id], (each.clips for each in players_of(project, clip_id).values())
     rate = project.frame_rate_of(clip)
@@ -50,7 +54,7 @@ def set_speed(document: EditedProject, clip_id: str, speed: Speed, text: str, ge
 
 
 def remove_clips(document: EditedProject, clip_ids: Iterable[str], text: str) -> None:
-    """Remove clips from all rows, with the constraints and contacts that apply to them alone."""
+    """Remove clips from all tracks, with the constraints and contacts whose scope is one of them."""
     with document.group(text):
         for clip_id in clip_ids:
             edit_clip(document, clip_id, lambda _: (), text)
@@ -60,7 +64,9 @@ def remove_clips(document: EditedProject, clip_ids: Iterable[str], text: str) ->
 
 
 def split_clip(document: EditedProject, clip_id: str, time: float) -> str:
-    """Split a clip at a time of the stage, and return the id of the last part. Raises as ``clip_halves``."""
+    """Split a clip at a stage time in seconds, and return the id of the second part. Raises StudioError if the time is
+    not within the clip.
+    """
     clip = document.project.clips[clip_id]
     text, names = f"Split {name_of(document.project, clip)}", new_ids(MOST_PARTS)
     rate = document.project.frame_rate_of(clip)
@@ -68,7 +74,7 @@ def split_clip(document: EditedProject, clip_id: str, time: float) -> str:
         edit_clip(document, clip_id, lambda each: clip_halves(each, rate, time, iter(names)), text)
         made = [name for name in names if name in document.project.clips]
         for name in made:
-            ask_also(document, clip_id, name, text)
+            copy_scoped_entities(document, clip_id, name, text)
     return made[-1]
 
 
@@ -78,7 +84,7 @@ def mirror_clip(document: EditedProject, clip_id: str) -> None:
 
 
 def set_mirrored(document: EditedProject, clip_id: str, mirrored: bool) -> None:
-    """Mirror a clip or not, with the holds of props that last during no other clip of its performers."""
+    """Mirror a clip or not, together with those holds of props during which its performers play no other clip."""
     project = document.project
     clip = project.clips[clip_id]
     if clip.mirrored is mirrored:
@@ -92,7 +98,7 @@ def set_mirrored(document: EditedProject, clip_id: str, mirrored: bool) -> None:
 
 
 def _clips_during(project: Project, hold: InHand | Carried) -> list[str]:
-    """Clips that the holder plays while a hold lasts."""
+    """Ids of the clips that the holder plays during a hold."""
     return [
         clip.id
         for clip in project.performers[hold.performer_id].clips
@@ -102,7 +108,7 @@ def _clips_during(project: Project, hold: InHand | Carried) -> list[str]:
 
 
 def duplicate_clip(document: EditedProject, clip_id: str) -> str:
-    """Add a copy after a clip, which continues at its end, and return its id."""
+    """Add a copy after a clip, aligned to the clip's end, and return the id of the copy."""
     project = document.project
     text, name = f"Duplicate {name_of(project, project.clips[clip_id])}", new_id()
     rate = project.frame_rate_of(project.clips[clip_id])
@@ -112,19 +118,21 @@ def duplicate_clip(document: EditedProject, clip_id: str) -> str:
 
     with document.group(text):
         edit_clip(document, clip_id, twice, text)
-        ask_also(document, clip_id, name, text)
+        copy_scoped_entities(document, clip_id, name, text)
     return name
 
 
 def add_clip(document: EditedProject, performer_ids: Iterable[str], motion_id: str, start: float | None = None) -> str:
-    """Add a whole motion as a clip to the rows of performers, at ``start`` or the end of each, and return its id."""
+    """Add a whole motion as a clip to the tracks of performers, at the stage time ``start`` or at the end of each, and
+    return its id.
+    """
     project = document.project
     clip = _whole(project, motion_id, 0.0)
     text = f"Add clip {project.motions[motion_id].name}"
     with document.group(text):
         for key in performer_ids:
             performer = project.performers[key]
-            end = timing_of(project, performer).end - BLEND if performer.clips else 0.0
+            end = timing_of(project, performer).end - DEFAULT_BLEND_SECONDS if performer.clips else 0.0
             placed = replace(clip, start=max(end, 0.0) if start is None else start)
             document.replace("performers", key, with_row(performer, (*performer.clips, placed)), text)
     return clip.id
@@ -144,7 +152,9 @@ def _whole(project: Project, motion_id: str, start: float) -> Clip:
 
 
 def add_layer(document: EditedProject, performer_ids: Iterable[str], motion_id: str, start: float) -> str:
-    """Add a whole motion as a layer over the upper body of performers, from ``start``; return its clip's id."""
+    """Add a whole motion as a layer over the upper body of performers, from the stage time ``start`` on; return its
+    clip's id.
+    """
     project = document.project
     clip = _whole(project, motion_id, start)
     text = f"Add layer {project.motions[motion_id].name}"
@@ -156,7 +166,7 @@ def add_layer(document: EditedProject, performer_ids: Iterable[str], motion_id: 
 
 
 def edit_layer(document: EditedProject, clip_id: str, text: str, gesture: int | None = None, **values: object) -> None:
-    """Set values of the layer of a clip on all its performers. Raises StudioError for invalid values."""
+    """Set ``values`` of the layer of a clip on all its performers. Raises StudioError for invalid values."""
     with document.group(text, gesture):
         for key, performer in players_of(document.project, clip_id).items():
             try:
@@ -167,19 +177,19 @@ def edit_layer(document: EditedProject, clip_id: str, text: str, gesture: int | 
 
 
 def layer_of(project: Project, clip_id: str) -> Layer | None:
-    """Layer that plays a clip; None for a clip of a row."""
+    """Layer that plays a clip; None for a clip of the track."""
     layers = (layer for performer in project.performers.values() for layer in performer.layers)
     return next((layer for layer in layers if layer.clip.id == clip_id), None)
 
 
 def detach_clip(document: EditedProject, performer_id: str, clip_id: str) -> str:
-    """Give a performer a copy of its own of a shared clip, with the clip's constraints; return the copy's id."""
+    """Give a performer its own copy of a shared clip, with the clip's constraints; return the copy's id."""
     performer, name = document.project.performers[performer_id], new_id()
     text = f"Make {name_of(document.project, document.project.clips[clip_id])} unique for {performer.name}"
     with document.group(text):
         own = with_clip_edited(performer, clip_id, lambda clip: (replace(clip, id=name),))
         document.replace("performers", performer_id, own, text)
-        ask_also(document, clip_id, name, text)
+        copy_scoped_entities(document, clip_id, name, text)
     return name
 
 
@@ -188,13 +198,13 @@ def name_of(project: Project, clip: Clip) -> str:
     return project.motions[clip.motion_id].name
 
 
-def ask_also(document: EditedProject, clip_id: str, other: str, text: str) -> None:
-    """Copy the constraints and contacts of one clip to another."""
-    put_copies(document, scoped_copies(document.project, clip_id, other), text)
+def copy_scoped_entities(document: EditedProject, clip_id: str, other: str, text: str) -> None:
+    """Copy the constraints and contacts whose scope is ``clip_id`` to the clip ``other``."""
+    add_copies(document, scoped_copies(document.project, clip_id, other), text)
 
 
-def put_copies(document: EditedProject, copies: Mapping[str, Mapping[str, Entity]], text: str) -> None:
-    """Add new entities, given by collection and id."""
+def add_copies(document: EditedProject, copies: Mapping[str, Mapping[str, Entity]], text: str) -> None:
+    """Add entities to the project, given by collection and id."""
     for collection, entities in copies.items():
         document.put_all(collection, entities, text)
 

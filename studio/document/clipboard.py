@@ -1,6 +1,4 @@
-"""Copies of constraints, contacts, corrections and keys as readable JSON, to be pasted elsewhere,
-mirrored if wanted.
-"""
+"""Copy and paste of constraints, contacts, corrections and keys as readable JSON, optionally mirrored."""
 
 import json
 import math
@@ -56,7 +54,9 @@ _NUMBERS = re.compile(r"\[\s+(-?[\d.e+-]+(?:,\s+-?[\d.e+-]+)*)\s+\]")
 
 
 def selection_as_json(document: EditedProject) -> str:
-    """Selected keys, or else constraints, contacts and corrections, as JSON; empty if there are none."""
+    """Selected keys, or if there are none, selected constraints, contacts and corrections, as JSON; empty if nothing is
+    selected.
+    """
     keys = _key_records(document)
     record: JsonObject = {
         "format": CLIPBOARD_FORMAT,
@@ -74,11 +74,11 @@ def selection_as_json(document: EditedProject) -> str:
 
 
 def paste_json(document: EditedProject, text: str, mirrored: bool = False) -> None:
-    """Paste the text of ``selection_as_json`` as one step, and select the result.
+    """Paste JSON made by ``selection_as_json`` as one undo step, and select the result.
 
     Keys are pasted into the same fields of the selected entities, from the playhead on. Constraints and contacts keep
-    their times if pasted on another motion or body, or mirrored; else they begin at the playhead, or with the
-    motion if that begins later. Raises StudioError if the text contains nothing to paste, or it does not fit.
+    their times if they are pasted on another motion or performer, or mirrored; otherwise they begin at the playhead, or
+    with the motion if that begins later. Raises StudioError if the text contains nothing that can be pasted.
     """
     record = _record_of(text)
     if "keys" in record:
@@ -198,7 +198,9 @@ def _list_of(record: JsonObject, name: str) -> list[JsonObject]:
 
 
 def _contacts_of(document: EditedProject, record: JsonObject, motion_id: str, frames: float) -> list[ContactInterval]:
-    """Contacts in frames of the motion; ``frames`` is the number of these in one frame of their source."""
+    """Contacts of the JSON ``record`` in frames of the motion; ``frames`` is the number of these frames per frame of
+    the copied motion.
+    """
     found: list[ContactInterval] = []
     for place, item in enumerate(_list_of(record, "contacts")):
         try:
@@ -215,7 +217,9 @@ def _later(seconds: float) -> ClipTransform:
 
 
 def _scope(project: Project, scope: Scope, body: str) -> Scope:
-    """Scope of a pasted entity: the given performer; else its former one if that body or clip exists."""
+    """Scope of a pasted entity: the performer ``body`` if given, else its former scope if that performer or clip still
+    exists.
+    """
     if body:
         return Scope(performer_id=body)
     there = scope.performer_id in ("", *project.performers) and scope.clip_id in ("", *project.clips)
@@ -223,7 +227,7 @@ def _scope(project: Project, scope: Scope, body: str) -> Scope:
 
 
 def _add(document: EditedProject, constraint: Constraint, body: str, text: str) -> str:
-    """Add a constraint under a free name; last in priority if it would contradict another one."""
+    """Add a constraint under a free name, with the lowest priority if it would conflict with another one."""
     others = document.shown_project.constraints_of(constraint.motion_id).values()
     name = free_name(constraint.name, {each.name for each in others})
     new = replace(constraint, name=name, scope=_scope(document.project, constraint.scope, body))
@@ -233,7 +237,7 @@ def _add(document: EditedProject, constraint: Constraint, body: str, text: str) 
 
 
 def _add_contact(document: EditedProject, contact: ContactInterval, body: str, text: str) -> str:
-    """Add a contact, and remove those of its point that it covers."""
+    """Add a contact, and remove contacts of the same point that it covers."""
     new = replace(contact, scope=_scope(document.project, contact.scope, body))
     for key, each in document.shown_project.contacts_of(new.motion_id).items():
         same = (each.point, each.scope) == (new.point, new.scope)
@@ -244,7 +248,7 @@ def _add_contact(document: EditedProject, contact: ContactInterval, body: str, t
 
 @dataclass(frozen=True)
 class _CopiedKeys:
-    """Keys of one field: their entity and field, and their seconds after the first of all."""
+    """Keys of one field of one entity, with times in seconds after the earliest copied key."""
 
     entity: str
     field: str
@@ -310,8 +314,8 @@ def _keys_of(record: JsonObject, index: int) -> _CopiedKeys:
 
 
 def _destinations(document: EditedProject, copies: Iterable[_CopiedKeys]) -> Iterable[tuple[_CopiedKeys, KeyedField]]:
-    """Fields into which keys are pasted: those of one entity into all selected ones, those of several into each in
-    turn.
+    """Pairs of copied keys and a field to paste them into: keys of one entity go to all selected entities, keys of
+    several entities to one each.
     """
     groups: dict[str, list[_CopiedKeys]] = {}
     for copy in copies:
@@ -342,8 +346,10 @@ def _item(entity: str) -> tuple[str, str]:
 
 
 def _field_for(document: EditedProject, copy: _CopiedKeys, item: tuple[str, str]) -> KeyedField | None:
-    """Field of an entity into which copied keys are pasted: that of the same name, else one with keys of the same type,
-    else a value of that type without keys. Numbers of another name are of another unit.
+    """Field of an entity into which copied keys are pasted; None if there is none.
+
+    The field of the same name is preferred, then one with keys of the same type, then an unkeyed value of that type.
+    Numbers of another name are never used, since their unit differs.
     """
     project = document.shown_project
     entity = project.get(*item)
@@ -361,12 +367,12 @@ def _field_for(document: EditedProject, copy: _CopiedKeys, item: tuple[str, str]
 
 
 def _is_plain(value: object, keyed: Keys) -> bool:
-    """True if a value without keys has the type of the keys."""
+    """True if the unkeyed ``value`` has the type of the values of ``keyed``."""
     return type(value) is type(keyed.values[0]) and (not isinstance(value, tuple) or len(value) == keyed.size)
 
 
 def _mirrored(project: Project, field: KeyedField, keyed: Keys) -> Keys:
-    """Keys in the mirror image of the motion."""
+    """Keys of a field mirrored to the other side of the body."""
     match keyed:
         case KeyedPoses():
             return keyed.mirrored()

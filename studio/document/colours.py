@@ -22,15 +22,15 @@ SELECTED_HANDLE = "#cfe3ff"
 PLAYHEAD = "#ff6b5e"
 LIVE = "#ff6b5e"
 BEFORE_PLAYHEAD, AFTER_PLAYHEAD, KEPT_GHOST = "#e8915b", "#58bfb0", "#dfe6ee"
-"""Bodies at moments before and after the playhead, and at kept ones."""
+"""Colours of onion skins before and after the playhead, and of added ghosts."""
 
 VIEWPORT_TOP = "#2a3038"
 VIEWPORT_BOTTOM = "#1d2126"
 GRID = "#3a424b"
 
-CHARACTERS = ("#7FB4E6", "#E8A95B", "#8FCB8A", "#D98BB5", "#B9A6E8")
+CHARACTER_COLOURS = ("#7FB4E6", "#E8A95B", "#8FCB8A", "#D98BB5", "#B9A6E8")
 
-KINDS = {
+KIND_COLOURS = {
     **{kind: each.value.shown.colour for kind, each in CONSTRAINTS.items()},
     "contact": "#95ad74",
     "label": "#8fa8cf",
@@ -41,13 +41,13 @@ HELD = "#3f7f57"
 PARTLY = "#E3A23C"
 NOT_REACHED = "#E4574F"
 LEFT, RIGHT = "#6aa5e3", "#e3a23c"
-"""The sides of a body, where a figure tells them apart."""
+"""Colours of the left and right side of the body in figures."""
 
 
 STAGE_BAR, STAGE_CONTROL, STAGE_SELECTED_CONTROL = BAR, CONTROL, SELECTED_CONTROL
 STAGE_TEXT, STAGE_TEXT_SECOND, STAGE_TEXT_THIRD, STAGE_SELECTED_HANDLE = TEXT, TEXT_SECOND, TEXT_THIRD, SELECTED_HANDLE
 STAGE_PLAYHEAD, STAGE_PARTLY, STAGE_NOT_REACHED = PLAYHEAD, PARTLY, NOT_REACHED
-"""The 3D view is dark in every theme: bodies and handles have their colours against it."""
+"""Colours in the 3D view, which is dark in every theme."""
 
 LIGHT: Mapping[str, str] = MappingProxyType(
     {
@@ -73,14 +73,14 @@ THEMES: Mapping[str, Mapping[str, str]] = MappingProxyType({"dark": DARK, "light
 
 
 def use_theme(name: str) -> None:
-    """Use the colours of a theme in panels and timeline; widgets made before keep their own."""
+    """Use the colours of a theme for panels and timeline; widgets that exist already keep theirs."""
     globals().update(THEMES[name])
 
 
 def character_colour(number: int) -> str:
-    """Colour of the ``number``-th character: the five, then darker and lighter variants of them."""
-    colour = CHARACTERS[number % len(CHARACTERS)]
-    turn = number // len(CHARACTERS)
+    """Colour of the ``number``-th character: one of five, then darker and lighter variants of them."""
+    colour = CHARACTER_COLOURS[number % len(CHARACTER_COLOURS)]
+    turn = number // len(CHARACTER_COLOURS)
     if turn == 0:
         return colour
     factor = 0.72 ** ((turn + 1) // 2)
@@ -88,12 +88,12 @@ def character_colour(number: int) -> str:
 
 
 def kind_colour(kind: str) -> str:
-    """Colour of a constraint kind; the grey of secondary text for one without a colour."""
-    return KINDS.get(kind, TEXT_SECOND)
+    """Colour of a constraint kind; the grey of secondary text for kinds without a colour."""
+    return KIND_COLOURS.get(kind, TEXT_SECOND)
 
 
 def mixed_colour(colour: str, other: str, share: float) -> str:
-    """``colour`` blended towards ``other`` by ``share`` from 0 to 1."""
+    """``colour`` blended towards ``other`` by the fraction ``share``, 0 to 1."""
     return "#" + "".join(
         f"{round((1.0 - share) * int(colour[k : k + 2], 16) + share * int(other[k : k + 2], 16)):02x}"
         for k in (1, 3, 5)

@@ -1,4 +1,6 @@
-"""Owners of contacts: the contacts of a point belong either to one body, or to all bodies together."""
+"""Ownership of contacts: the contacts of a body point belong either to one performer or to all performers of the
+motion.
+"""
 
 from dataclasses import replace
 
@@ -6,10 +8,11 @@ from studio.core.constraints.scope import Scope
 from studio.document.edited_project import EditedProject
 
 
-def ask_contact_of(document: EditedProject, contact_id: str, scope: Scope, text: str) -> str:
-    """Give a contact, and all of its point, to another scope; returns its id there.
+def move_contact_to_scope(document: EditedProject, contact_id: str, scope: Scope, text: str) -> str:
+    """Move a contact, with all contacts of its point, to another scope; returns the id of the contact there.
 
-    A body's own contacts begin as copies of those of all bodies, and are removed when it uses those of all again.
+    Contacts of a single performer begin as copies of the shared ones, and are removed when it returns to the shared
+    ones.
     """
     project = document.project
     contact = project.contacts[contact_id]

@@ -1,4 +1,4 @@
-"""Edits of manual corrections: find or add the one at a time, set and remove its keys."""
+"""Edits of correction layers: find or add one, set its keys, mirror it."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -13,7 +13,9 @@ from studio.document.edited_project import EditedProject
 
 
 def correction_at(document: EditedProject, performer_id: str, time: float) -> str | None:
-    """Id of the correction of a performer for a pose at ``time``: a selected one, else the last active one."""
+    """Id of the correction in which a pose of the performer at the stage time ``time`` is keyed: a selected one, else
+    the last that is active then. None if there is none.
+    """
     own = document.project.corrections_of(performer_id)
     selected = [key for key in document.selection.of("corrections") if key in own]
     acting = [key for key, each in own.items() if each.activation.start <= time <= each.activation.end]
@@ -32,7 +34,8 @@ def set_pose(
     name: str = "",
     activation: ActivationCurve | None = None,
 ) -> str:
-    """Set rotation vectors of some parts, and the displacement of the hips, at ``time``; the id of their correction.
+    """Key rotation vectors of some parts, in radians, and the displacement of the hips in a correction at the stage
+    time ``time``; returns the correction's id.
 
     Without a correction at that time a new one is added and selected, with ``name`` and ``activation``; by default with
     the object of ``text``, in the usual range.
@@ -51,7 +54,7 @@ def set_pose(
 
 
 def set_key(document: EditedProject, correction_id: str, time: float) -> None:
-    """Set a key of a correction at ``time`` with its offsets there."""
+    """Set a key of a correction at ``time`` with its interpolated values."""
     correction = document.project.corrections[correction_id]
     document.replace(
         "corrections",
@@ -62,7 +65,7 @@ def set_key(document: EditedProject, correction_id: str, time: float) -> None:
 
 
 def mirror_correction(document: EditedProject, correction_id: str) -> None:
-    """Move a correction to the other side of the body."""
+    """Mirror a correction to the other side of the body."""
     correction = document.project.corrections[correction_id]
     document.replace("corrections", correction_id, correction.mirrored(), f"Mirror {correction.name}")
 

@@ -1,4 +1,4 @@
-"""Document: the open project with its undo stack, its file and its journal; the only mutable state."""
+"""Document: the open project with its undo stack, its file and its journal. All mutable state of a project is here."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -23,15 +23,15 @@ from studio.io.project.project_file import (
     write_project,
 )
 
-LOCKS = "locks"
-"""The folder, in that of the journals, of what documents are open."""
+LOCKS_FOLDER = "locks"
+"""Name of the folder of file locks, within the folder of the journals."""
 PLAYHEAD_SAVE_MILLISECONDS = 500
-"""Shortest time between two writes of the playhead's position to the journal."""
+"""Minimum time between two writes of the playhead's position to the journal."""
 
 
 @dataclass(frozen=True, eq=False)
 class SaveSnapshot:
-    """Snapshot for a save: immutable values, so that a worker may write while editing goes on."""
+    """Immutable snapshot of the project for saving, so that a worker can write it while the user goes on editing."""
 
     project: Project
     path: Path
@@ -40,10 +40,12 @@ class SaveSnapshot:
     expected: Stamp | None
     thumbnail: bytes | None = None
     locks: Path | None = None
-    """Folder of locks, by which a file that is open in another window is seen; None not to look."""
+    """Folder of locks that tell if another window has the file open; None to skip the check."""
 
     def write(self, report: Callable[[float, str], None] = lambda _share, _text: None) -> Stamp:
-        """Write the file; raises as ``write_project``, and ChangedOnDisk if another window has it open."""
+        """Write the project file; ``report`` receives the progress. Raises StudioError if it cannot be written, and
+        ChangedOnDisk if it was changed since, or another window has it open.
+        """
         if self.locks is not None:
             self._refuse_open_elsewhere(self.locks)
         return write_project(
@@ -68,7 +70,7 @@ class SaveSnapshot:
 
 
 def lock_of_document(locks: Path, document_id: str) -> Path:
-    """Lock that a window holds while it has the document open."""
+    """Path of the lock that a window holds while it has the document open."""
     return locks / f"{document_id}.lock"
 
 
@@ -81,7 +83,7 @@ class Document(EditedProject):
     def __init__(
         self, project: Project | None = None, parent: QObject | None = None, journal_folder: Path | None = None
     ) -> None:
-        """Without a ``journal_folder`` there is no journal for recovery and no lock."""
+        """Without ``journal_folder`` the document has no recovery journal and no lock."""
         super().__init__(project, parent)
         self._path: Path | None = None
         self._document_id = new_document_id()
@@ -110,20 +112,20 @@ class Document(EditedProject):
 
     @property
     def read_only(self) -> str:
-        """Reason why this project may not be saved to its own file; empty when it may."""
+        """Reason why the project may not be saved to its own file; empty if it may be."""
         return self._read_only
 
     @property
     def journal_state(self) -> str:
-        """Line for the status bar about edits backed up for recovery; empty without a journal."""
+        """Text for the status bar about the edits backed up for recovery; empty without a journal."""
         return self.journal.state if self.journal else ""
 
     def new(self, project: Project) -> None:
-        """Show another project that has no file yet."""
+        """Replace the project by a new one that has no file yet."""
         self._become(project, None, new_document_id(), None, "")
 
     def open(self, path: Path) -> OpenedProject:
-        """Read a file and show it. Raises StudioError, and changes nothing, if it cannot be read."""
+        """Read a project file and show it. Raises StudioError, and changes nothing, if it cannot be read."""
         opened = read_project(path)
         self.show_opened(opened)
         return opened
@@ -132,7 +134,7 @@ class Document(EditedProject):
         """Show the result of ``read_project``; its problems and remarks are reported one by one."""
         reason = ""
         if opened.read_only or opened.problems:
-            reason = f"Parts of '{opened.path.name}' could not be read. It was opened read-only; use Save As."
+            reason = f"Parts of '{opened.path.name}' could not be read. It was opened read-only: use File > Save as…"
         self._become(opened.project, opened.path, opened.document_id, opened.stamp, reason)
         self.opened = opened
         for problem in (*opened.problems, *opened.remarks):
@@ -141,10 +143,10 @@ class Document(EditedProject):
     def make_save(
         self, path: Path | None = None, thumbnail: bytes | None = None, overwrite: bool = False
     ) -> SaveSnapshot:
-        """Make a snapshot to be written by a worker; call ``note_saved`` afterwards.
+        """Snapshot to be written by a worker; ``note_saved`` must be called afterwards.
 
-        ``overwrite`` replaces a file that another program has changed. Raises StudioError if there is no file to save
-        to yet, or only another one.
+        ``overwrite`` replaces a file that another program has changed. Raises StudioError if the project has no file
+        yet or is read-only.
         """
         target = path or self._path
         if target is None:
@@ -154,11 +156,11 @@ class Document(EditedProject):
             raise StudioError(self._read_only)
         document_id = self._document_id if own or self._path is None else new_document_id()
         expected = self._stamp if own and not overwrite else None
-        locks = None if own or overwrite or self._folder is None else self._folder / LOCKS
+        locks = None if own or overwrite or self._folder is None else self._folder / LOCKS_FOLDER
         return SaveSnapshot(self.project, target, document_id, self.revision, expected, thumbnail, locks)
 
     def note_saved(self, saving: SaveSnapshot, stamp: Stamp) -> None:
-        """Note that the file of ``saving`` is written, and is this project's file from now on."""
+        """Record that the snapshot ``saving`` was written: its file is the project's file from now on."""
         self._path, self._stamp, self._read_only = saving.path, stamp, ""
         self._unsaved_base = False
         whole = saving.revision == self.revision
@@ -174,12 +176,14 @@ class Document(EditedProject):
         self.saved_state_changed.emit()
 
     def save(self, path: Path | None = None, thumbnail: bytes | None = None, overwrite: bool = False) -> None:
-        """Save and wait for it; ``engine.saving`` does it in the background. Raises as ``make_save`` and its write."""
+        """Save and wait until it is done; ``engine.saving`` does so in the background. Raises StudioError if the file
+        cannot be written.
+        """
         saving = self.make_save(path, thumbnail, overwrite)
         self.note_saved(saving, saving.write())
 
     def recover(self, session: Session) -> None:
-        """Show the last state of a session that died, with its undo history if that can be rebuilt."""
+        """Show the last state of a crashed session, with its undo history if that can be rebuilt."""
         recovered = recovered_session(session)
         self._become(recovered.base, session.path, session.document_id, session.stamp, "", unsaved=True)
         self._replay(recovered.steps)
@@ -239,22 +243,24 @@ class Document(EditedProject):
         self.journal.failed.connect(self.problem_reported)
 
     def _take_lock(self) -> None:
-        """Lock the document; a second program opens it read-only."""
+        """Lock the document; if another window holds the lock, the document becomes read-only."""
         if self._folder is None:
             return
         if self._lock is not None:
             self._lock.release()
         try:
-            self._lock = FileLock.acquired(lock_of_document(self._folder / LOCKS, self._document_id))
+            self._lock = FileLock.acquired(lock_of_document(self._folder / LOCKS_FOLDER, self._document_id))
         except OSError as error:
             self._lock = None
             self.problem_reported.emit(
-                f"'{self._folder}' cannot be written ({error}): edits are not kept for recovery."
+                f"'{self._folder}' cannot be written ({error}). Save often: edits are not backed up."
             )
             return
         if self._lock is None:
             name = self._path.name if self._path else "This project"
-            self._read_only = f"'{name}' is open in another window of Morpho Studio. Use Save As to keep changes."
+            self._read_only = (
+                f"'{name}' is open in another window of Morpho Studio. Use File > Save as… to keep changes."
+            )
             self.problem_reported.emit(self._read_only)
 
     def _recorded(self, edits: tuple[Edit, ...], verb: str, text: str, gesture: int | None) -> None:

@@ -1,4 +1,4 @@
-"""EditedProject: an immutable project that is replaced by undo commands, with its selection and playhead."""
+"""Edited project: an immutable project replaced by undo commands, with its selection and playhead."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -35,10 +35,12 @@ MANY_EDITS = 100
 
 
 class EditedProject(QObject):
-    """Part of a document without files: edits, undo, selection, playhead."""
+    """Project with edits, undo, selection and playhead, but without files."""
 
     entity_changed = Signal(str, str)
-    """Collection and id; an empty id where one step has changed more than MANY of a collection."""
+    """Emitted with collection and id; the id is empty if one step changed more than ``MANY_EDITS`` entities of a
+    collection.
+    """
     project_opened = Signal()
     saved_state_changed = Signal()
     problem_reported = Signal(str)
@@ -66,14 +68,13 @@ class EditedProject(QObject):
 
     @property
     def project(self) -> Project:
-        """Present project: an immutable value that any thread may hold."""
+        """Current project, an immutable value that any thread may hold."""
         return self._project
 
     @property
     def shown_project(self) -> Project:
-        """The project with constraints and contacts on the sides where the active clip plays them.
-
-        They differ from ``project`` where that clip is mirrored.
+        """Project as the active clip shows it: if that clip is mirrored, its constraints and contacts are on the other
+        side.
         """
         clip, performer_id = self.active_clip, self.active_performer_id
         if clip is None or performer_id is None or not clip.mirrored:
@@ -96,7 +97,7 @@ class EditedProject(QObject):
 
     @property
     def history(self) -> tuple[str, ...]:
-        """Texts of all steps, undone ones included; the first ``undo_stack.index()`` of them are applied."""
+        """Texts of all undo steps, including undone ones; the first ``undo_stack.index()`` of them are applied."""
         return tuple(self.undo_stack.text(step) for step in range(self.undo_stack.count()))
 
     def replace(self, collection: str, entity_id: str, new: Entity, text: str, gesture: int | None = None) -> None:
@@ -116,36 +117,42 @@ class EditedProject(QObject):
     def replace_shown(
         self, collection: str, entity_id: str, new: Entity, text: str, gesture: int | None = None
     ) -> None:
-        """``replace`` for a ``new`` entity made from the one of ``shown_project``."""
+        """Replace an entity by ``new``, which was made from ``shown_project``; mirroring is undone first. Arguments and
+        errors are those of ``replace``.
+        """
         old = self._existing(collection, entity_id)
         if (clip := self._mirrored_clip_of(old)) is not None:
             new = mirrored_edit(self._project, self.active_performer_id or "", clip, old, new)
         self.replace(collection, entity_id, new, text, gesture)
 
     def add_shown(self, collection: str, entity: Entity, text: str) -> str:
-        """``add`` for an entity on the side on which the active clip plays it."""
+        """Add an entity made from ``shown_project``, mirrored back if the active clip is mirrored; returns its id."""
         if (clip := self._mirrored_clip_of(entity)) is not None:
             entity = mirrored_entity(self._project, self.active_performer_id or "", clip, entity)
         return self.add(collection, entity, text)
 
     def _mirrored_clip_of(self, entity: Entity) -> Clip | None:
-        """Active clip if it is mirrored and plays the motion of an entity."""
+        """Active clip if it is mirrored and plays the motion of ``entity``, else None."""
         clip = self.active_clip
         is_mirrored = clip is not None and clip.mirrored and getattr(entity, "motion_id", None) == clip.motion_id
         return clip if is_mirrored else None
 
     def add(self, collection: str, entity: Entity, text: str) -> str:
-        """Append a new entity to its collection and return its id. Raises as ``replace``."""
+        """Append a new entity to its collection and return its id. Raises StudioError if it refers to a missing entity
+        or conflicts with others.
+        """
         [entity_id] = self.add_all(collection, (entity,), text)
         return entity_id
 
     def add_all(self, collection: str, entities: Iterable[Entity], text: str) -> list[str]:
-        """``add`` for many entities: a motion of an hour has thousands of contacts."""
+        """Append many new entities to a collection in one undo step, and return their ids. It is much faster than
+        repeated ``add``.
+        """
         entities = tuple(entities)
         return self.put_all(collection, dict(zip(new_ids(len(entities)), entities, strict=True)), text)
 
     def put_all(self, collection: str, entities: Mapping[str, Entity], text: str) -> list[str]:
-        """``add_all`` for entities with given new ids, made by a worker that refers to them."""
+        """Append entities with given new ids to a collection in one undo step, and return the ids."""
         place = len(getattr(self._project, collection))
         self._check(collection, *entities.values())
         edits = tuple(
@@ -186,12 +193,12 @@ class EditedProject(QObject):
             self.undo_stack.push(ReplaceValue(self._step, edits, text, gesture, keys))
 
     def new_gesture(self) -> int:
-        """Number for the edits of one drag, which become one undo step."""
+        """New number for the edits of one drag, which become one undo step."""
         self._gesture += 1
         return self._gesture
 
     def undo_gesture(self, gesture: int) -> None:
-        """Undo the step of a gesture for good, if it is the newest one."""
+        """Undo the step of a gesture, without redo, if it is the newest step."""
         newest = self.undo_stack.command(self.undo_stack.index() - 1)
         if isinstance(newest, ReplaceValue) and newest.gesture == gesture:
             newest.vanishes = True
@@ -199,9 +206,10 @@ class EditedProject(QObject):
 
     @property
     def active_performer_id(self) -> str | None:
-        """Selected performer, else a visible one that plays a selected clip, or to which a selected entity applies.
+        """Id of the performer to which actions apply; None without performers.
 
-        Else the visible one that was active before, so that it takes the prop that is clicked next; else the first.
+        The selected performer, else a visible one that plays a selected clip or to which a selected entity applies,
+        else the one that was active before if it is visible, else the first.
         """
         items, before, known = self.selection.items, self._active_before, self._active
         if known is None or known[0] is not self._project or known[1:3] != (items, before):
@@ -217,8 +225,8 @@ class EditedProject(QObject):
         return next(iter((*reversed(selected), *concerned, *visible)), None)
 
     def _concerns_selection(self, performer: Performer, performer_id: str) -> bool:
-        """True if the performer plays a selected clip, or one to which a selected constraint or contact applies, or
-        has a selected correction.
+        """True if the performer has a selected clip or correction, or a clip to which a selected constraint or contact
+        applies.
         """
         clips = {*self.selection.of("clips")}
         corrections = self._project.corrections_of(performer_id)
@@ -238,9 +246,10 @@ class EditedProject(QObject):
 
     @property
     def active_clip(self) -> Clip | None:
-        """Active performer's clip that is selected, or to which a selected entity applies.
+        """Clip of the active performer to which actions apply; None without clips.
 
-        Of several, or without a selection, the one that was active before; else the first.
+        The selected one, or one to which a selected entity applies; of several, or without a selection, the one that
+        was active before, else the first.
         """
         performer_id, items, before = self.active_performer_id or "", self.selection.items, self._clip_before
         known = self._active_clip
@@ -264,7 +273,7 @@ class EditedProject(QObject):
 
     @property
     def active_motion_id(self) -> str | None:
-        """The motion of the active clip."""
+        """Id of the motion of the active clip; None without one."""
         return self.active_clip.motion_id if self.active_clip else None
 
     def _show_other(self, project: Project) -> None:
@@ -282,7 +291,7 @@ class EditedProject(QObject):
         self.project_opened.emit()
 
     def _recorded(self, edits: tuple[Edit, ...], verb: str, text: str, gesture: int | None) -> None:
-        """Called after every step; the document writes it to its journal."""
+        """Hook that is called after every step; ``Document`` writes the step to its journal."""
 
     def _tell_saved_state(self) -> None:
         self.saved_state_changed.emit()
@@ -312,7 +321,7 @@ class EditedProject(QObject):
                 capture.skeleton.index(follow.joint)
 
     def _refuse(self, before: Project, after: Project, edits: Iterable[Edit]) -> None:
-        """Raise StudioError for a constraint that conflicts with others, unless it did before."""
+        """Raise StudioError if an edited constraint conflicts with others and did not before."""
         for key in dict.fromkeys(edit.entity_id for edit in edits if edit.collection == "constraints"):
             sentence = _objection(after, key)
             if sentence is not None and _objection(before, key) is None:
@@ -328,7 +337,7 @@ class EditedProject(QObject):
     def _step(
         self, edits: tuple[Edit, ...], verb: str, text: str, gesture: int | None, keys: frozenset[KeyRef]
     ) -> frozenset[KeyRef]:
-        """Apply and record the edits of a command; those of a group are applied already.
+        """Apply and record the edits of a command; in a group they are applied already.
 
         Undo and redo select ``keys``. Returns the keys that were selected before.
         """
@@ -359,8 +368,8 @@ class EditedProject(QObject):
                 self.entity_changed.emit(collection, entity_id)
 
     def _may_be_seen(self, item: Item) -> bool:
-        """True if an item may be selected: constraints, contacts and clips only of motions on the stage, states and
-        transitions only while their behaviour has them.
+        """True if an item may be selected: constraints, contacts and clips only if their motion is on the stage, states
+        and transitions only while their behaviour has them.
         """
         if item[0] in ("clips", "states", "transitions") and self._project.get(*item) is None:
             return False
@@ -369,7 +378,7 @@ class EditedProject(QObject):
         return motion_id is None or any(clip.motion_id == motion_id for each in playing for clip in each.all_clips)
 
     def _fit_playhead(self) -> None:
-        """Set the playhead to the stage's rate and range; both are kept while the stage is empty."""
+        """Set frame rate and play range to those of the stage; an empty stage changes nothing."""
         span = stage_span(self._project)
         if span is not None:
             self.playhead.frame_rate = span.frame_rate
@@ -379,7 +388,9 @@ class EditedProject(QObject):
 
 
 def _objection(project: Project, constraint_id: str) -> str | None:
-    """Reason why a constraint conflicts with those of its motion; None if it does not, and for other entities."""
+    """Sentence why a constraint conflicts with others of its motion; None if it does not, or the entity is no
+    constraint.
+    """
     constraint = project.constraints.get(constraint_id)
     if constraint is None:
         return None

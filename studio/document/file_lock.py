@@ -1,4 +1,4 @@
-"""File lock that the system releases when its process ends, however it ends."""
+"""File lock that the operating system releases when its process ends."""
 
 import os
 import sys
@@ -19,14 +19,14 @@ else:
 
 
 class FileLock:
-    """Lock that is held from ``taken`` until ``release`` or the end of the process."""
+    """File lock that is held from ``acquired`` until ``release`` or the end of the process."""
 
     def __init__(self, stream: IO[bytes]) -> None:
         self._stream = stream
 
     @classmethod
     def acquired(cls, path: Path) -> "FileLock | None":
-        """Lock at ``path``, None if another process holds it. Raises OSError if the file cannot be written."""
+        """Acquired lock at ``path``; None if another process holds it. Raises OSError if the file cannot be written."""
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         stream = open(path, "ab", opener=partial(os.open, mode=0o600))  # noqa: SIM115 - open as long as the lock is held
         try:
@@ -37,12 +37,12 @@ class FileLock:
         return cls(stream)
 
     def release(self) -> None:
-        """Release the lock. The file stays, because removing it would let two processes hold a lock of one name."""
+        """Release the lock. Its file is kept: if it were removed, two processes could lock files of the same name."""
         self._stream.close()
 
 
 def journal_folder() -> Path:
-    """Folder of sessions and locks: the user's state folder, never the project's."""
+    """Folder of journals and locks, in the user's state folder."""
     import platformdirs
 
     return Path(os.fspath(platformdirs.user_state_path("morpho-studio"))) / "journal"

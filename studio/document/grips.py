@@ -16,7 +16,7 @@ from studio.document.edited_project import EditedProject
 
 
 def is_grip(constraint: Constraint, prop_id: str, performer_id: str) -> bool:
-    """True if a constraint keeps a hand of the performer on a prop."""
+    """True if a constraint holds a hand of the performer on a prop."""
     return gripped_prop(constraint) == prop_id and constraint.scope.performer_id == performer_id
 
 

@@ -1,9 +1,9 @@
-"""Session journal: every edit is written to disk immediately, in a database of its own.
+"""Session journal: every edit is written to disk immediately, in an SQLite database of its own.
 
-SQLite in WAL mode with ``synchronous=FULL``, one connection on one writer thread. A step holds the entities that it
-changed and the hash of the state after it; every fiftieth is followed by a snapshot; arrays are stored once. During
-pauses the log is moved into the database. A file beside it counts the steps, so that missing ones are noticed. If it
-cannot be written, or its file is gone, it is started again after a while with the state of that moment.
+One writer thread uses SQLite in WAL mode with ``synchronous=FULL``. A step stores the changed entities and the hash of
+the state after it; every fiftieth step is followed by a snapshot; arrays are stored once. While the user pauses, the
+log is merged into the database. A file beside the database counts the steps, so that missing ones are noticed. If
+writing fails, or the file was deleted, a new journal is started after a while with the current state.
 """
 
 import hashlib
@@ -28,9 +28,11 @@ from studio.io.project.entity_json import Members, entity_record, line, npy_part
 
 STEPS_BETWEEN_SNAPSHOTS = 50
 IDLE_SECONDS, RETRY_SECONDS = 2.0, 2.0
-"""Seconds without an edit after which the log is worked in, and after which a journal that failed is begun anew."""
+"""Seconds without an edit after which the log is merged into the database, and after which a failed journal is started
+again.
+"""
 _PIECE = 1 << 20
-"""Bytes of an array that are stored at a time."""
+"""Bytes of an array that are stored by one statement."""
 SCHEMA = """
 CREATE TABLE session (key TEXT PRIMARY KEY, value TEXT);
 CREATE TABLE arrays (name TEXT PRIMARY KEY, content BLOB);
@@ -68,13 +70,13 @@ _Item = _Numbered | _Save | PlayheadState | str
 
 
 class StateHash:
-    """SHA-256 of a project's state; unchanged entities are not encoded again."""
+    """SHA-256 of a project's state; encodings of unchanged entities are cached."""
 
     def __init__(self) -> None:
         self._digests: dict[tuple[str, str], tuple[Entity, str]] = {}
 
     def of(self, project: Project) -> str:
-        """Hash over every entity in order."""
+        """Hash over all entities of ``project`` in order."""
         total = hashlib.sha256()
         for collection in COLLECTIONS:
             for key, entity in getattr(project, collection).items():
@@ -88,7 +90,7 @@ class StateHash:
 
 
 class Journal(QObject):
-    """Writer of the session of one document. ``acknowledged`` is the number of steps on the disk."""
+    """Writer of the session journal of one document. ``acknowledged`` is the number of steps on disk."""
 
     acknowledged_changed = Signal()
     failed = Signal(str)
@@ -103,8 +105,8 @@ class Journal(QObject):
         parent: QObject | None = None,
         stamp: Stamp | None = None,
     ) -> None:
-        """``stamp`` is that of the file at ``path`` when it was opened, so that recovery notices if the file has
-        changed since.
+        """Without a first edit nothing is written. ``stamp`` is the digest of the file at ``path`` when it was opened,
+        by which recovery notices later changes of the file.
         """
         super().__init__(parent)
         self.recorded = 0
@@ -125,7 +127,7 @@ class Journal(QObject):
 
     @property
     def state(self) -> str:
-        """One line for the status bar."""
+        """Text for the status bar."""
         if self._stopped:
             return "Backup stopped - save the project"
         if self.acknowledged == self.recorded:
@@ -133,7 +135,7 @@ class Journal(QObject):
         return f"Backing up - {self.acknowledged} of {counted_noun(self.recorded, 'edit')}"
 
     def record(self, step: JournalEntry) -> None:
-        """Queue a step for writing; does not wait."""
+        """Queue a step for writing, without waiting."""
         self.recorded += 1
         self.unsaved = True
         self._latest = self.recorded, step.project
@@ -141,19 +143,21 @@ class Journal(QObject):
         self._queue.put(_Numbered(self.recorded, step))
 
     def mark_saved(self, project: Project, path: Path, stamp: Stamp, all_of_it: bool) -> None:
-        """Note that the file holds ``project``; only later steps need to be recovered."""
+        """Record that the file holds ``project``, so that only later steps need to be recovered; ``all_of_it`` if no
+        edit was made since.
+        """
         self.unsaved = not all_of_it
         self._path, self._stamp = path, stamp
         if self._thread is not None:
             self._queue.put(_Save(project, path, stamp))
 
     def record_playhead(self, playhead: PlayheadState) -> None:
-        """Store the state of the playhead, once there is something to recover."""
+        """Store the state of the playhead, if there is anything to recover."""
         if self._thread is not None:
             self._queue.put(playhead)
 
     def flush(self, timeout: float = 10.0) -> bool:
-        """Wait until every recorded step is acknowledged."""
+        """Wait until every recorded step is on disk; False if ``timeout`` seconds pass before."""
         if self._thread is None:
             return True
         end = time.monotonic() + timeout
@@ -164,7 +168,9 @@ class Journal(QObject):
         return True
 
     def close(self) -> None:
-        """End the session. Without unsaved edits it is removed; else it is kept, marked as declined by the user."""
+        """End the session. Its files are removed if nothing is unsaved; otherwise they are kept and marked as declined
+        by the user.
+        """
         if self._thread is None:
             return
         self._queue.put("declined" if self.unsaved else "saved")
@@ -179,13 +185,13 @@ class Journal(QObject):
             self._lock.release()
 
     def _start(self) -> None:
-        """Start a session with the first edit, so that viewing a project writes nothing."""
+        """Start the writer thread with the first edit, so that merely viewing a project writes nothing."""
         if self._thread is None:
             self._thread = threading.Thread(target=self._write, name="journal", daemon=True)
             self._thread.start()
 
     def _write(self) -> None:
-        """Write sessions until the journal is closed."""
+        """Write sessions until the journal is closed; runs in the writer thread."""
         while True:
             try:
                 self._write_session()
@@ -202,7 +208,7 @@ class Journal(QObject):
                     return
 
     def _write_session(self) -> None:
-        """Write a session from the newest state on, in a file of its own."""
+        """Write a new session file, from the current state on."""
         file = self._folder / f"{self._document_id}-{os.getpid()}-{time.time_ns():x}.sqlite"
         lock = FileLock.acquired(lock_of(file))
         if self._lock is not None:
@@ -224,12 +230,12 @@ class Journal(QObject):
             connection.close()
 
     def _see_that_it_is_there(self) -> None:
-        """Raise if the database was deleted: SQLite would go on writing to it without an error."""
+        """Raise an error if the database file was deleted: SQLite would go on writing to it without one."""
         if not self._files[-1].exists():
             raise FileNotFoundError(f"'{self._files[-1].name}' was moved or deleted")
 
     def _waiting(self) -> list["_Item"] | None:
-        """Queued items; an empty list after a pause, None when the journal is closed."""
+        """Queued items; an empty list after a pause without edits, None if the journal is closed."""
         try:
             items = [self._queue.get(timeout=IDLE_SECONDS)]
         except queue.Empty:
@@ -320,7 +326,7 @@ class Journal(QObject):
         connection.execute("INSERT INTO snapshots VALUES (?, ?, ?)", row)
 
     def _store(self, connection: sqlite3.Connection, members: Members) -> None:
-        """Store arrays in pieces: a long capture's array in one would be copied under Python's lock, and freeze the
+        """Store arrays in pieces: a large array in one statement would hold Python's global lock and freeze the
         window.
         """
         for name in members.keys() - self._stored:
@@ -340,27 +346,27 @@ def _put_fact(connection: sqlite3.Connection, key: str, value: str) -> None:
 
 
 def edit_record(edit: Edit, members: Members) -> dict[str, object]:
-    """Edit as JSON; the entity's former value is in the state before."""
+    """Edit as JSON, without the entity's former value, which the previous state has."""
     record = None if edit.new is None else entity_record(edit.collection, edit.entity_id, edit.new, members)
     return {"collection": edit.collection, "id": edit.entity_id, "place": edit.place, "new": record}
 
 
 def lock_of(session: Path) -> Path:
-    """Lock held by the process of a session."""
+    """Path of the lock that the process of a session holds."""
     return session.with_suffix(".lock")
 
 
 def steps_of(session: Path) -> Path:
-    """File with the number of steps of a session."""
+    """Path of the file with the number of steps of a session."""
     return session.with_suffix(".steps")
 
 
 def files_of(session: Path) -> tuple[Path, ...]:
-    """All files of a session."""
+    """Paths of all files of a session."""
     return tuple(session.with_suffix(suffix) for suffix in (".sqlite", ".sqlite-wal", ".sqlite-shm", ".steps", ".lock"))
 
 
 def remove_session(session: Path) -> None:
-    """Remove a session without unsaved edits."""
+    """Remove the files of a session without unsaved edits."""
     for file in files_of(session):
         file.unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""Edits of keys as undo steps: set, delete, move and scale them."""
+"""Edits of keys: set, delete, move and scale them."""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
@@ -35,15 +35,15 @@ from studio.document.keyed_fields import (
 )
 
 LEAST_TIME_SCALE, MOST_TIME_SCALE = 0.01, 100.0
-"""Least and greatest factor by which the times of keys are scaled at once."""
-TURNS = ("heading", "tilt")
-"""Fields with the rotation of an area or a prop."""
+"""Minimum and maximum factor by which key times can be scaled at once."""
+ROTATION_FIELDS = ("heading", "tilt")
+"""Fields with the rotation of a volume constraint or a prop."""
 
 
 def replace_fields(
     document: EditedProject, values: Mapping[KeyedField, object], text: str, gesture: int | None = None
 ) -> None:
-    """Replace the values of keyed fields in one undo step; values are as shown, so those of a mirrored clip are
+    """Replace the values of keyed fields in one undo step. Values are given as shown, so those of a mirrored clip are
     mirrored back.
     """
     changes: dict[tuple[str, str], dict[str, object]] = {}
@@ -59,7 +59,7 @@ def replace_fields(
 
 
 class KeyDrag:
-    """Drag of the selected keys: every state is computed from the keys at its begin."""
+    """Drag of the selected keys; every state is computed from the keys at its start."""
 
     def __init__(self, document: EditedProject) -> None:
         self._document, self._clip = document, document.active_clip
@@ -77,7 +77,7 @@ class KeyDrag:
         return sum(map(len, self._places.values()))
 
     def stage_times(self) -> list[float]:
-        """Seconds of the stage of the dragged keys at the begin of the drag."""
+        """Stage times in seconds of the dragged keys at the start of the drag."""
         return [
             to_stage(self._document.project, self._clip, field, value.times[place])
             for field, value in self.before.items()
@@ -85,16 +85,18 @@ class KeyDrag:
         ]
 
     def move(self, seconds: float, changed: Mapping[KeyedField, Keyed] | None = None) -> None:
-        """Show the keys ``seconds`` of the stage later, on fields that have other changes in ``changed``."""
+        """Move the keys by ``seconds`` on the stage; ``changed`` holds values that the drag has changed otherwise, by
+        field.
+        """
         self._show(lambda time: time + seconds, 1.0, "Move", changed or {})
 
     def scale(self, factor: float, about: float) -> None:
-        """Show the keys scaled by ``factor`` about a second of the stage."""
+        """Scale the keys by ``factor`` about the stage time ``about``, in seconds."""
         factor = min(max(factor, LEAST_TIME_SCALE), MOST_TIME_SCALE)
         self._show(lambda time: about + (time - about) * factor, 1.0 / factor, "Scale", {})
 
     def cancel(self) -> None:
-        """Restore everything; the step vanishes."""
+        """Restore the keys from before the drag and drop the undo step."""
         self._put(self.before, "Move keys")
         self._document.keys.set(self._keys)
 
@@ -130,17 +132,17 @@ class KeyDrag:
 
 
 def keys_undo_text(count: int) -> str:
-    """Number of keys in words: ``key`` or ``3 keys``."""
+    """Number of keys as text, ``key`` or ``3 keys``."""
     return "key" if count == 1 else f"{count} keys"
 
 
 def nudge_keys(document: EditedProject, frames: int) -> None:
-    """Move the selected keys by whole frames of the stage: one undo step."""
+    """Move the selected keys by whole frames, as one undo step."""
     KeyDrag(document).move(frames / document.playhead.frame_rate)
 
 
 def stretch_keys(document: EditedProject, frames: int) -> None:
-    """Scale the selected keys about the playhead so that the farthest one moves ``frames`` away from it."""
+    """Scale the selected keys about the playhead so that the farthest one moves ``frames`` away from the playhead."""
     drag, here = KeyDrag(document), document.playhead.time
     farthest = max((abs(time - here) for time in drag.stage_times()), default=0.0)
     if farthest > 0.0:
@@ -148,10 +150,10 @@ def stretch_keys(document: EditedProject, frames: int) -> None:
 
 
 def delete_keys(document: EditedProject) -> bool:
-    """Delete the selected keys as one step; true if there were any that can be deleted.
+    """Delete the selected keys as one undo step; True if there was anything to delete.
 
-    A field without keys keeps its value at the playhead. An activation keeps its four times. A correction is removed
-    with its last key.
+    A field that loses all keys keeps its value at the playhead. The four times of an activation cannot be deleted. A
+    correction is deleted with its last key.
     """
     values: dict[KeyedField, object] = {}
     gone: list[tuple[str, str]] = []
@@ -176,11 +178,12 @@ def delete_keys(document: EditedProject) -> bool:
 
 
 def set_keys(document: EditedProject, turning: bool = False) -> int:
-    """Set a key at the playhead in all keyed fields of the selection, with the present value; return their number.
+    """Set a key at the playhead in all keyed fields of the selection, with the current value; return the number of
+    keys.
 
-    The target, position, measures or speed of a selected constraint, prop, body or clip without keys becomes keyed; a
-    body only where nothing else is selected, because it is selected with its constraints and clips. With ``turning``,
-    heading and tilt of a selected area or prop become keyed in place of its position.
+    The unkeyed target, position, proportions or speed of a selected constraint, prop, character or clip becomes keyed;
+    that of a character only if nothing else is selected, since characters are selected along with their constraints and
+    clips. With ``turning``, heading and tilt of a selected volume or prop become keyed instead of its position.
     """
     selected = document.selection.items
     items = [item for item in selected if item[0] != "performers"] or [*selected]
@@ -193,7 +196,7 @@ def set_keys(document: EditedProject, turning: bool = False) -> int:
     }
     keyed = {field.item for field in values}
     for field, value in _fixed_fields(document, items, turning).items():
-        if field.item not in keyed or field.name in TURNS:
+        if field.item not in keyed or field.name in ROTATION_FIELDS:
             values[field] = value
     if values:
         replace_fields(document, values, "Set key" if len(values) == 1 else f"Set {len(values)} keys")
@@ -206,8 +209,8 @@ def set_keys(document: EditedProject, turning: bool = False) -> int:
 
 
 def time_at_playhead(document: EditedProject, field: KeyedField) -> float:
-    """Time at which a key of a field is set, in its seconds; rounded to a whole frame for fields in
-    time of a motion.
+    """Time of the playhead in seconds of the field's own time, rounded to a whole frame if that is the time of a
+    motion.
     """
     seconds = from_stage(document.project, document.active_clip, field, document.playhead.time)
     clip = counted_in(document.project, document.active_clip, field)
@@ -218,7 +221,7 @@ def time_at_playhead(document: EditedProject, field: KeyedField) -> float:
 
 
 def _fixed(document: EditedProject, field: KeyedField, value: Keys) -> object:
-    """Value without keys for a field, equal to the present one."""
+    """Unkeyed value of a field, equal to its current value."""
     if isinstance(value, KeyedOwnPlace):
         return value.own_at(time_at_playhead(document, field))
     found = allowed_value_at(field, value, time_at_playhead(document, field))
@@ -226,8 +229,8 @@ def _fixed(document: EditedProject, field: KeyedField, value: Keys) -> object:
 
 
 def _fixed_fields(document: EditedProject, items: Iterable[tuple[str, str]], turning: bool) -> dict[KeyedField, Keys]:
-    """Fields of selected items without keys, given one at the playhead: targets, centres, props, measures; with
-    ``turning``, the rotations of areas and props.
+    """Unkeyed fields of selected items, with one key at the playhead: targets, centres, props, proportions; with
+    ``turning``, rotations of volumes and props.
     """
     found: dict[KeyedField, Keys] = {}
     for collection, entity_id in items:
@@ -239,7 +242,7 @@ def _fixed_fields(document: EditedProject, items: Iterable[tuple[str, str]], tur
             "clips": ("speed",),
         }  # fmt: skip
         turned = turning and isinstance(entity, Prop | AreaConstraint) and not _is_half_space(entity)
-        for name in TURNS if turned else names.get(collection, ()):
+        for name in ROTATION_FIELDS if turned else names.get(collection, ()):
             field = KeyedField(collection, entity_id, name)
             keys = _first_key(time_at_playhead(document, field), getattr(entity, name, None))
             if keys is not None:
@@ -252,7 +255,7 @@ def _is_half_space(entity: Prop | AreaConstraint) -> bool:
 
 
 def _first_key(time: float, value: Proportions | Place | Turn | float | None) -> Keys | None:
-    """Keyed value with one key of a plain value; None for a followed or missing one."""
+    """Keyed value with one key at ``time``; None if ``value`` follows an object or is missing."""
     match value:
         case Proportions():
             return KeyedProportions((time,), (value,))
@@ -268,7 +271,7 @@ def _first_key(time: float, value: Proportions | Place | Turn | float | None) ->
 
 
 def edit_selected(document: EditedProject, edit: Callable[[Keyed, int], Keyed], text: str) -> None:
-    """Change every selected key by ``edit``, as one step."""
+    """Change every selected key by ``edit``, as one undo step."""
     values: dict[KeyedField, object] = {}
     for field, places in document.keys.by_field().items():
         value = keyed_value(document.shown_project, field)
@@ -280,7 +283,9 @@ def edit_selected(document: EditedProject, edit: Callable[[Keyed, int], Keyed], 
 
 
 def set_beyond(document: EditedProject, fields: Iterable[KeyedField], side: str, beyond: Beyond) -> None:
-    """Set the extrapolation of curves ``before`` their first or ``after`` their last key, as one step."""
+    """Set the extrapolation of curves before their first key or after their last one, as one undo step; ``side`` is
+    ``before`` or ``after``.
+    """
     values = {field: keyed_value(document.shown_project, field) for field in fields}
     changes: dict[str, object] = {side: beyond}
     keyed = {field: with_fields(value, **changes) for field, value in values.items() if isinstance(value, Keys)}

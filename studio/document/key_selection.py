@@ -1,4 +1,4 @@
-"""KeySelection: the selected keys. Not undoable; never contains a missing key."""
+"""Selection of keys. It is not undoable, and never contains a missing key."""
 
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 
 
 class KeySelection(QObject):
-    """Set of keys, all of selected entities.
+    """Set of selected keys, all of selected entities.
 
-    It follows the keys of a field by their order if they are moved, by their time if some are added or deleted. Undo
-    and redo select the keys of changed fields that were selected in the state that they restore.
+    Keys that are moved stay selected by their index; if keys are added or deleted, the others stay selected by their
+    time. Undo and redo select those keys of changed fields that were selected in the restored state.
     """
 
     changed = Signal()
@@ -44,7 +44,7 @@ class KeySelection(QObject):
         return self._by_field
 
     def set(self, keys: Iterable[KeyRef]) -> None:
-        """Select these keys and no others."""
+        """Select exactly these keys."""
         items = frozenset(keys)
         if items == self._items:
             return
@@ -73,7 +73,7 @@ class KeySelection(QObject):
         self.set(self._items - keys if keys <= self._items else self._items | keys)
 
     def restore(self, keys: Iterable[KeyRef], before: Project) -> None:
-        """Select ``keys`` again in those of their fields whose times were others ``before``."""
+        """Select ``keys`` again in those of their fields whose key times differ from the project ``before``."""
         selected, project = {*self._document.selection.items}, self._document.project
         fields = {
             field
@@ -86,7 +86,9 @@ class KeySelection(QObject):
             self.set((*others, *(key for key in keys if key.field in fields)))
 
     def _follow(self, collection: str, entity_id: str) -> None:
-        """Follow the keys of a changed entity; an empty id stands for many. Clips also change with their performers."""
+        """Update the selected keys of a changed entity; an empty id stands for many. Clips also change with their
+        performers.
+        """
         changed = {
             field: keyed_value(self._document.project, field)
             for field in self._times

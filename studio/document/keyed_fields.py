@@ -1,4 +1,4 @@
-"""Keyed fields: every value of a project that has keys over time."""
+"""Keyed fields: all values of a project that have keys over time."""
 
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
@@ -13,13 +13,13 @@ from studio.core.stage.project import Project
 
 FloatArray = NDArray[np.float64]
 Keyed = Keys | ActivationCurve
-"""Values with keys; an activation has its four times."""
+"""Value with keys; an activation counts as four keys."""
 
 KEYED_COLLECTIONS = ("constraints", "props", "characters", "corrections", "clips")
 
 
 class KeyedField(NamedTuple):
-    """Field of an entity that has keys."""
+    """Reference to a field of an entity that has keys."""
 
     collection: str
     entity_id: str
@@ -27,19 +27,19 @@ class KeyedField(NamedTuple):
 
     @property
     def item(self) -> tuple[str, str]:
-        """(collection, id) of the entity."""
+        """Collection and id of the entity."""
         return self.collection, self.entity_id
 
 
 class KeyRef(NamedTuple):
-    """One key of a field, by its index in order of time."""
+    """Reference to one key of a field, by its index in order of time."""
 
     field: KeyedField
     place: int
 
 
 def fields_of(collection: str, entity_id: str, entity: object) -> dict[KeyedField, Keyed]:
-    """Keyed fields of one entity."""
+    """Keyed fields of one entity, with their values."""
     if entity is None or collection not in KEYED_COLLECTIONS:
         return {}
     values = vars(entity).items()
@@ -47,13 +47,13 @@ def fields_of(collection: str, entity_id: str, entity: object) -> dict[KeyedFiel
 
 
 def keyed_value(project: Project, field: KeyedField) -> Keyed | None:
-    """Keyed value of a field; None if it has no keys any more."""
+    """Keyed value of a field; None if the field has no keys."""
     value = getattr(project.get(*field.item), field.name, None)
     return value if isinstance(value, Keyed) else None
 
 
 def owners_of(project: Project, collection: str, entity_id: str) -> tuple[tuple[str, str], ...]:
-    """Selectable items that own an entity's keys: for a character also the performers with its body."""
+    """Selectable items that own the keys of an entity; for a character these include the performers that use it."""
     bodies = (
         ("performers", key)
         for key, each in project.performers.items()
@@ -63,7 +63,7 @@ def owners_of(project: Project, collection: str, entity_id: str) -> tuple[tuple[
 
 
 def selected_fields(project: Project, items: Iterable[tuple[str, str]]) -> dict[KeyedField, Keyed]:
-    """Keyed fields of selected entities; those of its character for a performer."""
+    """Keyed fields of the selected entities, with their values; for a performer those of its character."""
     entities = dict.fromkeys(
         ("characters", project.performers[key].character_id)
         if collection == "performers" and key in project.performers
@@ -78,40 +78,40 @@ def selected_fields(project: Project, items: Iterable[tuple[str, str]]) -> dict[
 
 
 def to_stage(project: Project, clip: Clip | None, field: KeyedField, seconds: float) -> float:
-    """Stage time (s) of a key that stands at ``seconds`` of its field's own time."""
+    """Stage time in seconds of a key at ``seconds`` of its field's own time."""
     return float(all_to_stage(project, clip, field, seconds))
 
 
 def from_stage(project: Project, clip: Clip | None, field: KeyedField, seconds: float) -> float:
-    """Time (s) in the field's own time of a key at the stage time ``seconds``."""
+    """Time in seconds of the field's own time at the stage time ``seconds``."""
     return float(all_from_stage(project, clip, field, seconds))
 
 
 def all_to_stage(project: Project, clip: Clip | None, field: KeyedField, seconds: ArrayLike) -> FloatArray:
-    """Seconds of the stage of keys, of the same shape as their ``seconds``.
+    """Stage times in seconds of keys, of the same shape as their own times ``seconds``.
 
-    Keys of constraints are in time of the motion that ``clip`` plays, those of a clip's speed in that of its own
-    motion.
+    Keys of constraints count in the time of the motion that ``clip`` plays, keys of a clip's speed in that of the
+    clip's motion, all others in stage time.
     """
     counted = counted_in(project, clip, field)
     return np.asarray(seconds) if counted is None else counted.stage_seconds(seconds, project.frame_rate_of(counted))
 
 
 def all_from_stage(project: Project, clip: Clip | None, field: KeyedField, seconds: ArrayLike) -> FloatArray:
-    """Times (s) in the field's own time of keys at the stage times ``seconds``."""
+    """Times in seconds of the field's own time at the stage times ``seconds``, of the same shape."""
     counted = counted_in(project, clip, field)
     return np.asarray(seconds) if counted is None else counted.motion_seconds(seconds, project.frame_rate_of(counted))
 
 
 def counted_in(project: Project, clip: Clip | None, field: KeyedField) -> Clip | None:
-    """Clip whose motion's time is used by the keys of a field; None for time of the stage."""
+    """Clip in whose motion's time the keys of a field count; None for stage time."""
     if field.collection == "clips" and (clip is None or clip.id != field.entity_id):
         return project.clips.get(field.entity_id)
     return clip if field.collection in ("constraints", "clips") else None
 
 
 def with_times(keyed: Keyed, times: Mapping[int, float], speed: float = 1.0) -> Keyed:
-    """Copy with the keys at some indices at other times; those of an activation push others along."""
+    """Copy with other times for the keys at some indices; those of an activation push its other times along."""
     if isinstance(keyed, Keys):
         return keyed.with_times(times, speed)
     order = dict(zip(sorted(times), sorted(times.values()), strict=True))

@@ -1,4 +1,4 @@
-"""Constraints and contacts of a motion as a mirrored clip plays them, on the other side of the body."""
+"""Constraints and contacts of a motion as a mirrored clip plays them: on the other side of the body."""
 
 from dataclasses import fields
 from typing import cast
@@ -15,8 +15,8 @@ from studio.document.commands.replace import same_value
 
 
 def mirrored_entity(project: Project, performer_id: str, clip: Clip, entity: RecordT) -> RecordT:
-    """Constraint, contact or correction on the side where a mirrored clip of a performer plays it; other entities
-    unchanged. Its own inverse.
+    """Constraint, contact or correction mirrored as the clip of a performer plays it; other entities are unchanged.
+    Applied twice, it returns the original.
     """
     match entity:
         case Constraint():
@@ -29,9 +29,9 @@ def mirrored_entity(project: Project, performer_id: str, clip: Clip, entity: Rec
 
 
 def mirrored_edit(project: Project, performer_id: str, clip: Clip, stored: RecordT, new: RecordT) -> RecordT:
-    """``stored`` with the edits that a view of a mirrored clip made in its mirror image ``new``.
+    """``stored`` with the edits that a view made in its mirror image ``new``.
 
-    Fields that the view did not change stay the same objects.
+    Fields that the view did not change keep their identity.
     """
     before, after = (mirrored_entity(project, performer_id, clip, each) for each in (stored, new))
     if type(before) is not type(new):
@@ -44,7 +44,9 @@ def mirrored_edit(project: Project, performer_id: str, clip: Clip, stored: Recor
 
 
 def mirrored_project(project: Project, performer_id: str, clip: Clip) -> Project:
-    """Project with the constraints and contacts of the motion of a mirrored clip on the side where that plays them."""
+    """Project in which the constraints and contacts of a mirrored clip's motion are on the side where the clip plays
+    them.
+    """
     changed = {
         name: {
             key: mirrored_entity(project, performer_id, clip, each) if each.motion_id == clip.motion_id else each

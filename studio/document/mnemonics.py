@@ -1,6 +1,6 @@
-"""Names of the user in texts in which Qt takes ``&`` for the mark of a mnemonic."""
+"""Escaping of names in texts in which Qt reads ``&`` as the mark of a mnemonic."""
 
 
 def escaped_mnemonics(text: str) -> str:
-    """Text for a button, menu or tab that shows every ``&`` and marks no letter as a key."""
+    """Text for a button, menu or tab, in which every ``&`` is shown as such."""
     return text.replace("&", "&&")

@@ -1,4 +1,4 @@
-"""Props as obstacles: one constraint for each motion, for all its performers."""
+"""Props as obstacles: one volume constraint per motion, for all its performers."""
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.area import AreaConstraint, AreaShape
@@ -10,13 +10,13 @@ from studio.core.stage.prop import PropShape
 from studio.document.document import Document
 
 PROP_AREAS = {PropShape.TABLE: AreaShape.TABLE, PropShape.BALL: AreaShape.SPHERE, PropShape.STICK: AreaShape.CYLINDER}
-"""Areas of props; others are boxes of their size."""
-FADE = 0.5
-"""Seconds before and after a motion in which a body begins, and ceases, to keep out."""
+"""Shapes of volume constraints for props by prop shape; other props are boxes."""
+OBSTACLE_FADE_SECONDS = 0.5
+"""Seconds before and after a motion during which the activation of an obstacle fades in and out."""
 
 
 def obstacles_of(project: Project, prop_id: str) -> dict[str, AreaConstraint]:
-    """Constraints that keep whole bodies out of a prop."""
+    """Volume constraints by id that keep whole bodies out of a prop."""
     return {
         key: each
         for key, each in project.constraints.items()
@@ -28,7 +28,7 @@ def obstacles_of(project: Project, prop_id: str) -> dict[str, AreaConstraint]:
 
 
 def set_obstacle(document: Document, prop_id: str, collides: bool) -> None:
-    """Make a prop an obstacle for all performers, or no longer; one undo step."""
+    """Turn the collision of a prop with all performers on or off; one undo step."""
     project = document.project
     prop = project.props[prop_id]
     text = f"{'Enable' if collides else 'Disable'} collision of {prop.name}"
@@ -41,7 +41,7 @@ def set_obstacle(document: Document, prop_id: str, collides: bool) -> None:
             last = (project.captures[project.motions[motion_id].capture_id].frame_count - 1) / rate
             area = AreaConstraint(
                 motion_id, f"Outside {prop.name}", BodyPoint(BodyPart.PELVIS), Chain(root=1.0), 0,
-                ActivationCurve(-FADE, 0.0, last, last + FADE),
+                ActivationCurve(-OBSTACLE_FADE_SECONDS, 0.0, last, last + OBSTACLE_FADE_SECONDS),
                 shape=PROP_AREAS.get(prop.shape, AreaShape.BOX), centre=FollowProp(prop_id), size=prop.size, whole=True,
             )  # fmt: skip
             document.add("constraints", area, text)

@@ -1,4 +1,4 @@
-"""Playhead: the time on the stage, and playback along a monotonic clock."""
+"""Playhead: the current stage time, and playback driven by a monotonic clock."""
 
 import math
 import time
@@ -15,7 +15,7 @@ TICK_MILLISECONDS = 8
 
 @dataclass(frozen=True)
 class PlayheadState:
-    """State of the playhead: its time in seconds, frame rate in Hz, and the range played in frames."""
+    """State of the playhead: time in seconds, frame rate in Hz, and play range in frames."""
 
     time: float
     frame_rate: float
@@ -24,11 +24,11 @@ class PlayheadState:
 
 
 INITIAL_PLAYHEAD = PlayheadState(0.0, 60.0, 0, 300)
-"""State of the playhead in a project in which nothing plays yet."""
+"""State of the playhead in an empty project."""
 
 
 class Playhead(QObject):
-    """Present time of a project. Playback reads the time from the clock, so late frames are skipped."""
+    """Current time of a project. During playback it is read from a clock, so late frames are skipped."""
 
     changed = Signal(float)
     playing_changed = Signal(bool)
@@ -70,17 +70,17 @@ class Playhead(QObject):
 
     @property
     def first(self) -> int:
-        """First frame of the range."""
+        """First frame of the play range."""
         return self._first
 
     @property
     def last(self) -> int:
-        """Last frame of the range, included."""
+        """Last frame of the play range, inclusive."""
         return self._last
 
     @property
     def speed(self) -> float:
-        """1 is real time; negative plays backwards."""
+        """Playback speed: 1 is real time, negative values play backwards."""
         return self._speed
 
     @speed.setter
@@ -90,12 +90,12 @@ class Playhead(QObject):
 
     @property
     def playing(self) -> bool:
-        """True while the clock runs."""
+        """True during playback."""
         return self._timer is not None
 
     @property
     def run(self) -> PlaybackRun:
-        """Conversion from the clock to seconds on the stage, for playback from now on."""
+        """Mapping from clock time to stage time of the current playback."""
         started, start = self._anchor
         begin, end = self._range_times()
         return PlaybackRun(started, start, self._speed, begin, end, 1.0 / self._frame_rate, self.loop)
@@ -106,13 +106,13 @@ class Playhead(QObject):
         return PlayheadState(self._time, self._frame_rate, self._first, self._last)
 
     def restore(self, state: PlayheadState) -> None:
-        """Restore a ``state``. Raises ValueError as the setters."""
+        """Restore a ``state``. Raises ValueError for an invalid frame rate or range."""
         self.frame_rate = state.frame_rate
         self.set_range(state.first, state.last)
         self.set_time(state.time)
 
     def set_time(self, seconds: float) -> None:
-        """Move to ``seconds``; playback continues from there."""
+        """Move to the stage time ``seconds``; playback continues from there."""
         self._anchor = (self._clock(), seconds)
         self._move(seconds)
 
@@ -121,12 +121,12 @@ class Playhead(QObject):
         self.set_time(frame / self._frame_rate)
 
     def step(self, frames: int) -> None:
-        """Pause and move by whole frames, within the range."""
+        """Pause and move by whole frames, within the play range."""
         self.pause()
         self.set_frame(min(max(self.frame + frames, self._first), self._last))
 
     def set_range(self, first: int, last: int) -> None:
-        """Play frames ``first`` to ``last``. Raises ValueError if they are not in order."""
+        """Set the play range to the frames ``first`` to ``last``. Raises ValueError if they are not in order."""
         if not first <= last:
             raise ValueError(f"A range must end after it starts, not run from {first} to {last}.")
         if (first, last) != (self._first, self._last):
@@ -134,7 +134,7 @@ class Playhead(QObject):
             self.range_changed.emit()
 
     def play(self) -> None:
-        """Start playback; at the end of the range, or outside it, from its begin."""
+        """Start playback; at the end of the play range, or outside it, from its start."""
         if self.playing:
             return
         begin, end = self._range_times()

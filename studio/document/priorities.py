@@ -9,16 +9,17 @@ from studio.document.document import Document
 
 
 def shared_priorities(constraints: Mapping[str, Constraint], order: Sequence[str]) -> list[bool]:
-    """True for each constraint that has the priority of the one before it."""
+    """True for each constraint of the ``order`` that has the same priority as the one before it."""
     return [False, *(constraints[above].priority == constraints[below].priority for above, below in pairwise(order))]
 
 
 def shared_priorities_after_move(
     constraints: Mapping[str, Constraint], order: Sequence[str], moved: Collection[str]
 ) -> list[bool]:
-    """``shared_priorities`` after the ``moved`` constraints were put to their places in the order.
+    """``shared_priorities`` of the ``order`` to which the ``moved`` constraints were moved.
 
-    Between two others of equal priority they join them; beside each other they share one only if they did before.
+    Between two others of equal priority they get that priority too; among themselves they share one only if they did
+    before.
     """
     others = [key for key in order if key not in moved]
     shared = {below for below, tied in zip(others, shared_priorities(constraints, others), strict=True) if tied}
@@ -35,7 +36,9 @@ def shared_priorities_after_move(
 
 
 def put_priorities(document: Document, order: Sequence[str], ties: Sequence[bool], text: str) -> None:
-    """Give constraints the priorities of an order; one undo step. Raises StudioError for conflicting constraints."""
+    """Give constraints the priorities of an ``order`` in one undo step; a True in ``ties`` shares the priority of the
+    one before. Raises StudioError for conflicting constraints.
+    """
     with document.group(text):
         for key, priority in zip(order, accumulate(int(not tied) for tied in ties), strict=True):
             constraint = document.project.constraints[key]
@@ -43,9 +46,9 @@ def put_priorities(document: Document, order: Sequence[str], ties: Sequence[bool
 
 
 def shift_priorities(document: Document, constraint_ids: Collection[str], step: int) -> bool:
-    """Move constraints together one place up (-1) or down (1) in the orders of their motions; one undo step.
+    """Move constraints together up (``step`` -1) or down (1) by one in the order of their motion, in one undo step.
 
-    False if none of them has a place to go to.
+    Returns False if none of them can move.
     """
     project, orders = document.project, list[list[str]]()
     for motion_id in dict.fromkeys(project.constraints[key].motion_id for key in constraint_ids):

@@ -1,4 +1,4 @@
-"""Recovery of sessions whose process died with unsaved edits: their project and history."""
+"""Recovery of projects and undo history from the journals of crashed sessions."""
 
 import json
 import sqlite3
@@ -24,64 +24,64 @@ from studio.io.project.archive import Stamp
 from studio.io.project.entity_json import entity_of, parsed, project_of
 from studio.io.project.value_json import Array
 
-KEPT_WHEN_DECLINED = timedelta(days=30)
+DECLINED_KEPT_FOR = timedelta(days=30)
 
 
 _DAMAGE = (sqlite3.Error, StudioError, ValueError, TypeError, KeyError, ArithmeticError, OSError)
-"""Errors that reading a damaged journal raises."""
+"""Exceptions raised while reading a damaged journal."""
 DAMAGED_FOLDER = "damaged"
-"""The folder, in that of the journals, of those of which nothing can be read."""
+"""Name of the folder for unreadable journals, within the folder of the journals."""
 
 
 @dataclass(frozen=True)
 class Session:
-    """Journal with edits that are in no project file."""
+    """Session journal with edits that were not saved to a project file."""
 
     file: Path
     document_id: str
     path: Path | None
-    """The project's file, if it had one."""
+    """Path of the project file; None if the project was never saved."""
     edits: int
     begun: datetime
     declined: bool
-    """The user chose not to save; kept all the same."""
+    """True if the user chose not to save; the journal is kept for 30 days."""
     written: int = 0
-    """Steps that were in it once, readable or not."""
+    """Number of steps once written, whether or not they are readable."""
     damage: str = ""
-    """Reason why nothing of it can be read; empty where something can."""
+    """Reason why nothing in the journal can be read; empty if something can."""
     stamp: Stamp | None = None
-    """Digest of the project's file as the session knew it: who saves is told if it was changed since."""
+    """Digest of the project file as the session knew it; saving asks first if the file was changed since."""
 
 
 @dataclass(frozen=True, eq=False)
 class Recovered:
-    """Newest valid state, and the steps to it from ``base``."""
+    """Newest valid state of a session, and the undo steps that lead to it from ``base``."""
 
     project: Project
     base: Project
     steps: tuple[JournalEntry, ...]
     problems: tuple[str, ...] = ()
     playhead: PlayheadState | None = None
-    """State of the playhead; None where the session says nothing of it."""
+    """State of the playhead; None if it was not stored."""
 
 
 def recoverable_sessions(folder: Path, declined: bool = False) -> tuple[Session, ...]:
-    """Sessions of processes that are gone, newest first; with ``declined`` also those that the user declined to
-    recover.
-    """
+    """Sessions of crashed processes, newest first; with ``declined`` also those whose recovery the user declined."""
     found = [session for _, session in _abandoned(folder) if session is not None and not session.damage]
     wanted = [session for session in found if declined or not session.declined]
     return tuple(sorted(wanted, key=lambda session: session.begun, reverse=True))
 
 
 def put_damaged_aside(folder: Path) -> tuple[str, ...]:
-    """Move unreadable journals into a folder beside; one sentence about each."""
+    """Move unreadable journals to the folder of damaged ones; returns one sentence about each."""
     damaged = [session for _, session in _abandoned(folder) if session is not None and session.damage]
-    return tuple(decline_session(session, session.damage) for session in damaged)
+    return tuple(move_damaged_session(session, session.damage) for session in damaged)
 
 
-def decline_session(session: Session, reason: str) -> str:
-    """Move a journal into a folder in which nothing is deleted; returns a sentence about it."""
+def move_damaged_session(session: Session, reason: str) -> str:
+    """Move an unreadable journal to a folder in which nothing is deleted; returns a sentence with ``reason`` about
+    it.
+    """
     aside = session.file.parent / DAMAGED_FOLDER
     aside.mkdir(mode=0o700, exist_ok=True)
     for file in files_of(session.file):
@@ -92,15 +92,15 @@ def decline_session(session: Session, reason: str) -> str:
 
 
 def remove_useless_sessions(folder: Path, now: datetime | None = None) -> None:
-    """Remove sessions without unsaved edits, and those declined a month ago."""
-    long_ago = (now or datetime.now()) - KEPT_WHEN_DECLINED
+    """Remove sessions without unsaved edits, and sessions declined more than 30 days ago."""
+    long_ago = (now or datetime.now()) - DECLINED_KEPT_FOR
     for file, session in _abandoned(folder):
         if session is None or (session.declined and not session.damage and session.begun < long_ago):
             remove_session(file)
 
 
 def _abandoned(folder: Path) -> list[tuple[Path, Session | None]]:
-    """Journals of processes that are gone; with None if everything in them was saved."""
+    """(file, session) of each journal whose process has ended; the session is None if all its edits were saved."""
     found = []
     for file in folder.glob("*.sqlite") if folder.is_dir() else ():
         try:
@@ -117,10 +117,9 @@ def _abandoned(folder: Path) -> list[tuple[Path, Session | None]]:
 
 
 def recovered_session(session: Session) -> Recovered:
-    """Last state of a session.
+    """Last valid state of a session. Raises StudioError if not even its first state can be read.
 
-    Raises StudioError if not even its first state can be read. States are checked against their hashes; steps after a
-    damaged one are left out and reported.
+    States are checked against their hashes; steps after a damaged one are left out and reported.
     """
     try:
         with closing(_opened(session.file)) as connection:
@@ -136,7 +135,7 @@ def recovered_session(session: Session) -> Recovered:
 
 
 def mark_recovered(session: Session) -> None:
-    """Mark a session whose edits are in another journal now, so that it is not offered again. Its file stays."""
+    """Mark a session as recovered, so that it is not offered again. Its file is kept."""
     with closing(sqlite3.connect(session.file, isolation_level=None)) as connection:
         connection.execute("INSERT OR REPLACE INTO session VALUES ('ended', 'declined')")
 
@@ -146,7 +145,7 @@ def _opened(file: Path) -> sqlite3.Connection:
 
 
 def _session(file: Path) -> Session | None:
-    """Session of a file; None for a journal without unsaved edits."""
+    """Session of a journal file; None if it has no unsaved edits."""
     counted = _counted(file)
     begun = datetime.fromtimestamp(file.stat().st_mtime)
     try:
@@ -180,7 +179,7 @@ def _session(file: Path) -> Session | None:
 
 
 def _edits_since(connection: sqlite3.Connection, number: int) -> int:
-    """Edits after step ``number`` as the user counts them: all steps of one gesture are one."""
+    """Number of edits after step ``number`` as the user counts them: the steps of one gesture are one edit."""
     gestures = [
         row[0] for row in connection.execute("SELECT gesture FROM steps WHERE number > ? ORDER BY number", (number,))
     ]
@@ -188,7 +187,7 @@ def _edits_since(connection: sqlite3.Connection, number: int) -> int:
 
 
 def _counted(file: Path) -> int:
-    """Number of steps in the file beside the journal; 0 if it holds no number."""
+    """Number of steps stored in the file beside the journal; 0 if it holds no number."""
     try:
         return max(int(steps_of(file).read_bytes()[:12]), 0)
     except (OSError, ValueError):
@@ -200,8 +199,8 @@ def _document_of(file: Path) -> str:
 
 
 def _stamp(told: str | None) -> Stamp:
-    """Stamp of the project file; if the journal has none, a stamp that never matches, so that saving asks once too
-    often.
+    """Stamp of the project file; if the journal has none, one that never matches, so that saving asks before
+    overwriting.
     """
     try:
         node, size, time = json.loads(told or "")
@@ -211,9 +210,9 @@ def _stamp(told: str | None) -> Stamp:
 
 
 StoredRow = tuple[Any, ...]
-"""Row of a table of the journal."""
+"""Row of a database table of the journal."""
 LoadArray = Callable[[str], Array]
-"""Returns the array of a name; raises ValueError if the journal has none."""
+"""Function that returns an array by its name; it raises ValueError if the journal has none of that name."""
 
 
 def _begun(told: str | None, otherwise: datetime) -> datetime:
@@ -224,7 +223,7 @@ def _begun(told: str | None, otherwise: datetime) -> datetime:
 
 
 def _readable(connection: sqlite3.Connection, question: str) -> list[StoredRow]:
-    """Rows up to the first unreadable one; the caller knows their number."""
+    """Rows of a query up to the first unreadable one."""
     rows = []
     try:
         for row in connection.execute(question):
@@ -235,7 +234,7 @@ def _readable(connection: sqlite3.Connection, question: str) -> list[StoredRow]:
 
 
 def _recovered(connection: sqlite3.Connection) -> tuple[Recovered, int]:
-    """Newest state, and the number of the last step in it."""
+    """Newest valid state, and the number of the last step that it includes."""
 
     def load(name: str) -> Array:
         row = connection.execute("SELECT content FROM arrays WHERE name = ?", (name,)).fetchone()
@@ -270,7 +269,7 @@ def _playhead(connection: sqlite3.Connection) -> PlayheadState | None:
 
 
 def _foreign(connection: sqlite3.Connection) -> dict[str, bytes]:
-    """Members written by a newer version."""
+    """Files of the project archive that were written by a newer version, by name."""
     row = connection.execute("SELECT value FROM session WHERE key = 'foreign'").fetchone()
     names = json.loads(row[0]) if row else []
     select = "SELECT name, content FROM arrays WHERE name = ?"
@@ -278,7 +277,7 @@ def _foreign(connection: sqlite3.Connection) -> dict[str, bytes]:
 
 
 def _state(content: bytes, state: str, load: LoadArray, hashes: StateHash, foreign: dict[str, bytes]) -> Project | None:
-    """Project of a snapshot, or None if its hash does not match."""
+    """Project of a snapshot; None if its hash does not match ``state``."""
     try:
         project = project_of(parsed(content, "snapshot"), load).project
     except (StudioError, ValueError, TypeError):

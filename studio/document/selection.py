@@ -1,4 +1,4 @@
-"""Selection: the selected entities. Not undoable; never contains a missing entity."""
+"""Selection of entities. It is not undoable, and never contains a missing entity."""
 
 from PySide6.QtCore import QObject, Signal
 
@@ -6,7 +6,7 @@ Item = tuple[str, str]
 
 
 class Selection(QObject):
-    """Ordered set of (collection, id); the last one is the current one."""
+    """Ordered set of selected (collection, id) pairs; the last one is the current one."""
 
     changed = Signal()
 
@@ -41,7 +41,7 @@ class Selection(QObject):
         self.set(*(rest if item in self._items else (*rest, item)))
 
     def of(self, collection: str) -> tuple[str, ...]:
-        """Selected ids of one collection."""
+        """Selected ids of one collection, in the order of selection."""
         return tuple(entity_id for name, entity_id in self._items if name == collection)
 
     def __contains__(self, item: object) -> bool:

@@ -1,4 +1,4 @@
-"""Saved cameras of the stage: stored with or without a key, and found by it."""
+"""Saved cameras of the stage, which a slot of the keyboard can recall."""
 
 from dataclasses import replace
 
@@ -9,12 +9,14 @@ from studio.document.document import Document
 
 
 def camera_in_slot(project: Project, slot: int) -> str | None:
-    """Id of the camera that a key recalls, or None."""
+    """Id of the camera in a slot; None if the slot is empty."""
     return next((key for key, each in project.cameras.items() if each.slot == slot), None)
 
 
 def store_camera(document: Document, placement: CameraPlacement, slot: int | None = None) -> str:
-    """Save a placement as one undo step, in the camera of the slot if there is one. Returns the camera's id."""
+    """Save a camera placement as one undo step, in place of that of the camera in ``slot`` if there is one. Returns the
+    camera's id.
+    """
     project = document.project
     known = camera_in_slot(project, slot) if slot is not None else None
     if known is not None:
@@ -27,7 +29,9 @@ def store_camera(document: Document, placement: CameraPlacement, slot: int | Non
 
 
 def give_slot(document: Document, camera_id: str, slot: int | None) -> None:
-    """Assign a key to a camera, and remove it from any other one, as one undo step."""
+    """Assign a slot to a camera, and remove it from any other camera, as one undo step; None removes the camera's
+    slot.
+    """
     camera = document.project.cameras[camera_id]
     with document.group(f"Set shortcut of {camera.name}"):
         holder = camera_in_slot(document.project, slot) if slot is not None else None

@@ -1,1 +1,1 @@
-"""Background work of the window: the newest request wins, results are immutable values."""
+"""Background solving for the window: the newest request wins, and results are immutable values."""

@@ -1,4 +1,4 @@
-"""TaskRunner: one-off jobs in the background, with progress, cancellation and error reports."""
+"""One-off background tasks with progress, cancellation and error reports."""
 
 import itertools
 import logging
@@ -14,31 +14,32 @@ from studio.core.errors import INTERNAL_ERROR, StudioError
 
 Result = TypeVar("Result")
 CLOSE_WAIT_SECONDS = 0.25
-"""Seconds for which a closing window waits for threads: one inside a library's long call hears nothing, and holds
-nothing but values."""
+"""Seconds for which a closing window waits for threads. A thread inside a long library call cannot be stopped, but
+holds only values.
+"""
 _log = logging.getLogger(__name__)
 
 
 def join_threads(threads: Iterable[threading.Thread], patience: float) -> None:
-    """Wait for threads, ``patience`` seconds for all of them; later ones end with the process."""
+    """Wait up to ``patience`` seconds for all threads together; unfinished ones end with the process."""
     end = time.monotonic() + patience
     for thread in threads:
         thread.join(max(end - time.monotonic(), 0.0))
 
 
 class CancelledError(Exception):
-    """Cancellation of a job by the user."""
+    """Raised in a task that the user has cancelled."""
 
 
 class Progress:
-    """Progress of a job; every report is a point at which the job may be cancelled."""
+    """Progress of a task; the task can be cancelled at every report."""
 
     def __init__(self, tell: Callable[[float, str], None]) -> None:
         self._tell = tell
         self._cancelled = threading.Event()
 
     def report(self, fraction: float, text: str = "") -> None:
-        """Report ``fraction`` (0 to 1) and a text. Raises CancelledError once the job is cancelled."""
+        """Report the progress ``fraction`` (0 to 1) and a text. Raises CancelledError if the task was cancelled."""
         if self._cancelled.is_set():
             raise CancelledError
         self._tell(fraction, text)
@@ -60,7 +61,7 @@ class _Task:
 
 
 class TaskRunner(QObject):
-    """Runner of jobs, each in a thread of its own; its signals and ``on_done`` arrive on the window's thread."""
+    """Runner of tasks, each in its own thread; signals and ``on_done`` are called on the window's thread."""
 
     started = Signal(int, str)
     progressed = Signal(int, float, str)
@@ -78,7 +79,7 @@ class TaskRunner(QObject):
 
     @property
     def running(self) -> tuple[int, ...]:
-        """Ids of the jobs that have not ended."""
+        """Ids of the tasks that have not ended."""
         return tuple(self._tasks)
 
     def run(
@@ -88,7 +89,8 @@ class TaskRunner(QObject):
         on_done: Callable[[Result], object] = lambda _result: None,
         on_error: Callable[[StudioError], object] = lambda _error: None,
     ) -> int:
-        """Run ``job(progress)``, then ``on_done`` unless it failed or was cancelled; returns the job's id.
+        """Run ``job(progress)`` in a thread, then ``on_done`` with its result unless it failed or was cancelled.
+        Returns the id of the task.
 
         ``on_error`` is called after ``failed`` with an error meant for the user, to offer further actions.
         """
@@ -109,12 +111,12 @@ class TaskRunner(QObject):
         return number
 
     def cancel(self, task_id: int) -> None:
-        """Ask a job to stop; ``cancelled`` is emitted when it has. Does nothing for one that has ended."""
+        """Ask a task to stop; ``cancelled`` is emitted once it has. Does nothing if it has ended."""
         if task_id in self._tasks:
             self._tasks[task_id].progress.cancel()
 
     def close(self, patience: float = CLOSE_WAIT_SECONDS) -> None:
-        """Cancel all jobs and wait ``patience`` seconds for their threads; nothing is emitted afterwards."""
+        """Cancel all tasks and wait up to ``patience`` seconds for their threads; nothing is emitted afterwards."""
         with self._telling:
             self._closed = True
         self._ended.disconnect(self._end)
@@ -124,7 +126,7 @@ class TaskRunner(QObject):
         self._tasks.clear()
 
     def _tell(self, signal: SignalInstance, *values: object) -> None:
-        """Emit a signal from a job's thread, which may outlive the runner."""
+        """Emit a signal from a task's thread, which may outlive the runner."""
         with self._telling:
             if not self._closed:
                 signal.emit(*values)

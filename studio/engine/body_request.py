@@ -1,4 +1,4 @@
-"""Dependencies of one performer's result, and its request."""
+"""Inputs of the solve of one performer: the key by which results are compared, and the solver's request."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -38,32 +38,32 @@ from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import Prop
 
 Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
-Results = Callable[[str], AdaptedMotion | None]
+ResultOf = Callable[[str], AdaptedMotion | None]
 Skin = tuple[SkinnedMesh, Morphology, Morphology]
-"""A mesh, the build that it is bound to, and the measures that it is fitted to."""
+"""Skin mesh, the morphology to which it is bound, and the morphology to which it is fitted."""
 
 
 @dataclass(frozen=True)
 class BodyRequest:
-    """Dependencies of one performer's result: if two are equal, no new solve is needed."""
+    """Inputs on which the solve of one performer depends: if two are equal, no new solve is needed."""
 
     performer: Performer = field(compare=False)
     motions: tuple[tuple[int, Clip, tuple[ContactInterval, ...]], ...]
-    """Identity of the capture, clip and contacts of each clip, then of those of layers."""
+    """Identity of the capture, clip and contacts of each clip of the track, then of the layers."""
     morphology: AnyMorphology
     constraints: tuple[ClipConstraint, ...]
     ground: Ground
     followed: tuple[Followed, ...]
     placement: Placement
     skin: Skin | None = None
-    """Skin from which the body's volume is measured; None if nothing depends on it."""
+    """Skin from which the body's volume is measured; None if no constraint needs it."""
     limited: bool = True
     eased: bool = True
     clears: bool = True
     layers: tuple[Layer, ...] = ()
     props: tuple[Prop, ...] = ()
     corrections: tuple[Correction, ...] = ()
-    """Corrections in seconds of the motion of the row."""
+    """Correction layers, in seconds of the composite motion of the track."""
 
     def has_same_grounding(self, other: "BodyRequest | None") -> bool:
         """True if both requests have the same grounded motion."""
@@ -73,8 +73,8 @@ class BodyRequest:
         )  # fmt: skip
 
 
-def body_request_of(project: Project, key: str, cycle: tuple[str, ...], result_of: Results) -> BodyRequest | None:
-    """Dependencies of a performer's result; None while a leader's result is missing."""
+def body_request_of(project: Project, key: str, cycle: tuple[str, ...], result_of: ResultOf) -> BodyRequest | None:
+    """Inputs of the solve of a performer; None while a performer that it follows has no result."""
     performer = project.performers[key]
     character = project.characters[performer.character_id]
     followed = tracks_followed_by(project, key, result_of, cycle)
@@ -100,7 +100,7 @@ def body_request_of(project: Project, key: str, cycle: tuple[str, ...], result_o
 
 
 def player_of(project: Project, key: str, wanted: BodyRequest, prepare: Prepare) -> CycleMember:
-    """Performer with its request; slow, to be called in the background."""
+    """Performer with its solver request, for a worker thread, since it may normalise captures."""
 
     def prepared(motion_id: str) -> tuple[NormalizedMotion, Morphology]:
         return prepare(project.captures[project.motions[motion_id].capture_id])

@@ -10,7 +10,7 @@ from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.correction import CORRECTION_HOLD, CORRECTION_SECONDS, PoseOffsets, range_around
 from studio.core.stage.holding import REACH_SPEED
 from studio.core.stage.timing import Timing
-from studio.engine.performance import rows_at
+from studio.engine.posed_performer import rows_at
 
 FloatArray = NDArray[np.float64]
 

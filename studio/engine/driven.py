@@ -1,4 +1,4 @@
-"""Performers driven by a live input: their pose comes from the input; the constraints of their clips apply to it."""
+"""Performers driven by live input: their pose comes from the input, and the constraints of their clips apply to it."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -13,14 +13,14 @@ from studio.core.stage.project import Project
 from studio.engine.body_request import BodyRequest, Prepare, body_request_of, player_of
 
 if TYPE_CHECKING:
-    from studio.live.planting import LiveGrounding
+    from studio.live.live_grounding import LiveGrounding
 
 PoseSource = Callable[[], NormalizedMotion | None]
-"""The newest pose, as a motion that is still; None while there is none."""
+"""Function that returns the newest received pose as a still motion; None if there is none."""
 
 
 class DrivenPerformers:
-    """Newest pose of every performer that is driven by a live source, on its own body."""
+    """Newest pose of every performer that is driven by a live source, adapted to its body."""
 
     def __init__(self, prepare: Prepare) -> None:
         self._prepare = prepare
@@ -32,7 +32,7 @@ class DrivenPerformers:
         """Sentence by performer id: the reason why the performer cannot play its input."""
 
     def drive(self, performer_id: str, source: PoseSource | None) -> None:
-        """Drive a performer by ``source``; with None, let it play its clips again."""
+        """Drive a performer by ``source``; None lets it play its clips again."""
         for held in (self._sources, self._shown, self._requests, self._planted, self.problems):
             held.pop(performer_id, None)
         if source is not None:
@@ -40,15 +40,15 @@ class DrivenPerformers:
 
     @property
     def poses(self) -> Mapping[str, AdaptedMotion]:
-        """Present poses of all driven performers with input."""
+        """Current poses of all driven performers that receive input, by id."""
         return self._shown
 
     def pose_of(self, performer_id: str) -> AdaptedMotion | None:
-        """Present pose of a driven performer; None without a driver or input."""
+        """Current pose of a driven performer; None if it is not driven or receives no input."""
         return self._shown.get(performer_id)
 
     def solve_newest_poses(self, project: Project, seconds: float, results: Mapping[str, AdaptedMotion]) -> None:
-        """Solve the newest pose of all driven performers with the constraints at ``seconds`` of the stage."""
+        """Solve the newest poses of all driven performers, with the constraints at the stage time ``seconds``."""
         for key, source in self._sources.items():
             pose = source() if key in project.performers else None
             if pose is None:
@@ -64,7 +64,7 @@ class DrivenPerformers:
         self, project: Project, key: str, seconds: float, pose: NormalizedMotion, results: Mapping[str, AdaptedMotion]
     ) -> AdaptedMotion:
         from studio.live.driving import driven_frame  # loads the solver
-        from studio.live.planting import LiveGrounding
+        from studio.live.live_grounding import LiveGrounding
 
         performer, clock = project.performers[key], time.monotonic()
         planted = self._planted.setdefault(key, LiveGrounding())
@@ -75,7 +75,7 @@ class DrivenPerformers:
         known = results.get(key)
         wanted = body_request_of(project, key, (key,), results.get)
         if wanted is None or known is None:
-            raise StudioError(f"{performer.name} follows a character that is not solved yet.")
+            raise StudioError(f"{performer.name} follows a character that is not adapted yet. Wait until it is.")
         if key not in self._requests or self._requests[key][0] != wanted:
             self._requests[key] = wanted, player_of(project, key, wanted, self._prepare).request
         row = round(timing_of(project, performer).frame_at(seconds))

@@ -1,14 +1,14 @@
-"""Text of the views on an empty stage."""
+"""Text that views show on an empty stage."""
 
 from studio.core.stage.project import Project
 
-DROP = "Drop a capture here"
-HIDDEN = "All characters are hidden. Shift+H shows them."
+DROP_PROMPT = "Drop a capture here"
+ALL_HIDDEN_PROMPT = "All characters are hidden. Shift+H shows them."
 
 
 def empty_words(project: Project) -> str:
-    """Next step as one line; empty where a shown performer has a motion."""
+    """Text that tells what to do next on an empty stage; empty if a visible performer has a motion."""
     performers = project.performers.values()
     if performers and not any(performer.visible for performer in performers):
-        return HIDDEN
-    return "" if any(performer.clips for performer in performers if performer.visible) else DROP
+        return ALL_HIDDEN_PROMPT
+    return "" if any(performer.clips for performer in performers if performer.visible) else DROP_PROMPT

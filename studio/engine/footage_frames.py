@@ -1,4 +1,4 @@
-"""Frames of reference footage, read in the background and cached in bounded memory."""
+"""Frames of reference footage, read in the background and kept in a cache of limited size."""
 
 import threading
 from collections import OrderedDict
@@ -17,16 +17,16 @@ from studio.io.media.footage_file import footage_frames
 Picture = NDArray[np.uint8]
 
 CACHED_BYTES = 192 * 2**20
-"""Memory of the frames that are kept: at least three seconds of a film."""
-READ_AHEAD = 24
-"""Frames that are read with one that is shown, in the direction of playback."""
-WORTH_READING_ON = 60
-"""Frames up to which reading on is faster than seeking."""
+"""Memory for cached frames in bytes: at least three seconds of video."""
+READ_AHEAD_FRAMES = 24
+"""Number of frames read ahead in the direction of playback."""
+MAX_READ_ON_FRAMES = 60
+"""Number of frames up to which reading on is faster than seeking."""
 
 
 @dataclass(frozen=True)
 class FootageFrame:
-    """Frame ``index`` of the ``count`` frames of a film or of numbered pictures of ``file_rate`` frames a second."""
+    """Frame ``index`` of a video or image sequence with ``count`` frames at ``file_rate`` fps."""
 
     path: Path
     file_rate: float
@@ -35,12 +35,12 @@ class FootageFrame:
 
 
 class FootageFrames(QObject):
-    """Cache of frames whose thread reads the latest request first, then reads ahead."""
+    """Cache of frames; its thread reads the latest requested frame first, then reads ahead."""
 
     frame_ready = Signal()
-    """The frame that was asked for last can be had."""
+    """Emitted when the frame that was requested last is cached."""
     failed = Signal(str, str)
-    """Path of a file that cannot be read, and a sentence."""
+    """Emitted with the path of a file that cannot be read, and a sentence."""
 
     def __init__(self, parent: QObject | None = None, cached_bytes: int = CACHED_BYTES) -> None:
         super().__init__(parent)
@@ -57,11 +57,11 @@ class FootageFrames(QObject):
 
     @property
     def bytes_kept(self) -> int:
-        """Bytes of the cached frames."""
+        """Size in bytes of the cached frames."""
         return self._bytes
 
     def picture(self, frame: FootageFrame) -> Picture | None:
-        """Picture of a frame; None until it is read and ``frame_ready`` is emitted."""
+        """Image of a frame; None until it is read, after which ``frame_ready`` is emitted."""
         with self._changed:
             self._wanted = frame
             self._changed.notify()
@@ -74,14 +74,14 @@ class FootageFrames(QObject):
         return found
 
     def try_again(self, path: Path) -> None:
-        """Read a file again that has changed, or that could not be read."""
+        """Read a file again that has changed or could not be read."""
         with self._changed:
             self._refused.discard(path)
             self._bytes -= sum(self._kept.pop(key).nbytes for key in [key for key in self._kept if key[0] == path])
             self._changed.notify()
 
     def close(self) -> None:
-        """End the thread, and the process from which it reads."""
+        """End the thread and the decoder process."""
         with self._changed:
             self._closed = True
             self._changed.notify()
@@ -103,18 +103,18 @@ class FootageFrames(QObject):
         self._let_go()
 
     def _missing(self) -> int | None:
-        """Index of the frame to be read next, or None."""
+        """Index of the next frame to be read; None if there is none."""
         wanted = self._wanted
         if wanted is None or wanted.path in self._refused:
             return None
-        first, last = wanted.index, min(wanted.index + READ_AHEAD, wanted.count - 1)
+        first, last = wanted.index, min(wanted.index + READ_AHEAD_FRAMES, wanted.count - 1)
         if (wanted.path, first + 1) in self._kept and (wanted.path, first) not in self._kept:
-            first, last = max(first - READ_AHEAD, 0), first  # played backwards
+            first, last = max(first - READ_AHEAD_FRAMES, 0), first  # played backwards
         return next((k for k in range(first, last + 1) if (wanted.path, k) not in self._kept), None)
 
     def _read(self, frame: FootageFrame, index: int) -> None:
-        """Read the next frame of the file on the way to ``index``, or from ``index`` if seeking is faster."""
-        if self._place is None or self._place[0] != frame.path or not 0 <= index - self._place[1] <= WORTH_READING_ON:
+        """Read the next frame on the way to ``index``; seek to ``index`` if that is faster."""
+        if self._place is None or self._place[0] != frame.path or not 0 <= index - self._place[1] <= MAX_READ_ON_FRAMES:
             self._let_go()
             self._reading, self._place = footage_frames(frame.path, frame.file_rate, index), (frame.path, index)
         assert self._reading is not None
@@ -134,7 +134,7 @@ class FootageFrames(QObject):
             self.frame_ready.emit()
 
     def _let_go(self) -> None:
-        """End the process from which it reads."""
+        """End the decoder process."""
         if self._reading is not None:
             self._reading.close()
         self._reading = self._place = None

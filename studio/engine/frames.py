@@ -1,11 +1,10 @@
-"""Frames: the one frame of each body that a picture shows, solved for the present requests.
+"""Single frames for the next image: the frame at the playhead of each performer, solved for the current request.
 
-A frame is solved from its own pose alone (``core.solver.adapt.solve_constraints``), so it equals the frame of the whole
-clip except for temporal smoothing. Performers that are being edited are solved before the picture is drawn, on the
-window's own thread: that costs less than a message to another thread, and the body follows the mouse in the same
-picture. The others are solved in the background while that picture is drawn, half of them at a time, and appear in the
-next. The cost of a frame is measured every time, on either thread: a body that was slow once returns to this thread as
-soon as it is fast enough.
+A frame is solved from its own pose (``core.solver.adapt.solve_constraints``), so it equals the frame of the whole clip
+except for temporal smoothing. Performers that are being edited are solved on the window's thread before the image is
+drawn, so that they follow the mouse in the same image. The others are solved in the background while the image is
+drawn, half of them at a time, and appear in the next one. The cost of each frame is measured on either thread: a
+performer that was slow once returns to the window's thread as soon as it is fast enough.
 """
 
 import time
@@ -27,24 +26,27 @@ from studio.engine.solve_cache import SolveCache
 
 Solve = Callable[[AdaptRequest, int, int | None], AdaptedMotion]
 Cycle = tuple[str, ...]
-"""Performers that follow each other and are solved together; usually one alone."""
+"""Ids of performers that follow each other and are solved together; usually a single one."""
 
-BUDGET = 0.002
-"""Processor seconds before a picture for bodies that are not being edited; the rest are solved in the background."""
-LONG_SECONDS = 0.2
-"""Processor seconds before a picture for bodies that are being edited: with 50 ms of drawing, one pass of the event
-loop takes at most a quarter of a second. Solved in the background, a pose would be late by one more picture, and by the
-window's work in between.
+FRAME_BUDGET_SECONDS = 0.002
+"""Processor seconds per image for performers that are not being edited; the rest are solved in the background."""
+EDITED_FRAME_BUDGET_SECONDS = 0.2
+"""Processor seconds per image for performers that are being edited.
+
+Together with 50 ms of rendering, one event loop iteration takes at most a quarter of a second. In the background, a
+pose would be late by one more image, and by the window's work in between.
 """
 MANY_FRAMES, PIECE_FRAMES = 50_000, 2000
-"""Frames of a circle with which even its first one would, for how a body stands is known of all frames together; and
-how many frames cost what it costs to join one more clip, or one more time that a clip plays: 4.7 ms beside 2.3 us.
+"""Number of frames of a cycle beyond which even its first frame is solved in the background, because grounding needs
+all frames; and number of frames that cost as much as one more clip or loop: 4.7 ms beside 2.3 us per frame.
 """
 
 
 @dataclass(frozen=True, eq=False)
 class SolvedFrame:
-    """Solved frame of one performer: ``row`` of ``motion``, for ``project``; ``asked_at`` as in ``Live.asked_at``."""
+    """Solved frame of one performer: the frame ``row`` of ``motion``, for ``project``. ``asked_at`` is the clock time
+    of its request.
+    """
 
     project: Project
     body_request: BodyRequest
@@ -55,8 +57,8 @@ class SolvedFrame:
 
 @dataclass(frozen=True, eq=False)
 class FrameResult:
-    """Result of a cycle: its frames, none where it cannot be solved, or where whole motions are ``current``; ``spent``
-    processor seconds.
+    """Result of solving a cycle: frames by performer, empty if it cannot be solved or the whole motions in ``current``
+    are up to date, and the processor seconds ``spent``.
     """
 
     cycle: Cycle
@@ -69,8 +71,10 @@ class FrameResult:
 
 @dataclass(frozen=True, eq=False)
 class FrameJob:
-    """Snapshot for solving one frame: ``results`` are whole motions for the requests ``answered``. Any thread may solve
-    it; solved ``frames`` are inputs for their followers.
+    """Immutable input for solving one frame: ``results`` are whole motions that were solved for the requests
+    ``answered``.
+
+    Any thread may solve it; solved ``frames`` are inputs for the performers that follow.
     """
 
     project: Project
@@ -83,7 +87,7 @@ class FrameJob:
     solve: Solve
 
     def solved_cycle(self, cycle: Cycle) -> FrameResult:
-        """Frames of a cycle for the present requests."""
+        """Frames of the performers in a cycle for the current requests."""
         begun, project = time.thread_time(), self.project
         rows = {key: unsolved_row_at(project, project.performers[key], self.seconds) for key in cycle}
         asked = {key: body_request_of(project, key, cycle, self._seen) for key in cycle}
@@ -126,7 +130,7 @@ class FrameJob:
 
 
 class FrameStore:
-    """Newest frame of every performer whose whole motion is not yet solved for the present request."""
+    """Newest frame of every performer whose whole motion is not yet solved for the current request."""
 
     def __init__(
         self,
@@ -134,7 +138,9 @@ class FrameStore:
         solve: Solve,
         answered: Mapping[str, BodyRequest],
     ) -> None:
-        """``answered``: request that each performer's newest whole motion answers; it changes as results arrive."""
+        """``answered``: for each performer the request that its newest whole motion was solved for; updated as results
+        arrive.
+        """
         self._prepare, self._solve, self._answered = prepare, solve, answered
         self._frames: dict[str, SolvedFrame] = {}
         self._current: dict[str, FrameResult] = {}
@@ -148,24 +154,27 @@ class FrameStore:
         self._driven: set[str] = set()
 
     def get(self, performer_id: str) -> SolvedFrame | None:
-        """Newest frame of a performer, or None."""
+        """Newest frame of a performer; None if there is none."""
         return self._frames.get(performer_id)
 
     def drop_frame(self, performer_id: str) -> None:
-        """Drop the frame of a performer."""
+        """Discard the frame of a performer."""
         self._frames.pop(performer_id, None)
 
     def note_whole_motion(self, performer_id: str, asked_at: float) -> None:
-        """Note that the whole motion answers the request of time ``asked_at``; drop a frame that is not newer."""
+        """Record that the whole motion for the request at clock time ``asked_at`` is solved; a frame that is not newer
+        is discarded.
+        """
         self._whole_at[performer_id] = asked_at
         frame, answered = self._frames.get(performer_id), self._answered.get(performer_id)
         if frame is not None and (frame.asked_at <= asked_at or frame.body_request == answered):
             self.drop_frame(performer_id)
 
     def asked_at(self, performer_id: str) -> float:
-        """Time of the latest request that the frame of a performer answers, or without a frame its whole motion.
+        """Clock time of the latest request that the frame of a performer, or without one its whole motion, was solved
+        for.
 
-        0 if neither is known to answer any.
+        0 if there is none.
         """
         if (frame := self._frames.get(performer_id)) is not None:
             return frame.asked_at
@@ -174,7 +183,7 @@ class FrameStore:
         return outcome.asked_at if outcome is not None and answers else 0.0
 
     def clear(self) -> None:
-        """Drop everything, for another project."""
+        """Discard all frames, for another project."""
         for held in (self._frames, self._current, self._whole_at, self._costs, self._looked_at):
             held.clear()
 
@@ -188,11 +197,11 @@ class FrameStore:
         results: Mapping[str, AdaptedMotion],
         driven: Mapping[str, AdaptedMotion],
     ) -> Callable[[], Sequence[FrameResult]] | None:
-        """Solve the frames of performers at ``seconds`` of the stage, leaders before their followers.
+        """Solve the frames of performers at the stage time ``seconds``, leaders before their followers.
 
-        Performers ``driven`` by a live input are not solved here; their followers are, in every picture. Cycles whose
-        last cost exceeds the time left (``LONG_SECONDS`` for ``first``, ``BUDGET`` for ``others``) are left to the
-        returned function: any thread may call it, and its outcomes go to ``take``.
+        Performers ``driven`` by live input are not solved here; their followers are, in every image. Cycles whose last
+        cost exceeds the remaining time (``EDITED_FRAME_BUDGET_SECONDS`` for ``first``, ``FRAME_BUDGET_SECONDS`` for
+        ``others``) are left to the returned function: any thread may call it, and its results are passed to ``take``.
         """
         if not self._driven <= driven.keys():
             self._frames.clear()  # who followed somebody that was driven follows its clips again
@@ -217,7 +226,10 @@ class FrameStore:
             if not (solved or left or follows) and self._is_seen(cycle, project, seconds):
                 continue  # nor has anybody moved whom it may follow
             moving |= {*cycle} if follows else set()
-            elapsed, limit = time.thread_time() - begun, LONG_SECONDS if whole in first else BUDGET
+            elapsed, limit = (
+                time.thread_time() - begun,
+                EDITED_FRAME_BUDGET_SECONDS if whole in first else FRAME_BUDGET_SECONDS,
+            )
             has_room = elapsed + self._costs.get(cycle, 0.0) <= limit and not _is_long(cycle, project)
             waits = bool(left) and any(leaders_of(project, key) & {*chain(*left)} for key in cycle)
             if not follows and (waits or not has_room):
@@ -230,9 +242,10 @@ class FrameStore:
         return (lambda: [instant.solved_cycle(cycle) for cycle in turn]) if turn else None
 
     def _next_cycles(self, left: list[Cycle], first: Sequence[Cycle], project: Project) -> list[Cycle]:
-        """Cycles to solve in the background next: the first edited one and half of the rest, least recent first.
+        """Cycles to be solved in the background next: the first edited one and half of the rest, least recently solved
+        first.
 
-        All of them if any follows a leader, so that followers stay with their leaders.
+        All of them if any follows a leader, so that followers stay in step with their leaders.
         """
         if any(leaders_of(project, key) for cycle in left for key in cycle):
             return left
@@ -241,7 +254,9 @@ class FrameStore:
         return ahead + rest[: (len(rest) + 1) // 2]
 
     def take(self, outcomes: Iterable[FrameResult]) -> list[str]:
-        """Store outcomes solved in the background that are not older than the present ones; ids with new frames."""
+        """Store frames solved in the background that are not older than the stored ones; returns the ids of the updated
+        performers.
+        """
         news = [outcome for outcome in outcomes if all(self._is_older(key, outcome) for key in outcome.cycle)]
         for outcome in news:
             self._put(outcome)
@@ -264,7 +279,7 @@ class FrameStore:
         return all(map(self._prepare.is_cached, _captures_of(project, project.performers[performer_id])))
 
     def _is_seen(self, cycle: Cycle, project: Project, seconds: float) -> bool:
-        """True if the frames, or the whole motions, of a cycle are up to date with ``project``."""
+        """True if the frames, or whole motions, of a cycle are up to date with ``project``."""
         if all(self._is_current(key, project) for key in cycle):
             return True
         rows = {key: unsolved_row_at(project, project.performers[key], seconds) for key in cycle}
@@ -274,7 +289,7 @@ class FrameStore:
         )
 
     def _is_current(self, performer_id: str, project: Project) -> bool:
-        """True if the newest whole motion is up to date, and neither has changed since."""
+        """True if the newest whole motion of a performer is up to date with ``project``."""
         if performer_id in self._frames or performer_id not in self._current:
             return False
         outcome = self._current[performer_id]
@@ -293,6 +308,6 @@ def _captures_of(project: Project, performer: Performer) -> list[Capture]:
 
 
 def unsolved_row_at(project: Project, performer: Performer, seconds: float) -> int:
-    """Index of the motion's frame at ``seconds`` of the stage, for a performer that is not solved yet."""
+    """Index of the frame at the stage time ``seconds`` in the motion of a performer that has no result yet."""
     frame = round(timing_of(project, performer).frame_at(seconds))
     return min(max(frame, 0), frame_count_of(project, performer) - 1)

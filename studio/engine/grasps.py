@@ -1,4 +1,4 @@
-"""Moments in which captured hands hold a thing: its position and height."""
+"""Times at which captured hands hold an object: its position and height."""
 
 from dataclasses import dataclass
 
@@ -10,19 +10,20 @@ from studio.core.captures.contacts import Touch
 from studio.core.stage.holding import HAND_REACH_SECONDS
 from studio.core.stage.project import Project
 from studio.core.stage.prop import Carried, Prop
-from studio.engine.performance import PosedPerformer, Results, posed_performers, stage_time
+from studio.engine.posed_performer import PosedPerformer, ResultOf, posed_performers, stage_time
 
 FloatArray = NDArray[np.float64]
 GRASP_SAMPLES = 16
-"""Moments of a grasp at which the height of the hands is looked at."""
+"""Number of times within a grasp at which the height of the hands is sampled."""
 
 
 @dataclass(frozen=True)
 class Grasp:
-    """Moment in which a body holds a thing: ``seconds`` of the stage, and the holder's pose.
+    """Time at which a performer's captured hands hold an object: the stage time ``seconds``, and the pose ``holder``
+    then.
 
-    ``lowest`` is the least height of the middle of its hands above the ground during the hold, in metres; ``end`` the
-    second of the stage at which the hands leave the thing.
+    ``lowest`` is the minimum height of the middle of the hands above the ground while they hold it, in metres; ``end``
+    the stage time in seconds at which they release it.
     """
 
     seconds: float
@@ -31,12 +32,12 @@ class Grasp:
     end: float
 
     def lift(self, prop: Prop) -> float:
-        """Height in metres of the prop above the middle of the hands that keeps it out of the ground."""
+        """Height in metres by which a prop must be above the middle of the hands, so that it stays above the ground."""
         return max(prop.size[2] / 2 - self.lowest, 0.0)
 
 
-def grasp_near(project: Project, results: Results, performer_id: str, now: float) -> Grasp | None:
-    """Grasp of a performer at a second of the stage, else the next one, else the last."""
+def grasp_near(project: Project, results: ResultOf, performer_id: str, now: float) -> Grasp | None:
+    """Grasp of a performer at the stage time ``now``, else the next one, else the last one; None if there is none."""
     spans = captured_grasps(project, performer_id)
     if not spans:
         return None
@@ -44,8 +45,8 @@ def grasp_near(project: Project, results: Results, performer_id: str, now: float
     return _grasp(project, results, performer_id, (first, last), max(first, now) if now <= last else first)
 
 
-def grasp_at(project: Project, results: Results, performer_id: str, now: float) -> Grasp | None:
-    """Grasp of a performer at a second of the stage, or the next one."""
+def grasp_at(project: Project, results: ResultOf, performer_id: str, now: float) -> Grasp | None:
+    """Grasp of a performer at the stage time ``now``, else the next one; None if there is none."""
     for first, last in captured_grasps(project, performer_id):
         if first - HAND_REACH_SECONDS <= now <= last:
             return _grasp(project, results, performer_id, (first, last), max(first, now))
@@ -53,7 +54,7 @@ def grasp_at(project: Project, results: Results, performer_id: str, now: float) 
 
 
 def _grasp(
-    project: Project, results: Results, performer_id: str, span: tuple[float, float], seconds: float
+    project: Project, results: ResultOf, performer_id: str, span: tuple[float, float], seconds: float
 ) -> Grasp | None:
     moments = (seconds, *np.linspace(*span, GRASP_SAMPLES).tolist())
     posed = [posed_performers(project, results, moment).get(performer_id) for moment in moments]
@@ -65,7 +66,7 @@ def _grasp(
 
 
 def captured_grasps(project: Project, performer_id: str) -> list[tuple[float, float]]:
-    """Ranges of stage seconds in which a performer's clips, as captured, hold a thing in both hands."""
+    """Ranges of stage time in seconds in which both hands hold an object in the captures of a performer's clips."""
     performer = project.performers.get(performer_id)
     spans = []
     for clip in performer.clips if performer else ():
@@ -79,7 +80,7 @@ def captured_grasps(project: Project, performer_id: str) -> list[tuple[float, fl
 
 
 def chest_heading(holder: PosedPerformer) -> float:
-    """Heading of a chest on the stage, radians about Z."""
+    """Heading of the chest on the stage, in radians about Z."""
     from studio.core.solver.performers.prop_tracks import chest_headings  # loads kernels
 
     thorax = holder.motion.morphology.layout.segment_of_part(BodyPart.THORAX)
@@ -88,7 +89,7 @@ def chest_heading(holder: PosedPerformer) -> float:
 
 
 def captured_grasp(holder: PosedPerformer) -> FloatArray:
-    """(3,) middle of the hands on the stage, in the motion before constraints."""
+    """(3,) middle of the hands on the stage in the motion before constraints, in metres."""
     from studio.core.solver.performers.prop_tracks import Holder  # loads kernels
 
     track = Holder(holder.over_time, [holder.frame - holder.over_time.first_frame], holder.placement)

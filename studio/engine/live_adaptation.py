@@ -1,4 +1,4 @@
-"""LiveAdaptation: every visible performer's adapted motion, kept up to date while the document changes."""
+"""Adaptation while editing: keeps every visible performer's adapted motion up to date with the document."""
 
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -31,16 +31,18 @@ from studio.startup.kernel_warm_up import WarmUp
 
 WINDOW_SECONDS = 0.75
 WINDOW_MILLISECONDS, IDLE_MILLISECONDS = 120, 150
-"""Interval between solved windows during a drag, and idle time before whole motions are solved."""
+"""Interval between two solved windows during a drag, and idle time after which whole motions are solved."""
 SOLVE_REPORT_MILLISECONDS, DRAG_REPORT_MILLISECONDS = 100, 250
-"""Time from a new result until forms, strips and plots show it: all that come meanwhile are shown together."""
+"""Delays from a new result until forms, error strips and graphs show it, after a solve and during a drag; results in
+between are shown together.
+"""
 _SOURCE, _EXPECTED, _FRAMES, _TOGETHER = "source ", "expected ", "frames", "\n"
 
 Realise = Callable[[NormalizedMotion, Morphology], AdaptedMotion]
 
 
 def normalized_with_actor(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
-    """Normalised motion of a capture, and the measures of its actor."""
+    """Normalised motion of a capture, and the morphology of its actor."""
     from studio.core.normalized.normalize import normalize_capture
 
     motion, actor = normalize_capture(capture)
@@ -48,7 +50,7 @@ def normalized_with_actor(capture: Capture) -> tuple[NormalizedMotion, Morpholog
 
 
 def as_recorded(motion: NormalizedMotion, actor: Morphology) -> AdaptedMotion:
-    """Motion on the body with which it was recorded."""
+    """Motion on the body of the actor with which it was recorded."""
     from studio.core.normalized.realize import realize_motion
 
     positions, rotations = realize_motion(motion, actor, play=True)
@@ -57,7 +59,7 @@ def as_recorded(motion: NormalizedMotion, actor: Morphology) -> AdaptedMotion:
 
 @dataclass(frozen=True, eq=False)
 class SolveResults:
-    """Results of a worker by performer: the requests, their time (``time.monotonic``), and True for whole motions."""
+    """Results of a worker by performer id, with their requests and clock time; ``whole`` is True for whole motions."""
 
     adapted: Mapping[str, AdaptedMotion]
     wanted: Mapping[str, BodyRequest]
@@ -66,7 +68,7 @@ class SolveResults:
 
 
 class LiveAdaptation(QObject):
-    """Requests a solve whenever a dependency of a visible performer changes."""
+    """Solver front end that requests a solve whenever an input of a visible performer changes."""
 
     adapted = Signal(str)
     reported_changed = Signal()
@@ -83,7 +85,7 @@ class LiveAdaptation(QObject):
         workers: int | None = None,
         warm_up: WarmUp | None = None,
     ) -> None:
-        """Solves wait until the kernels that they need are compiled."""
+        """Solves wait until the kernels they need are compiled."""
         super().__init__(parent)
         self._document = document
         self._prepare = SolveCache(prepare)
@@ -133,7 +135,7 @@ class LiveAdaptation(QObject):
 
     @property
     def interactive(self) -> bool:
-        """As ``Live.interactive``."""
+        """True during a drag; see ``Live.interactive``."""
         return self._interactive
 
     @interactive.setter
@@ -149,14 +151,14 @@ class LiveAdaptation(QObject):
             self.interactive_changed.emit(value)
 
     def asked_at(self, performer_id: str) -> float | None:
-        """As ``Live.asked_at``."""
+        """Clock time of the latest request that the displayed pose was solved for; None if there is none."""
         if self.play.running:
             return None
         return self._frames.asked_at(performer_id) or self._asked_at.get(performer_id)
 
     @property
     def ready(self) -> bool:
-        """As ``Live.ready``."""
+        """True once the kernels of constraints are compiled."""
         return self._kernels.ready
 
     def _kernels_changed(self) -> None:
@@ -164,15 +166,17 @@ class LiveAdaptation(QObject):
         self.reported_changed.emit()
 
     def failure(self, performer_id: str) -> str:
-        """As ``Live.failure``."""
+        """Sentence why a performer cannot be adapted; empty if it can be, or is being solved."""
         return self._failures.get(performer_id, "")
 
     def result(self, performer_id: str) -> AdaptedMotion | None:
-        """Newest whole-clip result; while dragging, with the newest window merged into it."""
+        """Newest adapted motion of a performer; during a drag with the newest solved window merged into it. None if
+        there is none.
+        """
         return self._results.get(performer_id)
 
     def solve_frame(self, seconds: float) -> None:
-        """As ``Live.solve_frame``."""
+        """Solve the frame at the stage time ``seconds`` of every performer whose newest motion is out of date."""
         if not self._kernels.grounded:
             return
         project = self._document.project
@@ -189,7 +193,7 @@ class LiveAdaptation(QObject):
             self._beside.request(_FRAMES, self._document.revision, left)
 
     def _edited_first(self, project: Project) -> tuple[list[Cycle], list[Cycle]]:
-        """Edited performers and those that they follow, then all others; leaders before their followers."""
+        """Cycles of edited performers and those they follow, and all other cycles; leaders before their followers."""
         cycles = [cycle for cycle in _cycles_of(project) if self._kernels.can_solve(project, cycle)]
         playing = [key for cycle in cycles for key in cycle]
         active = [key for key in playing if key == self._document.active_performer_id]
@@ -197,12 +201,14 @@ class LiveAdaptation(QObject):
         return [each for each in first if each in cycles], [each for each in cycles if each not in first]
 
     def _selected(self, performer_ids: Iterable[str]) -> list[str]:
-        """Edited performers: the selected ones, else the active one."""
+        """Ids of the edited performers: the selected ones, else the active one."""
         selected = {*self._document.selection.of("performers")} or {self._document.active_performer_id or ""}
         return [key for key in performer_ids if key in selected]
 
     def shown_frame(self, performer_id: str) -> AdaptedMotion | None:
-        """As ``Live.shown``."""
+        """Motion to display: a frame that was solved for the current request, else the newest adapted motion. None if
+        there is none.
+        """
         driven, frame = self.driven.pose_of(performer_id), self._frames.get(performer_id)
         if driven is not None:
             return driven
@@ -211,21 +217,23 @@ class LiveAdaptation(QObject):
         return self._results.get(performer_id) if frame is None else frame.motion
 
     def is_eased(self, performer_id: str) -> bool:
-        """As ``Live.is_eased``."""
+        """True if the displayed pose is smoothed as requested; a single solved frame is not."""
         if self.play.running:
             return True
         frame = self._frames.get(performer_id)
         return frame is None or not (frame.body_request.eased and frame.body_request.constraints)
 
     def reported_motion(self, performer_id: str) -> AdaptedMotion | None:
-        """As ``Live.reported_motion``: updated a tenth of a second after results arrived, or became out of date."""
+        """Motion from which views report residuals; updated a tenth of a second after results arrive or become
+        outdated. None while the whole motion is not solved.
+        """
         told = self._told.get(performer_id)
         if self.interactive:
             return told
         return told if told is self._results.get(performer_id) and self._is_current(performer_id) else None
 
     def _is_current(self, performer_id: str) -> bool:
-        """True if the newest result is up to date for the whole clip."""
+        """True if the newest result is a whole motion and up to date."""
         wanted = self._wanted.get(performer_id)
         if wanted is None or self._answered.get(performer_id) is not wanted:
             return False
@@ -247,12 +255,12 @@ class LiveAdaptation(QObject):
         self.reported_changed.emit()
 
     def motion(self, motion_id: str) -> NormalizedMotion:
-        """Normalised motion of the project."""
+        """Normalised motion with an id of the project."""
         project = self._document.project
         return self._prepare(project.captures[project.motions[motion_id].capture_id])[0]
 
     def source(self, motion_id: str) -> AdaptedMotion | None:
-        """The capture on its actor's own body; None until it is ready, then ``adapted`` is emitted."""
+        """Source motion on the actor's own body; None until it is ready, after which ``adapted`` is emitted."""
         motion = self._document.project.motions.get(motion_id)
         capture = self._document.project.captures.get(motion.capture_id) if motion else None
         if capture is None:
@@ -267,7 +275,7 @@ class LiveAdaptation(QObject):
         return known[1]
 
     def show_until_solved(self, motions: Mapping[str, AdaptedMotion]) -> None:
-        """Show known results of performers whose solves may have to wait for the kernels."""
+        """Show stored adapted motions of performers whose solves may have to wait for the kernels."""
         for key in motions.keys() & {key for cycle in self._circles for key in cycle}:
             self._results[key] = motions[key]
             self.adapted.emit(key)
@@ -278,7 +286,7 @@ class LiveAdaptation(QObject):
             self._scheduler.request(f"{_EXPECTED}{id(capture)}", 0, lambda: self._prepared(capture))
 
     def wait_until_solved(self, timeout: float = 10.0) -> bool:
-        """Run the event loop until everything is solved and reported; False after ``timeout`` seconds."""
+        """Run the event loop until everything is solved and reported; returns False after ``timeout`` seconds."""
         end = time.monotonic() + timeout
         while self._kernels.is_pending or self._turn.isActive() or self._rest.isActive() or self._works:
             if time.monotonic() > end:
@@ -295,7 +303,7 @@ class LiveAdaptation(QObject):
         return self._scheduler.busy or self._beside.busy
 
     def close(self) -> None:
-        """Stop the timers, drop requests, join the workers."""
+        """Stop the timers, drop all requests, and wait for the workers."""
         for timer in (self._turn, self._rest, self._telling):
             timer.stop()
         self._hand.set_listening(False)
@@ -308,7 +316,7 @@ class LiveAdaptation(QObject):
         self._scheduler.close()
 
     def _play_changed(self, running: bool) -> None:
-        """Pause requests while the stage plays live, since its worker solves the frames; resume them afterwards."""
+        """Pause solving during live play, whose worker solves the frames; resume it afterwards."""
         if not running:
             self._schedule("performers", "")
 
@@ -339,7 +347,7 @@ class LiveAdaptation(QObject):
         self._refresh(whole=True)
 
     def _refresh(self, whole: bool) -> None:
-        """Request all that has changed: ``whole`` motions, or windows during a drag."""
+        """Request solves for all that has changed: of ``whole`` motions, or of windows during a drag."""
         project = self._document.project
         cycles = _cycles_of(project)
         self._leaders = {leader for cycle in cycles for key in cycle for leader in leaders_of(project, key) - {*cycle}}
@@ -375,8 +383,8 @@ class LiveAdaptation(QObject):
     def _stages(
         self, project: Project, cycle: tuple[str, ...], wanted: Mapping[str, BodyRequest], whole: bool
     ) -> tuple[Callable[[], SolveResults], ...]:
-        """Stages of a solve: all frames, or first the frames round the playhead, unsmoothed, if the
-        rest is unchanged.
+        """Stages of a solve: one for all frames if ``whole``; during a drag, one for the frames around the playhead,
+        unsmoothed, or none if the solve must wait for the end of the drag.
         """
         asked_at, base = self._changed_at, self._results.get(cycle[0])
         if whole or base is None or not _fits(base, wanted[cycle[0]], project):
@@ -396,7 +404,7 @@ class LiveAdaptation(QObject):
         return (window,)
 
     def _prepared(self, capture: Capture) -> tuple[NormalizedMotion, Morphology]:
-        """Normalised motion of a capture, for a worker, which waits for the kernels."""
+        """Normalised motion of a capture and morphology of its actor, for a worker, which waits for the kernels."""
         self._kernels.join_grounded()
         return self._prepare(capture)
 

@@ -1,4 +1,4 @@
-"""Interface of the engine for the views."""
+"""Interface of the solver front end for the views."""
 
 from typing import TYPE_CHECKING, Protocol
 
@@ -11,14 +11,14 @@ if TYPE_CHECKING:
 
 
 class Live(Protocol):
-    """Keeps every visible performer's adapted motion up to date (``LiveAdaptation`` is the real one)."""
+    """Source of every visible performer's adapted motion, kept up to date; implemented by ``LiveAdaptation``."""
 
     interactive: bool
-    """True during a drag: whole clips are then solved when it rests."""
+    """True during a drag; whole motions are then solved only while it pauses."""
 
     @property
     def adapted(self) -> SignalInstance:
-        """Signal(str): a newer result of that performer is available."""
+        """Signal(str): a newer adapted motion of the performer with this id is available."""
 
     @property
     def ready(self) -> bool:
@@ -30,41 +30,44 @@ class Live(Protocol):
 
     @property
     def play(self) -> "LivePlay":
-        """The stage as it plays live."""
+        """Live play of the document's stage."""
 
     @property
     def reported_changed(self) -> SignalInstance:
         """Signal(): ``reported_motion`` has a new value."""
 
     def reported_motion(self, performer_id: str) -> AdaptedMotion | None:
-        """Motion from which every view reports the residuals, so that all show the same number at one moment.
+        """Motion from which all views report residuals, so that they agree at any moment.
 
-        None while the present request is not solved for the whole clip; during a drag, the newest result.
+        None while the whole motion is not solved for the current request; during a drag, the newest result.
         """
 
     def asked_at(self, performer_id: str) -> float | None:
-        """Time (``time.monotonic``) of the latest request that ``shown`` answers; None while there is none.
+        """Clock time (``time.monotonic``) of the latest request that ``shown_frame`` was solved for; None if there is
+        none.
 
-        A drag is requested when the mouse moves, not when the window handles the event.
+        During a drag it is the time of the mouse move, not the time at which the window handles the event.
         """
 
     def result(self, performer_id: str) -> AdaptedMotion | None:
-        """The newest adapted motion."""
+        """Newest adapted motion of a performer; None if there is none."""
 
     def failure(self, performer_id: str) -> str:
-        """Reason why a performer cannot be adapted, in a sentence; empty if it can, or is being solved."""
+        """Sentence why a performer cannot be adapted; empty if it can be, or is being solved."""
 
     def solve_frame(self, seconds: float) -> None:
-        """Solve the frame at ``seconds`` of the stage of every performer whose newest motion is out of date.
+        """Solve the frame at the stage time ``seconds`` of every performer whose newest motion is out of date.
 
-        Frames that take too long for one picture are solved in the background; ``adapted`` is emitted for them.
+        Frames that take too long for one image are solved in the background; ``adapted`` is emitted for them.
         """
 
     def shown_frame(self, performer_id: str) -> AdaptedMotion | None:
-        """Pose for a picture: the frame solved by ``bring``, else the newest adapted motion."""
+        """Motion to display: the frame solved by ``solve_frame``, else the newest adapted motion. None if there is
+        none.
+        """
 
     def is_eased(self, performer_id: str) -> bool:
-        """True if the result of ``shown`` is smoothed as requested; a solved frame is not."""
+        """True if the motion of ``shown_frame`` is smoothed as requested; a single solved frame is not."""
 
     def source(self, motion_id: str) -> AdaptedMotion | None:
-        """The capture on its actor's own body."""
+        """Source motion on the actor's own body; None until it is ready."""

@@ -1,4 +1,4 @@
-"""LivePlay: the document's stage played live by a worker, frame by frame, while it can be edited."""
+"""Live play: the document's stage is simulated by a worker frame by frame, while it can be edited."""
 
 import threading
 import time
@@ -20,19 +20,19 @@ from studio.engine.background_tasks import CLOSE_WAIT_SECONDS, join_threads
 if TYPE_CHECKING:
     from studio.live.playing_stage import LiveStage
 
-STAGE_STEP, UNSEEN_STEP = 1.0 / 60.0, 1.0 / 30.0
-"""Seconds from one step to the next if there is time for it (a slow step is as long as it took), and the longest wait
-of the next step for a picture of the last one: steps that nobody sees cost the window time.
+STAGE_STEP_SECONDS, UNSEEN_STEP_SECONDS = 1.0 / 60.0, 1.0 / 30.0
+"""Seconds from one step to the next if there is time for it (a slow step is as long as it took), and longest wait of
+the next step for the image of the last one: steps that nobody sees cost the window time.
 """
-ANSWERING = 2.0
-"""Longest wait of the window for an answer, in seconds; a step takes a hundredth of that."""
-LONGEST_STAGE_STEP = 0.1
-"""Longest step in seconds of the stage: time lost by a slow machine is not made up for."""
+ANSWER_TIMEOUT_SECONDS = 2.0
+"""Longest time in seconds for which the window waits for an answer of the worker; a step takes a hundredth of that."""
+MAX_STAGE_STEP_SECONDS = 0.1
+"""Longest step in seconds of stage time; time lost beyond that is not made up for."""
 
 
 @dataclass(frozen=True, eq=False)
 class StageSnapshot:
-    """One step of the stage: a frame and a state of every performer, in ``project``."""
+    """One step of live play: adapted frame and behaviour state of every performer, in ``project``."""
 
     seconds: float
     project: Project
@@ -42,16 +42,18 @@ class StageSnapshot:
 
 
 class LivePlay(QObject):
-    """Starts, feeds and stops the worker. Each step uses the document's newest project."""
+    """Live play of a document: starts, feeds and stops the worker. Each step uses the newest project."""
 
     running_changed = Signal(bool)
     recording_changed = Signal(bool)
     recorded = Signal(object)
-    """A ``Take`` that has ended."""
+    """Emitted with the StageTake of a recording that has ended."""
     stepped = Signal()
-    """``moment`` is a newer one; several steps may be one signal."""
+    """Emitted when a newer snapshot is available; several steps may be one emission."""
     state_changed = Signal(str, str)
-    """A performer has come into a state of its behaviour; an empty one where it has none any more."""
+    """Emitted with the performer's id and the name of its behaviour's new state; an empty name if it has none any
+    more.
+    """
     _made = Signal()
     _broken = Signal(object)
 
@@ -62,7 +64,7 @@ class LivePlay(QObject):
         parent: QObject | None = None,
         ready: Callable[[], bool] = lambda: True,
     ) -> None:
-        """``ready`` returns True once the kernels that a step calls are compiled; play cannot begin before."""
+        """``ready`` returns True once the kernels that a step calls are compiled; live play cannot begin before."""
         super().__init__(parent)
         self._ready = ready
         self.moment: StageSnapshot | None = None
@@ -78,16 +80,18 @@ class LivePlay(QObject):
 
     @property
     def running(self) -> bool:
-        """True while the stage plays live."""
+        """True during live play."""
         return self._worker is not None
 
     @property
     def seconds(self) -> float:
-        """Seconds of the stage; those of the playhead while it does not play."""
+        """Stage time in seconds of live play; that of the playhead otherwise."""
         return self._document.playhead.time if self.moment is None else self.moment.seconds
 
     def begin(self) -> bool:
-        """Start live play, every performer with the clip at the playhead; False while the kernels are not compiled."""
+        """Start live play, with every performer at the playhead's time of its clip; returns False if the kernels are
+        not compiled.
+        """
         if not self._ready():
             self.running_changed.emit(False)
             return False
@@ -102,7 +106,7 @@ class LivePlay(QObject):
         return True
 
     def record(self) -> None:
-        """Start a recording, or end the present one."""
+        """Start a recording, or end the running one."""
         if self.recording:
             self._end_recording()
         elif self._worker is not None:
@@ -119,7 +123,7 @@ class LivePlay(QObject):
                 self.recorded.emit(take)
 
     def end(self) -> None:
-        """Stop, and end a recording; the playhead returns to its former time."""
+        """Stop live play and its recording; the playhead returns to where it was."""
         if self.recording:
             self._end_recording()
         worker, self._worker, self.moment = self._worker, None, None
@@ -131,12 +135,12 @@ class LivePlay(QObject):
             self.running_changed.emit(False)
 
     def allow_next_step(self) -> None:
-        """Allow the next step, because the newest one has been drawn."""
+        """Allow the next step, because the newest one was drawn."""
         if self._worker is not None:
             self._worker.drawn.set()
 
     def start(self, performer_id: str, clip: Clip) -> None:
-        """Start a clip on a performer, with a transition."""
+        """Start a clip on a performer, with a transition from its current pose."""
         self._order(lambda stage: stage.start(performer_id, clip))
 
     def send(self, event: str) -> None:
@@ -144,11 +148,11 @@ class LivePlay(QObject):
         self._order(lambda stage: stage.send(event))
 
     def press(self, key: str) -> None:
-        """Send a pressed key to all behaviours."""
+        """Send a key press to all behaviours."""
         self._order(lambda stage: stage.press(key))
 
     def close(self) -> None:
-        """Stop, and disconnect from the document."""
+        """Stop live play, and disconnect from the document."""
         self.end()
         self._document.entity_changed.disconnect(self._feed)
         self._document.project_opened.disconnect(self.end)
@@ -187,7 +191,7 @@ class LivePlay(QObject):
 
 
 class _Worker:
-    """Steps the stage by the clock, in a thread of its own."""
+    """Thread that steps the stage by the clock."""
 
     def __init__(self, stage: "LiveStage", made: Callable[[], object], broken: Callable[[Exception], object]) -> None:
         self.project = stage.project
@@ -208,12 +212,12 @@ class _Worker:
         join_threads([self._thread], CLOSE_WAIT_SECONDS)
 
     def take(self) -> StageSnapshot | None:
-        """Newest snapshot."""
+        """Newest snapshot, which then counts as seen; None before the first step."""
         self._seen = True
         return self._newest
 
     def ask(self, question: "Callable[[LiveStage], object]") -> object:
-        """Answer of the stage to a question, evaluated between two steps; None if the stage has failed."""
+        """Answer of the stage to a ``question``, evaluated between two steps; None if the stage has failed."""
         answers: list[object] = []
         answered = threading.Event()
 
@@ -222,7 +226,7 @@ class _Worker:
             answered.set()
 
         self.orders.append(order)
-        answered.wait(ANSWERING)
+        answered.wait(ANSWER_TIMEOUT_SECONDS)
         return answers[0] if answers else None
 
     def _run(self) -> None:
@@ -233,11 +237,11 @@ class _Worker:
                 if self._seen:
                     self._seen = False
                     self._made()
-                self._stopped.wait(max(last + STAGE_STEP - time.monotonic(), 0.0))
-                self.drawn.wait(max(last + UNSEEN_STEP - time.monotonic(), 0.0))
+                self._stopped.wait(max(last + STAGE_STEP_SECONDS - time.monotonic(), 0.0))
+                self.drawn.wait(max(last + UNSEEN_STEP_SECONDS - time.monotonic(), 0.0))
                 self.drawn.clear()
                 now = time.monotonic()
-                last, dt = now, min(now - last, LONGEST_STAGE_STEP)
+                last, dt = now, min(now - last, MAX_STAGE_STEP_SECONDS)
         except Exception as error:  # noqa: BLE001 - told on the window's thread
             if not self._stopped.is_set():
                 self._broken(error)

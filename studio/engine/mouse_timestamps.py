@@ -1,13 +1,13 @@
-"""Hand: time of the last mouse move of a drag, independent of when the window handles its event."""
+"""Times of mouse moves during a drag, independent of when the window handles their events."""
 
 import time
 
 from PySide6.QtCore import QCoreApplication, QEvent, QObject, Qt, QTimer, Signal
 
-BUSY = 0.1
-"""Delay of a timer, in seconds, from which the window counts as busy."""
-LATEST_EVENT = 1.0
-"""Longest delay of an event in seconds; a longer one means that its time is missing or from another clock."""
+BUSY_DELAY_SECONDS = 0.1
+"""Delay of a timer in seconds from which the window counts as busy."""
+MAX_EVENT_DELAY_SECONDS = 1.0
+"""Maximum delay of an event in seconds; beyond it the event's time is missing or from another clock."""
 
 
 class MouseTimestamps(QObject):
@@ -28,11 +28,11 @@ class MouseTimestamps(QObject):
 
     @property
     def moved_at(self) -> float:
-        """Time (``time.monotonic``) of the last mouse move with a button down; the present time if unknown."""
+        """Clock time (``time.monotonic``) of the last mouse move with a button pressed; the current time if unknown."""
         return time.monotonic() if self._moved_at is None else self._moved_at
 
     def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
-        """Store the time of a mouse move; False, so that the event is handled as usual."""
+        """Store the time of a mouse move; returns False, so that the event is handled as usual."""
         if event.type() == QEvent.Type.MouseMove and event.buttons() != Qt.MouseButton.NoButton:  # type: ignore[attr-defined]
             self._moved_at = monotonic_time(event.timestamp())  # type: ignore[attr-defined]
         return False
@@ -41,7 +41,7 @@ class MouseTimestamps(QObject):
 class RestTimer(QTimer):
     """Timer that emits ``rested`` when the mouse has not moved for some time.
 
-    If the window was busy at that moment, mouse moves may still be queued: then the timer starts again.
+    If the window was busy then, mouse moves may still be queued, and the timer starts again.
     """
 
     rested = Signal()
@@ -52,20 +52,20 @@ class RestTimer(QTimer):
         self.timeout.connect(self._end)
 
     def begin(self) -> None:
-        """Start the timer again after a mouse move."""
+        """Restart the timer after a mouse move."""
         self._due = time.monotonic() + 0.001 * self.interval()
         self.start()
 
     def _end(self) -> None:
-        if time.monotonic() > self._due + BUSY:
+        if time.monotonic() > self._due + BUSY_DELAY_SECONDS:
             self.begin()
         else:
             self.rested.emit()
 
 
 def monotonic_time(milliseconds: int) -> float:
-    """Time (``time.monotonic``) of an event whose clock starts with the machine; the present time if that is not
-    plausible.
+    """Clock time (``time.monotonic``) of an event with a timestamp in milliseconds since the machine started; the
+    current time if that is not plausible.
     """
     now = time.monotonic()
-    return 0.001 * milliseconds if 0.0 <= now - 0.001 * milliseconds < LATEST_EVENT else now
+    return 0.001 * milliseconds if 0.0 <= now - 0.001 * milliseconds < MAX_EVENT_DELAY_SECONDS else now

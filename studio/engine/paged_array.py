@@ -1,4 +1,4 @@
-"""Poses of long takes kept in temporary files, of which the system holds in memory as much as there is room for."""
+"""Poses of long takes stored in temporary files, of which the system keeps in memory as much as fits."""
 
 import math
 import os
@@ -12,19 +12,19 @@ from numpy.typing import NDArray
 from studio.core.compact_array import CompactArray, PoseArray, single
 
 PAGED_BYTES = 8 << 20
-"""Bytes from which an array is kept in a file: the rotations of a minute and a half at 120 Hz."""
+"""Size in bytes from which an array is stored in a file: the rotations of 90 seconds at 120 Hz."""
 MOST_PAGE_FILES = 256
-"""Files that are open at a time: many systems allow a process a thousand."""
+"""Maximum number of open files; many systems allow a thousand per process."""
 DISK_FOLDER = "/var/tmp"
-"""Folder of large temporary files, on a disk also where the usual one is in memory."""
+"""Folder for large temporary files, on a disk even if the usual folder is in memory."""
 _ROWS_WRITTEN = 4096
 
 
 class PageFile:
-    """Temporary file without a name, closed with the last rows of it."""
+    """Temporary file without a name, closed when no rows of it are used any more."""
 
     def __init__(self, numbers: NDArray[np.float64]) -> None:
-        """Write ``numbers`` in 32 bits; OSError if that fails."""
+        """Write ``numbers`` with 32 bits each. Raises OSError if that fails."""
         with tempfile.TemporaryFile(dir=DISK_FOLDER if os.path.isdir(DISK_FOLDER) else None) as file:
             flat = numbers.reshape(-1, numbers.shape[-1])
             for first in range(0, len(flat), _ROWS_WRITTEN):
@@ -40,12 +40,12 @@ _OPEN: weakref.WeakSet[PageFile] = weakref.WeakSet()
 
 @dataclass(frozen=True, eq=False)
 class FileRows:
-    """Rows (F, ...) in 32 bits of a file."""
+    """Rows (F, ...) of 32-bit numbers in a file."""
 
     file: PageFile
     shape: tuple[int, ...]
     first: int = 0
-    """Row of the file with which they begin."""
+    """Index in the file of the first row."""
 
     def part(self, rows: slice) -> "FileRows":
         """Slice of the rows."""
@@ -53,7 +53,7 @@ class FileRows:
         return FileRows(self.file, (max(last - first, 0), *self.shape[1:]), self.first + first)
 
     def read(self) -> NDArray[np.float32]:
-        """All rows in one array."""
+        """All rows as one array."""
         rows = np.empty(self.shape, np.float32)
         left, at = rows.reshape(-1).view(np.uint8).data, 4 * self.first * math.prod(self.shape[1:])
         while left:  # a call reads two gigabytes at most
@@ -63,7 +63,7 @@ class FileRows:
 
 
 def paged_rows(numbers: PoseArray) -> CompactArray:
-    """Array stored in 32 bits: a long one in a file, or in memory where no file can be written."""
+    """Array of 32-bit numbers: in a file if it is large, or in memory if no file can be written."""
     if isinstance(numbers, CompactArray) or numbers.nbytes < 2 * PAGED_BYTES or len(_OPEN) >= MOST_PAGE_FILES:
         return single(numbers)
     if not hasattr(os, "preadv"):  # Windows

@@ -1,4 +1,4 @@
-"""Labels of body points, for every view."""
+"""Names of body points for the user."""
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
@@ -30,10 +30,10 @@ POINT_NAMES: dict[tuple[BodyPart, bool], str] = {
         for (part, at_end), name in _SIDE.items()
     },
 }
-"""Every place that can be chosen: (part, whether its far end) and its name."""
+"""Name of every body point that can be chosen, by part and True for its far end."""
 
 
 def point_words(point: BodyPoint) -> str:
-    """Label of a point: ``right wrist``; an origin or end without a name of its own has the name of its part."""
+    """Name of a body point: ``right wrist``; a point without its own name has that of its part."""
     plain = point.part.label.lower() + (" end" if point.at_end else "")
     return POINT_NAMES.get((point.part, point.at_end), plain)

@@ -1,4 +1,4 @@
-"""Summary and problems of the stage, measured in the background and kept up to date while shown."""
+"""Search for problems of the stage, measured in the background and kept up to date while they are shown."""
 
 import logging
 from functools import partial
@@ -18,12 +18,12 @@ REST_MS = 300
 
 
 class ProblemSearch(QObject):
-    """Search whose ``rows`` and ``problems`` are those of the newest measured results."""
+    """Background measurement; ``rows`` and ``problems`` are those of the newest measured results."""
 
     found = Signal()
-    """``rows`` and ``problems`` are new."""
+    """Emitted when ``rows`` and ``problems`` are updated."""
     failed = Signal(str)
-    """A sentence: why the stage could not be measured."""
+    """Emitted with a sentence why the stage could not be measured."""
     _measured = Signal(int, object)
 
     def __init__(self, document: Document, live: Live, parent: QObject | None = None) -> None:
@@ -43,20 +43,20 @@ class ProblemSearch(QObject):
         document.project_opened.connect(self._changed)
 
     def set_continuous(self, wanted: bool) -> None:
-        """Turn keeping the summary up to date on or off."""
+        """Keep the summary up to date, or stop doing so."""
         self._wanted = wanted
         if wanted and not self._is_fresh:
             self._rest.start(0)
 
     def request_summary(self) -> bool:
-        """Measure once if anything has changed; True if the summary is up to date already."""
+        """Measure once if anything has changed; returns True if the summary is up to date already."""
         self._asked = not self._is_fresh
         if self._asked and not self._rest.isActive():
             self._rest.start(0)
         return self._is_fresh
 
     def close(self) -> None:
-        """Wait for the running measurement."""
+        """Wait for a running measurement."""
         self._rest.stop()
         self._number += 1
         self._pool.waitForDone()
@@ -68,7 +68,7 @@ class ProblemSearch(QObject):
             self._rest.start()
 
     def _source_came(self, _: str) -> None:
-        """Measure again, since a capture on its actor's own body is available for comparing peaks."""
+        """Measure again, because a source motion with which peaks are compared has become available."""
         if self._lacks_source and not self._live.interactive:
             self._changed()
 
@@ -86,7 +86,7 @@ class ProblemSearch(QObject):
     def _work(
         self, number: int, project: Project, motions: dict[str, AdaptedMotion], sources: dict[str, AdaptedMotion]
     ) -> None:
-        """Measure, in a thread of its own."""
+        """Measure the stage; runs in its own thread."""
         try:
             self._measured.emit(number, summary_of(project, motions, sources))
         except Exception as error:  # noqa: BLE001 - a thread has nobody above it; the sentence is shown

@@ -1,4 +1,4 @@
-"""Present positions of props, for every view."""
+"""Positions of props at a stage time, and edits that move them or attach them to performers."""
 
 import itertools
 import math
@@ -18,34 +18,36 @@ from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.project import Project
 from studio.core.stage.prop import Carried, InHand, Prop, quarter_turns
 from studio.engine.grasps import chest_heading
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 
 FloatArray = NDArray[np.float64]
 
 HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
 HELD_GAP_METRES = 0.3
-"""Metres from a point of a body to the surface of a prop that is held beside it, where it is."""
-CARRIED_AHEAD, CARRIED_HEIGHT = 0.28, 0.2
-"""Leg lengths from the root forward to a prop that is carried before the body, and up to its middle, at least."""
+"""Distance in metres from a body point to the surface of a prop up to which an attached prop stays where it is."""
+CARRIED_AHEAD_LEGS, CARRIED_HEIGHT_LEGS = 0.28, 0.2
+"""Minimum distance in leg lengths from the root forward to a carried prop, and from the root up to its centre."""
 
-RESTS_WITHIN = 0.01
-"""Metres between the ground and the lower side of a prop that rests on it, at most."""
+REST_GAP_METRES = 0.01
+"""Maximum gap in metres between the ground and a prop that rests on it."""
 
 
 @dataclass(frozen=True, eq=False)
 class PropPose:
-    """Prop with its centre at ``place`` (3,) on the stage at ``time``, with the columns of ``axes`` (3, 3) as axes."""
+    """Prop with its centre at ``place`` (3,) on the stage and its axes as columns of ``axes`` (3, 3), at ``time`` in
+    seconds.
+    """
 
     prop: Prop
     place: FloatArray
     axes: FloatArray
     time: float = 0.0
     leg_length: float = 1.0
-    """Metres, of who carries it."""
+    """Leg length in metres of the performer that carries the prop."""
 
 
 def prop_at(project: Project, posed: Mapping[str, PosedPerformer], prop_id: str, time: float) -> PropPose:
-    """Pose of a prop at stage ``time``; ``posed`` are all performers then."""
+    """Pose of a prop at a stage time in seconds; ``posed`` are all performers at that time."""
     from studio.core.solver.performers.prop_tracks import (  # not before it is needed: it loads kernels
         Holder,
         stage_track,
@@ -66,13 +68,15 @@ def prop_at(project: Project, posed: Mapping[str, PosedPerformer], prop_id: str,
 
 
 def props_at(project: Project, posed: Mapping[str, PosedPerformer], time: float) -> dict[str, PropPose]:
-    """Poses of all props at one moment, by id."""
+    """Poses of all props at a stage time in seconds, by id."""
     return {key: prop_at(project, posed, key, time) for key in project.props}
 
 
 def moved_prop(pose: PropPose, position: FloatArray) -> Prop:
-    """Prop with its centre moved to ``position`` (3,) at the time of ``pose``: by a key, by another centre, or by
-    another offset in the hands. At the moment of its pick-up, the pick-up position moves.
+    """Prop with its centre moved to ``position`` (3,) at the time of ``pose``: by a key, another centre, or another
+    offset in the hands.
+
+    At the moment of its pick-up, the position before the pick-up is moved.
     """
     prop, way = pose.prop, position - pose.place
     match None if prop.lies_at(pose.time) else prop.held_at(pose.time):
@@ -91,15 +95,15 @@ def moved_prop(pose: PropPose, position: FloatArray) -> Prop:
 
 
 def resized_prop(pose: PropPose, size: Vector, ground: Ground) -> Prop:
-    """Prop of another size: one that rests on the ground still does, any other keeps its centre."""
+    """Prop with another size in metres: one that rests on the ground still does, any other keeps its centre."""
     prop, extent = replace(pose.prop, size=size), np.abs(pose.axes[2]) / 2.0
     gap = float(pose.place[2] - extent @ np.array(pose.prop.size) - ground.height_at(pose.place))
     rise = float(extent @ (np.array(size) - np.array(pose.prop.size)))
-    return raised_prop(prop, rise) if prop.lies_at(pose.time) and abs(gap) < RESTS_WITHIN else prop
+    return raised_prop(prop, rise) if prop.lies_at(pose.time) and abs(gap) < REST_GAP_METRES else prop
 
 
 def raised_prop(prop: Prop, rise: float) -> Prop:
-    """Prop whose own position, with all its keys, is ``rise`` metres higher."""
+    """Prop whose own position, with all keys, is ``rise`` metres higher."""
     position = prop.position
     if isinstance(position, KeyedPlace):
         values = tuple((x, y, z + rise) for x, y, z in position.values)
@@ -112,9 +116,10 @@ def raised_prop(prop: Prop, rise: float) -> Prop:
 
 
 def turned_prop(pose: PropPose, rotation: FloatArray) -> Prop:
-    """Prop rotated further by ``rotation`` (3, 3) of the stage about its centre.
+    """Prop rotated about its centre by ``rotation`` (3, 3), stage space.
 
-    A rotation about Z changes its heading, so that a keyed heading may exceed a full turn; any other changes its tilt.
+    A rotation about Z changes the heading, so that a keyed heading may exceed a full turn; any other rotation changes
+    the tilt.
     """
     prop, level = pose.prop, is_about_z(rotation)
     angle = math.atan2(rotation[1, 0], rotation[0, 0])
@@ -138,19 +143,21 @@ def turned_prop(pose: PropPose, rotation: FloatArray) -> Prop:
 
 
 def further_heading(heading: float | KeyedNumber, angle: float, time: float) -> float | KeyedNumber:
-    """Heading increased by ``angle`` in radians; if it is keyed, at ``time``."""
+    """Heading increased by ``angle`` in radians; if it is keyed, by a key at ``time``."""
     if isinstance(heading, KeyedNumber):
         return heading.with_key(time, float(heading.at([time])[0, 0]) + angle)
     return wrapped_angle(heading + angle)
 
 
 def is_about_z(rotation: FloatArray) -> bool:
-    """True if a rotation (3, 3) leaves Z where it is."""
+    """True if a rotation matrix (3, 3) is about Z."""
     return bool(rotation[2, 2] > 1.0 - 1e-12)
 
 
 def tilt_of(pose: PropPose) -> FloatArray:
-    """Rotation (3, 3) before that about Z by the heading; the identity for a prop in a hand, which has no heading."""
+    """Tilt (3, 3) of a prop, which is applied before its heading; the identity for a prop attached to a hand, which has
+    no heading.
+    """
     prop = pose.prop
     held = None if prop.lies_at(pose.time) else prop.held_at(pose.time)
     if isinstance(held, InHand):
@@ -163,18 +170,18 @@ def tilt_of(pose: PropPose) -> FloatArray:
 
 
 def heading_of(pose: PropPose) -> float:
-    """Rotation about Z in radians, after the tilt."""
+    """Heading of a prop in radians about Z, applied after its tilt."""
     headed = pose.axes @ tilt_of(pose).T
     return math.atan2(headed[1, 0], headed[0, 0])
 
 
 def wrapped_angle(angle: float) -> float:
-    """Equal angle between -pi and pi."""
+    """Equivalent angle between -pi and pi."""
     return math.remainder(angle, 2.0 * math.pi)
 
 
 def with_fixed_position(pose: PropPose, *, keyed: bool) -> Prop:
-    """Prop with its present position as its own: fixed, or as a first key."""
+    """Prop whose own position is the current one: constant, or ``keyed`` with a first key."""
     x, y, z = pose.place.tolist()
     position: Vector | KeyedPlace = (x, y, z)
     around = heading_of(pose)
@@ -186,9 +193,10 @@ def with_fixed_position(pose: PropPose, *, keyed: bool) -> Prop:
 
 
 def hold_in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: PosedPerformer) -> InHand:
-    """Hold that fixes the prop to a point of a body, in its present orientation; on a hand, at the palm's middle.
+    """Hold that attaches a prop to a body point in its current orientation; on a hand, at the middle of the palm.
 
-    On a foot, the seat or another part it keeps its offset from the point; if it is too far away, it moves there.
+    On a foot, the seat or another part it keeps its offset from the point; if it is too far away, it is moved
+    there.
     """
     motion, row, layout = holder.motion, holder.row, holder.motion.morphology.layout
     from studio.core.solver.asking.points import point_indices  # loads kernels
@@ -210,10 +218,11 @@ def hold_in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Po
 def hold_between_hands(
     prop: Prop, performer_id: str, holder: PosedPerformer, *, heading: float | None = None, lift: float | None = None
 ) -> Carried:
-    """Hold that carries a prop in both hands: between them if they are in front of the body, else steady before it.
+    """Hold that carries a prop in both hands: between them if they are in front of the body, else at a fixed offset in
+    front of the root.
 
-    With a ``heading`` (radians on the stage) the prop faces the nearest of the four quarter turns from the chest's
-    heading. With a ``lift`` it stays at the hands of the motion, that many metres above their middle.
+    With a ``heading`` (radians on the stage) the prop faces the nearest of four quarter turns from the chest's heading.
+    With a ``lift`` it follows the hands of the motion, that many metres above their middle.
     """
     from studio.core.solver.performers.prop_tracks import carried_track  # loads kernels
 
@@ -226,16 +235,16 @@ def hold_between_hands(
         track = carried_track(held, known.positions[:], known.rotations[:], body)
         ways = np.einsum("fji,fj->fi", track.rotations, track.positions - known.positions[:, 0]) / body.leg_length
         ahead, _, up = ways.mean(axis=0).tolist()
-        needed = CARRIED_AHEAD + prop.size[turned % 2] / 2 / body.leg_length
+        needed = CARRIED_AHEAD_LEGS + prop.size[turned % 2] / 2 / body.leg_length
         if ahead < needed:
-            held = replace(held, offset=(needed, 0.0, max(CARRIED_HEIGHT, up)), steady=True)
+            held = replace(held, offset=(needed, 0.0, max(CARRIED_HEIGHT_LEGS, up)), steady=True)
     return replace(held, heading=wrapped_angle(turned * math.pi / 2))
 
 
 def takes_lower(prop: Prop, giver: Carried, taker: Carried) -> bool:
-    """True if a receiver's hands grip the same sides as the giver's, and so have to be below them.
+    """True if the receiver's hands grip the same sides as the giver's, and so must be below them.
 
-    A giver who took the prop that way gives it to hands in the middle.
+    A giver that took the prop below other hands gives it to hands in the middle.
     """
     giving, taking = (quarter_turns(each.heading) for each in (giver, taker))
     handed = sum(one.end == after.begin for one, after in itertools.pairwise(prop.holds))
@@ -243,7 +252,7 @@ def takes_lower(prop: Prop, giver: Carried, taker: Carried) -> bool:
 
 
 def wrists_from(pose: PropPose, holder: PosedPerformer) -> float:
-    """Distance in metres of a body's farther wrist from a prop's surface."""
+    """Distance in metres from the surface of a prop to the farther wrist of a performer."""
     layout = holder.motion.morphology.layout
     wrists = np.stack([holder.points[layout.wrist_point(side)] for side in range(2)])
     inside = np.abs((wrists - pose.place) @ pose.axes) - np.array(pose.prop.size) / 2

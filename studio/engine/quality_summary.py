@@ -1,6 +1,6 @@
-"""Summary of residuals and defects on every body, and the problems in it, the worst first.
+"""Summary of residuals and defects of every performer, and the problems in it, worst first.
 
-A row is a constraint on a body, with the body's measures while it is active, or a body's whole motion.
+A row is a constraint on a performer, measured while the constraint is active, or a performer's whole motion.
 """
 
 from collections.abc import Iterator, Mapping
@@ -15,8 +15,8 @@ from studio.core.solver.performers.rows import timing_of
 from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
-from studio.engine.performance import stage_time
-from studio.engine.residual_measures import LENGTH_MEASURE, PEAK, SKATE, Measure
+from studio.engine.posed_performer import stage_time
+from studio.engine.residual_measures import LENGTH_MEASURE, PEAK_MEASURE, SKATE_MEASURE, Measure
 from studio.engine.residuals import worst_residual
 
 FloatArray = NDArray[np.float64]
@@ -34,7 +34,9 @@ ASPECT_HINTS = {
 
 @dataclass(frozen=True)
 class Finding:
-    """The worst ``amount`` of one aspect (metres, radians, or a ratio, as ``measure`` says), and its stage second."""
+    """Worst ``amount`` of one aspect (metres, radians or a ratio, by its ``measure``), and its stage time in
+    seconds.
+    """
 
     amount: float
     time: float
@@ -42,18 +44,18 @@ class Finding:
 
     @property
     def text(self) -> str:
-        """Amount with its unit."""
+        """Amount as text with unit."""
         return self.measure.text_of(self.amount)
 
     @property
     def weight(self) -> float:
-        """Badness, comparable between measures."""
+        """Badness of the amount, comparable between measures."""
         return self.measure.weight(self.amount)
 
 
 @dataclass(frozen=True)
 class SummaryRow:
-    """Findings for a constraint on a body, or for its whole motion, by aspect."""
+    """Findings by aspect of a constraint on a performer, or of a performer's whole motion."""
 
     performer_id: str
     body: str
@@ -64,7 +66,7 @@ class SummaryRow:
 
 @dataclass(frozen=True)
 class FoundProblem:
-    """Finding that is large enough to report."""
+    """Finding that is large enough to be reported."""
 
     row: SummaryRow
     aspect: str
@@ -72,19 +74,21 @@ class FoundProblem:
 
     @property
     def key(self) -> tuple[str, str | None, str]:
-        """Performer id, constraint id and aspect: identity of the problem, independent of its present amount."""
+        """Performer id, constraint id and aspect, which identify the problem while its amount changes."""
         return self.row.performer_id, self.row.constraint_id, self.aspect
 
     @property
     def sentence(self) -> str:
-        """``Tall man: residual 42 mm, Right wrist``."""
+        """Problem as text: ``Tall man: residual 42 mm, Right wrist``."""
         return f"{self.row.body}: {self.aspect} {self.finding.text}, {self.row.name}"
 
 
 def summary_of(
     project: Project, motions: Mapping[str, AdaptedMotion], sources: Mapping[str, AdaptedMotion]
 ) -> tuple[SummaryRow, ...]:
-    """One row for each visible body with a result, and for each constraint on it; ``sources`` by motion."""
+    """Rows for each visible performer with a result and for each constraint on it; ``sources`` are source motions by
+    motion id.
+    """
     return tuple(
         row
         for key, performer in project.performers.items()
@@ -94,7 +98,7 @@ def summary_of(
 
 
 def problems_in(rows: tuple[SummaryRow, ...]) -> tuple[FoundProblem, ...]:
-    """Problems, the worst first: residuals of constraints, and the other aspects of whole motions."""
+    """Problems, worst first: residuals of constraints, and the other aspects of whole motions."""
     found = [
         FoundProblem(row, aspect, finding)
         for row in rows
@@ -144,7 +148,7 @@ def _worst(values: FloatArray, times: FloatArray, measure: Measure) -> Finding |
 def _tracks(
     project: Project, performer_id: str, motion: AdaptedMotion, sources: Mapping[str, AdaptedMotion]
 ) -> dict[str, tuple[FloatArray, Measure]]:
-    """(F,) values and measure of each aspect except residuals, NaN where unknown."""
+    """(F,) values and measure of each aspect except residuals; NaN where unknown."""
     from studio.core.quality.contact_tracks import contact_tracks  # not before a result is there: they load kernels
     from studio.core.quality.metrics import skate_distances, swing_depths
 
@@ -156,17 +160,17 @@ def _tracks(
     depths = np.concatenate([-heights, swing_depths(motion, contacts, ground)])
     tracks = {
         "slide": (np.fmax.reduce(slides, axis=0), LENGTH_MEASURE),
-        "skate": (skate_distances(motion, ground).max(axis=0), SKATE),
+        "skate": (skate_distances(motion, ground).max(axis=0), SKATE_MEASURE),
         "penetration": (np.maximum(np.fmax.reduce(depths, axis=0), 0.0), LENGTH_MEASURE),
     }
     source = sources.get(performer.clips[0].motion_id)
     if source is not None and (composite is None or composite.is_plain):
-        tracks["peak"] = (_peaks(motion, source), PEAK)
+        tracks["peak"] = (_peaks(motion, source), PEAK_MEASURE)
     return tracks
 
 
 def _peaks(motion: AdaptedMotion, source: AdaptedMotion) -> FloatArray:
-    """(F,) greatest angular acceleration of a limb segment, as a fraction of its peak in the source."""
+    """(F,) largest angular acceleration of a limb segment, relative to its peak in the source."""
     from studio.core.normalized.transition import QUIET_PEAK
     from studio.core.quality.metrics import LIMB_BONES, angular_acceleration, turning_peaks
 

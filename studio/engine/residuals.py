@@ -1,7 +1,7 @@
-"""Residual of a constraint on a body: one rule for every view.
+"""Residual of a constraint on a performer, by one rule for all views.
 
-The residual is that of the worst frame in which the constraint is fully active or, if there is none, of the worst in
-which it is active at all. A foot's constraint is fully active only where the foot has no contact.
+It is that of the worst frame in which the constraint is fully active or, if it never is, of the worst frame in which it
+is active at all. A foot's constraint is fully active only while the foot has no contact.
 """
 
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ FloatArray = NDArray[np.float64]
 
 
 class Inactive(StrEnum):
-    """Reason why a constraint acts in no frame of a body."""
+    """Reason why a constraint is not active in any frame of a performer."""
 
     ELSEWHERE = "not active"
     OVERRIDDEN = "overridden by contacts"
@@ -35,32 +35,32 @@ class Inactive(StrEnum):
 
     @property
     def short(self) -> str:
-        """Word for a narrow column."""
+        """Short text for a narrow column."""
         return {Inactive.OVERRIDDEN: "overridden", Inactive.CUT: "fade cut"}.get(self, str(self))
 
     @property
     def colour(self) -> str:
-        """Colour of a warning where the clip leaves the constraint out."""
+        """Text colour; that of a warning if the clip cuts the constraint off."""
         return colours.PARTLY if self is Inactive.CUT else colours.TEXT_THIRD
 
 
 @dataclass(frozen=True)
 class Residual:
-    """Worst residual of a constraint on a body, and where it is."""
+    """Worst residual of a constraint on a performer, with its frame."""
 
     amount: float
-    """Metres or radians, as ``measure`` says."""
+    """Metres or radians, by ``measure``."""
     frame: int
-    """Frame of the constraint's own motion."""
+    """Frame of the constraint's motion."""
     stage_frame: int
     time: float
-    """Seconds of the stage."""
+    """Stage time in seconds."""
     fully_active: bool
     measure: Measure = LENGTH_MEASURE
 
     @property
     def text(self) -> str:
-        """Amount with its unit."""
+        """Amount as text with unit."""
         return self.measure.text_of(self.amount)
 
     @property
@@ -70,49 +70,49 @@ class Residual:
 
     @property
     def is_hardly_visible(self) -> bool:
-        """True if the residual is hardly visible."""
+        """True if the residual is hardly visible, so that the constraint is partly held."""
         return self.amount < self.measure.partly_below
 
     @property
     def is_invisible(self) -> bool:
-        """True if the residual is invisible."""
+        """True if the residual is invisible, so that the constraint is held."""
         return self.amount < self.measure.held_below
 
     @property
     def remark(self) -> str:
-        """Remark beside the number; usually empty."""
+        """Remark to be shown after the amount; usually empty."""
         return "" if self.fully_active else "never fully active"
 
 
 @dataclass(frozen=True, eq=False)
 class ConstraintResiduals:
-    """Residuals of a constraint in the frames of a body's row."""
+    """Residuals of a constraint in all frames of a performer's track."""
 
     timing: Timing
-    """Frames of the row on the stage; 0 is the first one here."""
+    """Stage times of the frames; index 0 is the first frame."""
     frames: NDArray[np.int64]
-    """(F,) frames of the constraint's own motion, -1 where the row plays another one."""
+    """(F,) frames of the constraint's motion; -1 where another motion plays."""
     amounts: FloatArray
-    """(F,) metres or radians, NaN where inactive."""
+    """(F,) residuals in metres or radians; NaN where inactive."""
     activation: FloatArray
-    """(F,) activation without contacts."""
+    """(F,) activation, regardless of contacts."""
     freedom: FloatArray
-    """(F,) factor of the activation: 0 where a contact holds the limb, 1 without one."""
+    """(F,) factor of the activation: 0 while a contact holds the limb, 1 without one."""
     played: NDArray[np.bool_]
-    """(F,) True where a clip plays the motion."""
+    """(F,) True where a clip plays the constraint's motion."""
 
     @property
     def times(self) -> FloatArray:
-        """(F,) seconds of the stage."""
+        """(F,) stage times in seconds."""
         return self.timing.begin + np.arange(len(self.frames)) / self.timing.frame_rate
 
 
 def residuals_on(
     project: Project, performer_id: str, motion: AdaptedMotion | None, constraint_id: str
 ) -> ConstraintResiduals | None:
-    """Residuals of a constraint on a body; None without a result, or where it does not apply.
+    """Residuals of a constraint on a performer; None without a result, or if the constraint does not apply.
 
-    Where several parts of the constraint act in a frame, the worst one counts.
+    If several parts of the constraint are active in a frame, the worst one counts.
     """
     constraint = project.constraints.get(constraint_id)
     performer = project.performers.get(performer_id)
@@ -159,7 +159,9 @@ def residuals_on(
 
 
 def applies_to(project: Project, performer_id: str, constraint_id: str) -> bool:
-    """True if a constraint applies to a performer: enabled, on a motion that it plays, and in scope."""
+    """True if a constraint applies to a performer: it is enabled, in scope, and on a motion that the performer
+    plays.
+    """
     constraint, performer = project.constraints[constraint_id], project.performers[performer_id]
     return constraint.enabled and any(
         clip.motion_id == constraint.motion_id and constraint.scope.includes(performer_id, clip.id)
@@ -168,7 +170,7 @@ def applies_to(project: Project, performer_id: str, constraint_id: str) -> bool:
 
 
 def unsolved_words(live: Live) -> str:
-    """Words for a residual that is not known."""
+    """Text for a residual that is not known yet."""
     return "not solved yet" if live.ready else "waits for the solver"
 
 
@@ -195,7 +197,9 @@ def worst_residual(
 
 
 def inactivity(project: Project, performer_id: str, motion: AdaptedMotion | None, constraint_id: str) -> Inactive:
-    """Reason why a constraint without a residual is inactive: its limb stands, or a clip leaves no time to fade."""
+    """Reason why a constraint without a residual is inactive: a contact holds its limb, or the clip is too short for
+    its fade.
+    """
     missed = residuals_on(project, performer_id, motion, constraint_id)
     if missed is None:
         return Inactive.ELSEWHERE

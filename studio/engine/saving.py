@@ -1,4 +1,4 @@
-"""Saving in the background: the snapshot is taken at once, a worker writes it, the document is notified."""
+"""Saving in the background: a snapshot is taken immediately, written by a worker, and recorded by the document."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -18,7 +18,9 @@ def save_in_background(
     on_saved: Callable[[], None] = lambda: None,
     on_error: Callable[[StudioError], None] = lambda _error: None,
 ) -> int:
-    """Start a save and return its task id. Raises StudioError at once if there is no file to save to."""
+    """Start saving and return the id of the task. Raises StudioError immediately if the project has no file to save
+    to.
+    """
     saving = document.make_save(path, thumbnail, overwrite)
 
     def saved(stamp: Stamp) -> None:

@@ -1,4 +1,6 @@
-"""SolveScheduler: the newest request wins. Plain threads work; results arrive on the window's thread."""
+"""Scheduler of solves, of which the newest request wins: workers are plain threads, and results arrive on the window's
+thread.
+"""
 
 import os
 import threading
@@ -30,11 +32,11 @@ class _Answer:
 
 
 class SolveScheduler(QObject):
-    """Scheduler of requests by key: a newer request replaces an older one, and no key is solved twice at once.
+    """Scheduler of requests by key: a newer request replaces an older one, and no key is solved twice at the same
+    time.
 
-    A request has one or more stages; the first stages of all keys come before the second ones of any. Workers hold
-    immutable values only. Results are emitted on the thread that owns the scheduler, never an older one after a newer
-    one.
+    A request has one or more stages; the first stages of all keys are run before the second ones. Workers hold only
+    immutable values. Results are emitted on the thread that owns the scheduler, never an older one after a newer one.
     """
 
     answered = Signal(str, int, object)
@@ -60,12 +62,12 @@ class SolveScheduler(QObject):
 
     @property
     def busy(self) -> bool:
-        """True if any job waits, runs or is not delivered yet."""
+        """True if any request is waiting, running, or not delivered yet."""
         with self._condition:
             return bool(self._waiting or self._running or self._undelivered)
 
     def request(self, key: str, revision: int, *stages: Stage) -> None:
-        """Replace the waiting request of this key by ``stages``, to be run in turn; an older revision is ignored."""
+        """Replace the waiting request of a key by ``stages``, to be run in turn; an older ``revision`` is ignored."""
         with self._condition:
             if revision < self._newest.get(key, revision):
                 return
@@ -75,14 +77,16 @@ class SolveScheduler(QObject):
             self._condition.notify()
 
     def forget(self, key: str) -> None:
-        """Drop the waiting request of this key, and any result under way."""
+        """Drop the waiting request of a key, and the result of a running one."""
         with self._condition:
             self._order += 1
             self._waiting.pop(key, None)
             self._shown[key] = (self._order, 0)
 
     def close(self, patience: float = CLOSE_WAIT_SECONDS) -> None:
-        """Drop waiting requests, and wait ``patience`` seconds for running ones. Nothing is emitted afterwards."""
+        """Drop waiting requests, and wait up to ``patience`` seconds for running ones. Nothing is emitted
+        afterwards.
+        """
         with self._condition:
             self._closed = True
             self._waiting.clear()
@@ -91,7 +95,7 @@ class SolveScheduler(QObject):
         self._done.disconnect(self._deliver)
 
     def _next(self) -> _Request | None:
-        """Next request: early stages first, then in order of arrival; None when the scheduler is closed."""
+        """Next request: by stage, then in order of arrival; None once the scheduler is closed."""
         with self._condition:
             while not self._closed:
                 free = [item for key, item in self._waiting.items() if key not in self._running]
@@ -108,7 +112,7 @@ class SolveScheduler(QObject):
             pass
 
     def _work_once(self) -> bool:
-        """Wait for a request and run it; nothing of it is referenced afterwards.
+        """Wait for a request and run one stage of it, without keeping references to its values.
 
         Returns False once the scheduler is closed.
         """

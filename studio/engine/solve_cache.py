@@ -1,4 +1,4 @@
-"""Cache of costly results, each of which depends on one immutable value and is kept while that value is in use."""
+"""Cache of costly results, each computed from one immutable value and kept while that value is in use."""
 
 import threading
 from collections import OrderedDict
@@ -17,9 +17,10 @@ class _Slot(Generic[Key, Result]):
 
 
 class SolveCache(Generic[Key, Result]):
-    """``compute(key)`` by the identity of ``key``; threads that call it together share one computation.
+    """Cache of ``compute(key)`` by the identity of ``key``; threads that ask for the same key share one
+    computation.
 
-    The ``size`` keys that were used last are kept. Exceptions are not cached.
+    The ``size`` most recently used keys are kept. Exceptions are not cached.
     """
 
     def __init__(self, compute: Callable[[Key], Result], size: int = 32) -> None:
@@ -33,7 +34,7 @@ class SolveCache(Generic[Key, Result]):
         return slot is not None and bool(slot.results)
 
     def __call__(self, key: Key) -> Result:
-        """Result for ``key``; raises the errors of ``compute``."""
+        """Result for ``key``. Raises the exceptions of ``compute``."""
         with self._lock:
             slot = self._slots.setdefault(id(key), _Slot(key))
             self._slots.move_to_end(id(key))

@@ -1,4 +1,4 @@
-"""SolverKernels: bodies that can be solved while the kernels of a first start are still being compiled."""
+"""Availability of the solver while its kernels are still being compiled at a first start."""
 
 from collections.abc import Iterable
 
@@ -9,32 +9,34 @@ from studio.core.stage.project import Project
 from studio.engine.background_tasks import CLOSE_WAIT_SECONDS
 from studio.startup.kernel_warm_up import WarmUp
 
-LOOKED_AT_MILLISECONDS = 100
+KERNEL_POLL_MILLISECONDS = 100
 
 
 class SolverKernels(QObject):
-    """Follows a ``WarmUp``; without one all kernels count as compiled."""
+    """Follower of a ``WarmUp`` that tells which performers can be solved already; without one, all kernels count as
+    compiled.
+    """
 
     changed = Signal()
-    """More bodies can be solved."""
+    """Emitted when more performers can be solved."""
 
     def __init__(self, warm_up: WarmUp | None, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._warm_up = warm_up
         self._known = self.grounded, self.ready
-        self._looking = QTimer(self, interval=LOOKED_AT_MILLISECONDS)
+        self._looking = QTimer(self, interval=KERNEL_POLL_MILLISECONDS)
         self._looking.timeout.connect(self._look)
         if not self.ready:
             self._looking.start()
 
     @property
     def ready(self) -> bool:
-        """True once all kernels are compiled; an earlier call would wait for seconds."""
+        """True once all kernels are compiled; calling them earlier would block for seconds."""
         return self._warm_up is None or self._warm_up.ready
 
     @property
     def grounded(self) -> bool:
-        """True once the kernels of grounding are compiled, which suffice without constraints."""
+        """True once the kernels of grounding are compiled, which suffice for motions without constraints."""
         return self._warm_up is None or self._warm_up.grounded
 
     @property
@@ -43,13 +45,13 @@ class SolverKernels(QObject):
         return self._looking.isActive()
 
     def can_solve(self, project: Project, performer_ids: Iterable[str]) -> bool:
-        """True if the kernels for some performers are compiled."""
+        """True if the kernels that the given performers need are compiled."""
         return self.ready or (
             self.grounded and not any(constraints_of_performer(project, key) for key in performer_ids)
         )
 
     def join_grounded(self) -> None:
-        """Wait, in a worker, until bodies can be grounded. Raises CancelledError if they never will be."""
+        """Wait, in a worker, until motions can be grounded. Raises CancelledError if compiling was stopped."""
         if self._warm_up is not None:
             self._warm_up.join_grounded()
 

@@ -1,4 +1,4 @@
-"""StandingSolver: solver with a cache of grounded motions."""
+"""Solver with a cache of grounded motions."""
 
 import threading
 from dataclasses import dataclass, replace
@@ -14,21 +14,21 @@ from studio.engine.paged_array import paged_rows
 if TYPE_CHECKING:
     from studio.core.solver.standing.stand import GroundedMotion
 
-KEPT_STANDING = 16
+MAX_CACHED_GROUNDINGS = 16
 
 Body = tuple[NormalizedMotion, AnyMorphology]
-"""Motion and body of a grounding."""
+"""Motion and body that are grounded."""
 Windows = tuple[tuple[int, int], ...]
-"""First frames and those past the last."""
+"""First frame and frame past the last one, of each window."""
 
 
 class GroundingSolver:
-    """Solver that caches the grounded motion of each body, so that a dragged target needs only the rest of the solve.
+    """Solver that caches the grounded motion of each body, so that a dragged target needs only the rest of the
+    solve.
 
-    For a request of some frames, self-contacts are solved only around them, because the other frames of a dragged body
-    are not shown; such a result is replaced by the next picture's, and never replaces a complete one. A ground that
-    only changes its height translates the cached bodies. Cached values and results take half the memory of a solve. Any
-    thread may call it.
+    For a request of some frames, self-contacts are solved only around them; such a result is replaced by that of the
+    next image, and never replaces a complete one. If only the height of the ground changes, cached motions are
+    translated. Cached values take half of the memory of a solve. Any thread may call the solver.
     """
 
     def __init__(self) -> None:
@@ -49,7 +49,7 @@ class GroundingSolver:
             self._partly.clear()
 
     def _standing(self, request: AdaptRequest, windows: Windows | None) -> "GroundedMotion":
-        """Grounded motion of ``request``, in some ``windows`` at least."""
+        """Grounded motion of ``request``, at least in the given ``windows``; None for all frames."""
         from studio.core.solver.standing.lifted import lifted
         from studio.core.solver.standing.stand import grounded_motion_of
 
@@ -68,7 +68,7 @@ class GroundingSolver:
             if windows is None:
                 self._partly.clear()  # the hand rests
             held = self._whole if windows is None else self._partly
-            while len(held) >= KEPT_STANDING:
+            while len(held) >= MAX_CACHED_GROUNDINGS:
                 held.pop(next(iter(held)))
             held[body] = CachedGrounding(on, windows, standing)
         return standing
@@ -76,7 +76,7 @@ class GroundingSolver:
 
 @dataclass(frozen=True)
 class GroundingKey:
-    """All of a request on which its grounded motion depends, except motion and body."""
+    """Part of a request on which its grounded motion depends, apart from motion and body."""
 
     ground: Ground
     rest: tuple[object, ...]
@@ -87,13 +87,13 @@ class GroundingKey:
         return GroundingKey(request.ground, (request.contacts, request.volume, request.actor, *bound))
 
     def at_height(self, height: float) -> "GroundingKey":
-        """Copy with another ground height."""
+        """Copy with another ground height in metres."""
         return replace(self, ground=self.ground.at_height(height))
 
 
 @dataclass(frozen=True, eq=False)
 class CachedGrounding:
-    """Grounded motion of a body, in some ``windows`` or, None, in all frames."""
+    """Grounded motion of a body, solved in ``solved_windows`` or, if None, in all frames."""
 
     on: GroundingKey
     solved_windows: Windows | None
@@ -101,7 +101,9 @@ class CachedGrounding:
 
 
 def own_frames(request: AdaptRequest) -> Windows:
-    """Range of frames, first and past the last, in which per-character targets have their reference positions."""
+    """Windows (first frame and frame past the last one) of the frames at the reference times of per-character
+    targets.
+    """
     rate, last = request.motion.frame_rate, request.motion.frame_count - 1
     places = (place for each in request.constraints for place in own_places_of(each))
     rows = sorted({min(max(round(place.time * rate), 0), last) for place in places})

@@ -55,7 +55,9 @@ def write_pose(folder: Path, name: str, pose: LocalPose) -> SavedPose:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise StudioError(f"The folder '{folder}' cannot be made: {error.strerror}. Free the place for it.") from error
+        raise StudioError(
+            f"The folder '{folder}' cannot be created: {error.strerror}. Check its permissions."
+        ) from error
     taken = {path.stem for path in folder.glob(f"*{POSE_SUFFIX}")}
     path = folder / f"{free_name(safe_name(name).lower(), taken)}{POSE_SUFFIX}"
     rotations = {part.value: [round(math.degrees(angle), 4) for angle in pose.rotations[part]] for part in BodyPart}

@@ -1,1 +1,1 @@
-"""Real-time input and output over the network, and live playback of performers, without a window."""
+"""Network input and output in real time, and live play of performers, without a window."""

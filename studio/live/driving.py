@@ -1,4 +1,4 @@
-"""Live capture on another body: a received pose replaces the motion, solved with the constraints of that moment."""
+"""Live capture on another body: a received pose replaces the motion, and is solved with the current constraints."""
 
 from dataclasses import replace
 
@@ -13,27 +13,27 @@ from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.asking.tracks import OwnPath
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.live import vmc
-from studio.live.planting import LiveGrounding
+from studio.live.live_grounding import LiveGrounding
 from studio.live.tracker import Inbox
 
 FloatArray = NDArray[np.float64]
 
 POSE_FRAME_RATE = 60.0
-"""Nominal frames a second of a single pose; no result depends on it."""
+"""Nominal frame rate in Hz of a single pose; no result depends on it."""
 STILL_FRAMES = 2
-"""Frames of a still motion: kernels are compiled for motions of more than one frame."""
+"""Frames of a still motion; kernels need motions of more than one frame."""
 UNBOUNDED_SECONDS = 1e6
 
 
 class ReceivedPose:
-    """Newest body of an inbox as a still motion at each call; None while bones are missing."""
+    """Newest body in an inbox, as a still motion; None while bones are missing."""
 
     def __init__(self, inbox: Inbox) -> None:
         self._inbox, self._taken = inbox, -1
         self._pose: NormalizedMotion | None = None
 
     def __call__(self) -> NormalizedMotion | None:
-        """Still motion of the newest pose, recomputed only if packets have arrived since the last call."""
+        """Still motion of the newest pose; recomputed only if packets have arrived since the last call."""
         taken = self._inbox.counts.accepted
         if taken != self._taken:
             self._taken, found = taken, vmc.posed_body(self._inbox.bones())
@@ -51,10 +51,10 @@ def _pose_of(positions: FloatArray, rotations: FloatArray, body: Morphology) -> 
 def driven_frame(
     request: AdaptRequest, row: int, pose: NormalizedMotion, planted: LiveGrounding, seconds: float
 ) -> AdaptedMotion:
-    """Frame ``row`` of a request with ``pose`` instead of its motion, grounded and solved with the constraints of that
+    """Frame ``row`` of a request with ``pose`` in place of its motion, grounded and solved with the constraints of that
     frame.
 
-    ``planted`` keeps the state of the feet between poses; ``seconds`` is the time of the pose by the clock.
+    ``planted`` keeps the state of the feet between poses; ``seconds`` is the clock time of the pose.
     """
     now = ClipTransform(
         -row / request.motion.frame_rate, 1.0, 0.0, (0.0, 0.0), False, -UNBOUNDED_SECONDS, UNBOUNDED_SECONDS

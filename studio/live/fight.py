@@ -1,4 +1,4 @@
-"""Fight in steps of one frame: a target, orders, a fighter and the report."""
+"""Fight in steps of one frame: a moving target, orders, a fighter, and a report."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -20,14 +20,14 @@ FIGHT_ORDERS: dict[str, Order] = {
     for side in ("left", "right")
     for kind in (Kind.PUNCH, Kind.KICK)
 }
-"""Orders to a fighter by name; a supervisor's keys in P09."""
+"""Limbs and kinds of strike for each order to a fighter, by name."""
 ANY_STRIKE: Order = ((), ())
 
 
 @dataclass
 class FightReport:
-    """Report of a fight: strikes, and ``latencies`` in seconds from an order to the first frame that differs.
-    ``slowest_frame`` is in seconds.
+    """Report of a fight: strikes, ``latencies`` in seconds from an order to the first changed frame, and the duration
+    ``slowest_frame`` in seconds.
     """
 
     hits: list[StrikeOutcome]
@@ -35,11 +35,11 @@ class FightReport:
     slowest_frame: float = 0.0
     frames: int = 0
     stopped: bool = False
-    """True if Ctrl-C ended it early."""
+    """True if Ctrl+C ended the fight early."""
 
     @property
     def words(self) -> str:
-        """Summary of the report in a few lines of text."""
+        """Report as a few lines of text."""
         missed = [1000.0 * hit.missed for hit in self.hits]
         lines = [f"{counted_noun(self.frames, 'frame')}, {counted_noun(len(self.hits), 'strike')}"]
         if missed:

@@ -32,7 +32,7 @@ from studio.library.hitting import hit_places, limb_root
 from studio.library.library import Library
 from studio.library.searching import Result, StrikeQuery, search_strikes
 from studio.library.striking import Strike, StrikeClip, strike_in
-from studio.live.keeping import DISTANCE_STEP_SECONDS
+from studio.live.distance_keeping import DISTANCE_STEP_SECONDS
 from studio.live.takeover import SPEED_FRAMES, Takeover, take_over
 
 FloatArray = NDArray[np.float64]
@@ -43,13 +43,13 @@ FIGHTER_DISTANCE_TOLERANCE, FIGHTER_FACING_TOLERANCE = 0.12, 0.25
 """Errors of distance (leg lengths) and of facing (radians) that are accepted without a step."""
 TARGET_SPEED_SECONDS = 0.2
 """Seconds of the target's recent path from which its velocity is estimated."""
-USUAL_BLOW = 0.5
+USUAL_BLOW_SECONDS = 0.5
 """Assumed seconds to the hit during the search; each blow found is then tried with its own time."""
-CALMING = 0.4
+GUARD_BLEND_SECONDS = 0.4
 """Seconds of the blend into the guard; the stance is not corrected before they have passed."""
-TRIED, MET = 3, 0.001
+MAX_TRIED_STRIKES, HIT_TOLERANCE_METRES = 3, 0.001
 """Number of strikes tried for a target, best first, and the residual (m) below which one is accepted at once."""
-STEPS_UP = 3
+MAX_STEPS_UP = 3
 """Maximum number of steps towards a target that no strike meets; after them the fighter strikes anyway."""
 
 
@@ -75,7 +75,7 @@ class Plan:
     hit: int = -1
 
     @property
-    def last(self) -> int:
+    def last_frame(self) -> int:
         return self.standing.motion.frame_count - 1
 
 
@@ -178,7 +178,7 @@ class Fighter:
     def frame(self) -> int:
         """Frame of the plan that is shown next."""
         shown = round(self._passed * self.plan.standing.motion.frame_rate / self.rate)
-        return min(self.plan.first + shown, self.plan.last)
+        return min(self.plan.first + shown, self.plan.last_frame)
 
     @property
     def is_waiting(self) -> bool:
@@ -201,7 +201,7 @@ class Fighter:
         """
         if self._order is not None or self.plan.state is FighterState.STRIKE:
             return False
-        self._order, self._steps_left = (limbs, kinds), STEPS_UP
+        self._order, self._steps_left = (limbs, kinds), MAX_STEPS_UP
         self._ask(np.array(target, dtype=np.float64))
         return True
 
@@ -212,7 +212,7 @@ class Fighter:
         if self._order is not None and self._wanted is None and self._played_for(DISTANCE_STEP_SECONDS):
             self._ask(place)
         self._take_plan()
-        if self.frame >= self.plan.last or (self.plan.state is FighterState.GUARD and self._stands_wrong(place)):
+        if self.frame >= self.plan.last_frame or (self.plan.state is FighterState.GUARD and self._stands_wrong(place)):
             self._go_on(self._next(place))
         plan, frame = self.plan, self.frame
         asked = [] if plan.constraint is None else [self._aimed(plan.constraint, place)]
@@ -274,7 +274,7 @@ class Fighter:
 
     @property
     def _guarding(self) -> MotionPiece:
-        return replace(self.guard, start=0.0, ease=CALMING)
+        return replace(self.guard, start=0.0, ease=GUARD_BLEND_SECONDS)
 
     def _stepping(self, turn: float, offset: FloatArray) -> MotionPiece:
         own = PlanarTransform(turn, (float(offset[0]), float(offset[1])))
@@ -290,26 +290,29 @@ class Fighter:
     def _strike(
         self, begins: PlanStart, limbs: Sequence[Limb], kinds: Sequence[Kind], step: MotionPiece | None
     ) -> PendingPlan:
-        """First of the best blows whose residual is below ``MET``, otherwise the one with the least residual. If
-        ``step`` is given and the best blow misses, the result is that step; if no blow is found, the guard.
+        """First of the best blows whose residual is below ``HIT_TOLERANCE_METRES``, otherwise the one with the least
+        residual. If ``step`` is given and the best blow misses, the result is that step; if no blow is found, the
+        guard.
         """
         before, last = begins.previous_pose, begins.rows[-1:]
         pose = encode_motion(before.positions[last], before.rotations[last], self.body, self.rate, "shown")
         found = search_strikes(
             self.library,
-            StrikeQuery(pose, self.body, begins.position_in(USUAL_BLOW), limbs, kinds),
-            TRIED if step is None else 1,
+            StrikeQuery(pose, self.body, begins.position_in(USUAL_BLOW_SECONDS), limbs, kinds),
+            MAX_TRIED_STRIKES if step is None else 1,
         )
         nearest, missed = None, math.inf
         for each in found:
             coming = self._blow(begins, each)
             if coming.missed < missed:
                 nearest, missed = coming, coming.missed
-            if missed < MET:
+            if missed < HIT_TOLERANCE_METRES:
                 break
         if nearest is None:
             return self._coming(FighterState.GUARD, begins, self._guarding)
-        return nearest if step is None or missed < MET else self._coming(FighterState.STEP, begins, step)
+        return (
+            nearest if step is None or missed < HIT_TOLERANCE_METRES else self._coming(FighterState.STEP, begins, step)
+        )
 
     def _blow(self, begins: PlanStart, found: Result) -> PendingPlan:
         blow = StrikeClip.of(found)
@@ -329,7 +332,7 @@ class Fighter:
         """Frames (SPEED_FRAMES,) of the plan that were shown last."""
         every = self.plan.standing.motion.frame_rate / self.rate
         shown = self.plan.first + np.rint((self._passed - np.arange(SPEED_FRAMES, 0, -1)) * every).astype(np.int64)
-        return np.asarray(shown.clip(max(self.plan.first - 1, 0), self.plan.last))
+        return np.asarray(shown.clip(max(self.plan.first - 1, 0), self.plan.last_frame))
 
     def _speed(self) -> FloatArray:
         """Velocity (3,) of the target in m/s, averaged over its recent positions; zero if blows do not follow it."""
@@ -364,7 +367,7 @@ class Fighter:
         return float(np.median(self.guard.motion.channels[self.guard.first : self.guard.last + 1, at.YAW]))
 
     def _stands_wrong(self, position: FloatArray) -> bool:
-        if self._order is not None or not self._played_for(CALMING):
+        if self._order is not None or not self._played_for(GUARD_BLEND_SECONDS):
             return False
         turn, offset = self._correction(position)
         return abs(turn) > FIGHTER_FACING_TOLERANCE or float(np.hypot(*offset)) > FIGHTER_DISTANCE_TOLERANCE

@@ -25,24 +25,24 @@ from studio.core.solver.standing.tipping import depths_of, out_of_ground
 
 FloatArray = NDArray[np.float64]
 
-LIFTED, HURRYING = 1.5 * HEIGHT_MARGIN, 1.6 * STILL_SPEED
-"""Height above the floor (m) and speed (m/s) above which a standing heel or ball stops standing."""
-USUAL_LEG = 0.85
+RELEASE_HEIGHT_METRES, RELEASE_SPEED = 1.5 * HEIGHT_MARGIN, 1.6 * STILL_SPEED
+"""Height above the floor in metres, and speed in metres per second, above which a standing heel or ball is released."""
+USUAL_LEG_METRES = 0.85
 """Reference leg length in metres; the thresholds of height and speed scale with the leg length of the body."""
-COMING_DOWN = 0.12
+LOWERING_SECONDS = 0.12
 """Seconds in which a foot that begins to stand is lowered to the ground and levelled."""
-TORN = 0.15
-"""Horizontal distance of the received from the shown ankle, in leg lengths, at which a standing foot is released."""
-CLIMBING = 0.1
-"""Smoothing time of ``DampedHeight`` in seconds."""
-GROUND_LOOK_AHEAD = 0.15
+RELEASE_DISTANCE_LEGS = 0.15
+"""Horizontal distance in leg lengths between received and displayed ankle at which a standing foot is released."""
+CLIMB_SMOOTHING_SECONDS = 0.1
+"""Smoothing time in seconds of the height of the ground."""
+LOOK_AHEAD_SECONDS = 0.15
 """Seconds of look-ahead, at the current velocity, for which a foot in the air is kept above the ground."""
-STRAIGHT = 3.0
-"""Longest time in which a gap decays without overshoot, as a multiple of its size / its closing speed."""
+STRAIGHT_DECAY_FACTOR = 3.0
+"""Longest decay of a gap without overshoot, as a multiple of its size divided by its closing speed."""
 
 
 class FootPose(NamedTuple):
-    """Pose of a foot: position of its ankle (3,), and rotations (3, 3) of the foot and of its toes."""
+    """Pose of a foot: position of the ankle (3,) in metres, and rotations (3, 3) of the foot and of its toes."""
 
     ankle: FloatArray
     foot: FloatArray
@@ -58,7 +58,7 @@ class DampedHeight:
 
     def follow(self, goal: float, dt: float) -> float:
         """Advance by ``dt`` seconds towards ``goal`` and return the height."""
-        rate = 2.0 / CLIMBING
+        rate = 2.0 / CLIMB_SMOOTHING_SECONDS
         gap, decay = self.value - goal, math.exp(-rate * dt)
         push = self.speed + rate * gap
         self.value, self.speed = goal + (gap + push * dt) * decay, (self.speed - rate * push * dt) * decay
@@ -132,24 +132,29 @@ class Foothold:
         elif self._printed is not None:
             self.climb.follow(float(self.ground.height_at(self._printed.place)), dt)
         else:
-            way = GROUND_LOOK_AHEAD * (own.ankle - self._own[-1].ankle) / max(dt, 1e-3)
+            way = LOOK_AHEAD_SECONDS * (own.ankle - self._own[-1].ankle) / max(dt, 1e-3)
             self.climb.follow(float(self.ground.height_at([*points, *(points + way)]).max()), dt)
 
     def _found(self, own: FootPose, low: float, dt: float) -> int:
         """Parts of the foot in contact, as bits."""
         if self._printed is not None and self._is_torn(own):
             return 0
-        size, points, speeds = self.body.leg_length / USUAL_LEG, self.points_of(own), np.zeros(2)
+        size, points, speeds = self.body.leg_length / USUAL_LEG_METRES, self.points_of(own), np.zeros(2)
         if self._own and dt > 0.0:
             speeds = np.linalg.norm(points - self.points_of(self._own[-1]), axis=1) / (size * dt)
         state = 0
         for bit, height, speed in zip((HEEL_STANDS, TOE_STANDS), (points[:, 2] - low) / size, speeds, strict=True):
-            highest, fastest = (LIFTED, HURRYING) if self.state & bit else (HEIGHT_MARGIN, STILL_SPEED)
+            highest, fastest = (
+                (RELEASE_HEIGHT_METRES, RELEASE_SPEED) if self.state & bit else (HEIGHT_MARGIN, STILL_SPEED)
+            )
             state |= bit if height < highest and speed < fastest else 0
         return state
 
     def _is_torn(self, own: FootPose) -> bool:
-        return float(np.linalg.norm((own.ankle - self._shown[-1].ankle)[:2])) > TORN * self.body.leg_length
+        return (
+            float(np.linalg.norm((own.ankle - self._shown[-1].ankle)[:2]))
+            > RELEASE_DISTANCE_LEGS * self.body.leg_length
+        )
 
     def _change(self, state: int, own: FootPose, dt: float) -> None:
         """Change the contact state; its difference from the last two frames shown will decay."""
@@ -231,7 +236,11 @@ class Foothold:
         seconds, speed, size = GOES_ALONG, (last - before) / self._pace, float(np.linalg.norm(last))
         if self.state:
             closing = -float(speed @ last) / max(size, 1e-9)
-            seconds = min(COMING_DOWN, STRAIGHT * size / max(closing, 1e-9)) if closing > 0.0 else COMING_DOWN
+            seconds = (
+                min(LOWERING_SECONDS, STRAIGHT_DECAY_FACTOR * size / max(closing, 1e-9))
+                if closing > 0.0
+                else LOWERING_SECONDS
+            )
             speed = -closing * last / max(size, 1e-9) if closing > 0.0 else 0.0 * speed
         times = np.array(self._since)
         return np.asarray(

@@ -1,4 +1,4 @@
-"""OSC 1.0 packets in and out. Received data is not trusted: every size is checked against the bytes there."""
+"""OSC 1.0 packets in and out. Received data is not trusted: every size is checked against the bytes that exist."""
 
 import struct
 from collections.abc import Iterator, Sequence
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 Argument = int | float | str | bytes | bool | None
 
-BUNDLE = b"#bundle\0"
+BUNDLE_HEADER = b"#bundle\0"
 IMMEDIATE_TIME = b"\0\0\0\0\0\0\0\1"
 LARGEST_PACKET, DEEPEST_BUNDLE, MOST_MESSAGES, MOST_ARGUMENTS, LONGEST_TEXT = 65_507, 4, 1_024, 64, 256
 """Limits: bytes of a packet, depth of nested bundles, messages of a packet, arguments of a message, bytes of a text."""
@@ -60,7 +60,7 @@ def bundles(messages: Sequence[bytes], largest: int) -> Iterator[bytes]:
     """Bundles of encoded messages, in order and as few as possible, of at most ``largest`` bytes unless one message is
     longer.
     """
-    begin = BUNDLE + IMMEDIATE_TIME
+    begin = BUNDLE_HEADER + IMMEDIATE_TIME
     packet = begin
     for message in messages:
         element = struct.pack(">i", len(message)) + message
@@ -73,12 +73,12 @@ def bundles(messages: Sequence[bytes], largest: int) -> Iterator[bytes]:
 
 
 def _messages(packet: bytes, depth: int) -> Iterator[Message]:
-    if not packet.startswith(BUNDLE):
+    if not packet.startswith(BUNDLE_HEADER):
         yield _message(packet)
         return
     if depth == DEEPEST_BUNDLE:
         raise BadPacket("bundles too deep")
-    at = len(BUNDLE) + 8
+    at = len(BUNDLE_HEADER) + 8
     if len(packet) < at:
         raise BadPacket("a bundle without a time")
     while at < len(packet):

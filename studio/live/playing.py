@@ -1,8 +1,7 @@
-"""Motion of a performer in live playback: its row of the timeline, or a clip that takes over at any frame, without
-warning.
+"""Motion of a performer in live play: its clip track, or a clip that takes over at any frame.
 
 It is always one grounded motion, of which single frames are solved. A clip takes over from the last poses of the
-previous motion, so the new one begins where the body is: its feet stand where they stood.
+previous motion, so that it begins where the body is and standing feet stay in place.
 """
 
 from dataclasses import dataclass, replace
@@ -27,14 +26,14 @@ from studio.live.takeover import LAST_POSE_SECONDS, SPEED_FRAMES, take_over
 
 FloatArray = NDArray[np.float64]
 
-SOLVE_MARGIN = 0.5
-"""Seconds before and after the activation of a constraint in which it still changes how a body is solved."""
+SOLVE_MARGIN_SECONDS = 0.5
+"""Seconds before and after the activation of a constraint in which it still affects how the body is solved."""
 
 
 @dataclass(frozen=True, eq=False)
 class PlayingMotion:
-    """Grounded motion, its constraints with their ids, and the constraints of the previous motion that fade out
-    (``going``).
+    """Grounded motion of a performer with its constraints (id, constraint) in ``asked``, and the constraints ``going``
+    of the previous motion that fade out.
     """
 
     composite: Composite
@@ -42,10 +41,10 @@ class PlayingMotion:
     asked: tuple[tuple[str, Constraint], ...]
     going: tuple[Constraint, ...] = ()
     kept: frozenset[str] = frozenset()
-    """Ids of constraints that acted before the motion began and still do: they do not fade in."""
+    """Ids of constraints that were active before the motion began and still are: they do not fade in."""
 
     def frame_at(self, seconds: float) -> int:
-        """Frame that plays at ``seconds`` of the stage; the first one before the motion, the last one after it."""
+        """Frame that plays at the stage time ``seconds``, clamped to the motion."""
         return round(self.composite.timing.frame_at(seconds))
 
     def time_of(self, frame: int) -> float:
@@ -53,40 +52,43 @@ class PlayingMotion:
         return frame / self.composite.timing.frame_rate
 
     def active(self, frame: int) -> tuple[Constraint, ...]:
-        """Constraints that act in a frame or near it, in the order of their residuals; those that fade out are last.
+        """Constraints that are active in or near a frame, in the order of the solver's residuals; those that fade out
+        are last.
 
-        Limbs that are about to be constrained are no longer free to keep the balance.
+        Limbs that are about to be constrained are no longer used to keep the balance.
         """
         time = self.time_of(frame)
         every = (*(each for _, each in self.asked), *self.going)
         return tuple(
-            each for each in every if each.activation.start - SOLVE_MARGIN <= time <= each.activation.end + SOLVE_MARGIN
+            each
+            for each in every
+            if each.activation.start - SOLVE_MARGIN_SECONDS <= time <= each.activation.end + SOLVE_MARGIN_SECONDS
         )
 
     @cached_property
     def solvable(self) -> GroundedMotion:
-        """Grounded motion without arm collision, which needs many frames: constraints may bring arms into the own body.
+        """Grounded motion without arm collision, which needs many frames: constraints may move arms into the body.
 
-        Hands that touch each other, or the body, keep their contacts.
+        Hand-hand and hand-body contacts are kept.
         """
         contact = self.standing.self_contact
         return replace(self.standing, self_contact=contact and replace(contact, clearances=None))
 
 
 def row_motion(project: Project, key: str, prepare: Prepare) -> PlayingMotion:
-    """Motion of a performer's row, as the timeline has it. Raises StudioError if it cannot be played."""
+    """Motion of a performer's clip track, as on the timeline. Raises StudioError if it cannot be played."""
     composite = composite_of(project, key, lambda motion_id: motion_of(project, motion_id, prepare))
     return _playing(project, key, composite, prepare)
 
 
 def with_grounding_of(project: Project, key: str, playing: PlayingMotion, prepare: Prepare) -> PlayingMotion:
-    """The same motion grounded for the performer's body and ground in another ``project``."""
+    """``playing`` grounded for the performer's body and ground in another ``project``."""
     changed = _playing(project, key, playing.composite, prepare, playing.kept)
     return replace(changed, going=playing.going)
 
 
 def with_constraints_of(project: Project, key: str, playing: PlayingMotion) -> PlayingMotion:
-    """The same motion with the constraints of another ``project``."""
+    """``playing`` with the constraints of another ``project``."""
     return replace(playing, asked=_asked(project, key, playing.composite, playing.standing, playing.kept))
 
 
@@ -139,7 +141,7 @@ def _asked(
 
 
 def _last_seen(before: PlayingMotion, frame: int, start: float) -> NDArray[np.int64]:
-    """Frames (SPEED_FRAMES,) shown last before ``start``; the last one is repeated if it was held."""
+    """(SPEED_FRAMES,) frames displayed last before ``start``; the last one is repeated if it was held."""
     timing = before.composite.timing
     held = round((start - timing.end) * timing.frame_rate) - 1 if frame == timing.last else 0
     rows = np.arange(frame - SPEED_FRAMES + 1, frame + 1) + max(held, 0)
@@ -149,7 +151,7 @@ def _last_seen(before: PlayingMotion, frame: int, start: float) -> NDArray[np.in
 def _kept(
     before: PlayingMotion, frame: int, project: Project, key: str, playing: PlayingMotion, begins: float
 ) -> frozenset[str]:
-    """Ids of constraints that act in ``frame`` of ``before`` and at least as strongly in the first frame of
+    """Ids of constraints that are active in ``frame`` of ``before``, and at least as strongly in the first frame of
     ``playing``.
     """
     time = before.time_of(frame)
@@ -176,7 +178,7 @@ def _going(
 
 
 def _falling(curve: ActivationCurve, share: float, begins: float) -> ActivationCurve:
-    """Activation that falls from ``share`` at ``begins`` (s) to zero within ``COMING`` seconds."""
+    """Activation that falls from ``share`` at ``begins`` seconds to zero within ``COMING`` seconds."""
     progress = np.linspace(0.0, 1.0, 257)
     passed = float(np.interp(1.0 - share, ease(progress, curve.shape), progress)) * COMING
     end = begins - passed + COMING

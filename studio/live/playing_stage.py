@@ -31,21 +31,21 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import ConditionInput
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Performer, Project
-from studio.live.acting import StageView, StartedAct, condition_input, started_act
-from studio.live.keeping import distance_step
+from studio.live.distance_keeping import distance_step
+from studio.live.live_behaviour import StageView, StartedAct, condition_input, started_act
 from studio.live.playing import PlayingMotion, motion_after_takeover, row_motion, with_constraints_of, with_grounding_of
 from studio.live.recorded_take import StageTake, StartedClips
 
 Expected = dict[FollowPerformer, NDArray[np.float64]]
 
-SWEEPS, FIRST_SWEEPS = 4, 6
-"""Maximum iterations a step for performers who follow each other; more in their first step."""
-SOON = 1.0 / 60.0
-"""Seconds before the end of a clip, for each performer, in which the next clip may begin."""
-SETTLED = 0.1
-"""Seconds that a clip plays after its takeover before another one may take over."""
-BEGUN_A_STEP = 1
-"""Maximum number of clips begun in one step, of all performers together; the others begin in later steps."""
+MAX_SWEEPS, MAX_FIRST_SWEEPS = 4, 6
+"""Maximum number of iterations per step for performers that follow each other, and in their first step."""
+SOON_SECONDS = 1.0 / 60.0
+"""Seconds per performer before the end of a clip from which the next clip may begin."""
+SETTLED_SECONDS = 0.1
+"""Seconds that a clip must have played since its takeover before another one may take over."""
+MAX_CLIPS_PER_STEP = 1
+"""Maximum number of clips begun in one step by all performers together; the others begin in later steps."""
 
 
 @dataclass
@@ -67,9 +67,11 @@ class _Part:
 
 
 class LiveStage:
-    """Live playback: call ``step`` for each frame; ``project`` may be replaced before any step, ``start`` begins a
-    clip. ``results`` has one frame of each performer, in the space of its motion, ``failures`` the reasons why
-    others have none. A behaviour controls its performers; ``send`` and ``press`` pass events and keys to behaviours.
+    """Live play of a project: call ``step`` for each frame; ``project`` may be replaced before any step, ``start``
+    begins a clip.
+
+    ``results`` has one frame of each performer, in the space of its motion, and ``failures`` the reasons why others
+    have none. A behaviour controls its performers; ``send`` and ``press`` pass events and keys to behaviours.
     """
 
     def __init__(self, project: Project, prepare: Prepare, seconds: float = 0.0) -> None:
@@ -93,11 +95,11 @@ class LiveStage:
 
     @property
     def staged(self) -> Project:
-        """Project in which each performer's row is what it plays now; ``results`` refer to it."""
+        """Project in which each performer's track is what it currently plays; ``results`` refer to it."""
         return self._staged
 
     def playing_clip(self, key: str) -> Clip | None:
-        """Clip that a performer plays now; None before its first step."""
+        """Clip that a performer currently plays; None before its first step."""
         part = self._parts.get(key)
         return None if part is None else _clip_of(part)
 
@@ -205,7 +207,7 @@ class LiveStage:
             part.playing, part.row = with_constraints_of(given, key, part.playing), performer.all_clips
 
     def _is_lost(self, key: str) -> bool:
-        """True if the motion of the clip that a performer plays, or that clip in its row, was removed."""
+        """True if the motion or clip that a performer plays was removed from the project."""
         part, given = self._parts[key], self.project
         clip = _clip_of(part)
         return clip.motion_id not in given.motions or (
@@ -259,13 +261,13 @@ class LiveStage:
         """True if the motion of a performer is about to end; one step per performer is reserved to begin the next
         clips.
         """
-        return part.playing.composite.timing.end - self.seconds < min(self._step, SOON) * len(self._parts)
+        return part.playing.composite.timing.end - self.seconds < min(self._step, SOON_SECONDS) * len(self._parts)
 
     def _settled(self, part: _Part) -> bool:
-        """True if the last takeover has played for ``SETTLED`` seconds: clips that begin sooner each keep the velocity
-        that they find, and carry the body away.
+        """True if the last takeover has played for ``SETTLED_SECONDS`` seconds: clips that begin sooner each keep the
+        velocity that they find, and carry the body away.
         """
-        return part.act is None or self.seconds - part.act.clip.start > SETTLED
+        return part.act is None or self.seconds - part.act.clip.start > SETTLED_SECONDS
 
     def _next(self, key: str, part: _Part) -> StartedAct | None:
         """Act that follows without a request: the looped clip of a state, or the first clip of a row. None if the last
@@ -296,7 +298,7 @@ class LiveStage:
                 part.wish = self._next(key, part)
             if part.result is not None and part.wish is not None and self._settled(part):
                 waiting.append(key)
-        for key in waiting[:BEGUN_A_STEP]:
+        for key in waiting[:MAX_CLIPS_PER_STEP]:
             wish, self._parts[key].wish = self._parts[key].wish, None
             assert wish is not None
             self._begin(key, wish)
@@ -313,7 +315,7 @@ class LiveStage:
         self._note(key)
 
     def _note(self, key: str) -> None:
-        """Store what a performer has just begun, and add it to the recording."""
+        """Store the act that a performer has just begun, and add it to the recording."""
         part = self._parts[key]
         composite, act = part.playing.composite, part.act
         if act is None:
@@ -326,7 +328,9 @@ class LiveStage:
     # Where they are
 
     def _solved(self, circle: tuple[str, ...], solved: Mapping[str, AdaptedMotion]) -> dict[str, AdaptedMotion]:
-        """One frame of performers who follow each other, usually of a single one, solved after all whom they follow."""
+        """One frame of performers that follow each other, usually of a single one, solved after all that they
+        follow.
+        """
         awaited = {key: self._awaited(key) for key in circle}  # before the tracks of the last step are replaced
         players = {key: self._player(key, circle, solved, awaited[key]) for key in circle}
         unasked = dict(paths_of(players, {key: self._unasked(key) for key in circle})) if len(circle) > 1 else {}
@@ -334,7 +338,7 @@ class LiveStage:
             self._paths.pop(circle, None)
             return {key: self._frame(key, each.request) for key, each in players.items()}
         expected = self._expected(circle, unasked)
-        found = solve_cycle(players, self._frame, expected, SWEEPS if expected else FIRST_SWEEPS)
+        found = solve_cycle(players, self._frame, expected, MAX_SWEEPS if expected else MAX_FIRST_SWEEPS)
         self._paths[circle] = found.paths, unasked
         for key, request in found.requests.items():
             self._parts[key].tracks = request.tracks
@@ -350,7 +354,8 @@ class LiveStage:
         own = self._unasked(key) if holds else None
         followed = tracks_followed_by(self._staged, key, solved.get, circle, constraints, own)
         if followed is None:
-            raise StudioError(f"'{self._staged.performers[key].name}' follows a character that cannot be adapted.")
+            name = self._staged.performers[key].name
+            raise StudioError(f"'{name}' follows a character that cannot be adapted. Choose another target.")
         part.tracks = with_expected_positions(tracks_of(followed, playing.composite.at(frame)), expected)
         standing = playing.standing
         request = AdaptRequest(
@@ -424,7 +429,7 @@ def _clip_of(part: _Part) -> Clip:
 
 
 def _motion_frame(part: _Part) -> float:
-    """The frame of its motion that a performer plays."""
+    """Frame of its motion that a performer plays, as a fractional number."""
     composite = part.playing.composite
     return float(composite.piece_at(part.frame).motion_frames(np.array([part.frame]), composite.timing)[0])
 

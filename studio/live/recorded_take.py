@@ -1,4 +1,4 @@
-"""Take: live playback as clips with constraints that stay editable."""
+"""Recorded take of live play, turned into clips with constraints that stay editable."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -21,14 +21,14 @@ from studio.core.stage.project import Entity, Project
 from studio.core.stage.timing import Timing
 
 STILL_SECONDS = 0.1
-"""Seconds between two moves of a target after which it is taken to have stood still until the second one."""
-Edit = tuple[str, str, Entity]
-"""Collection, id and entity to store there."""
+"""Seconds between two moves of a target from which it counts as having stood still until the second one."""
+StoredEntity = tuple[str, str, Entity]
+"""Collection, id, and entity to be stored there."""
 
 
 @dataclass(frozen=True, eq=False)
 class StartedClips:
-    """Start of a performer's motion at ``since`` seconds: clips, their pieces in the motion, its timing and added
+    """Start of a performer's motion at ``since`` seconds: clips, their pieces in the motion, its timing, and added
     constraints.
     """
 
@@ -38,7 +38,7 @@ class StartedClips:
     timing: Timing
     asked: tuple[Constraint, ...] = ()
     own: bool = False
-    """True if the clips are the performer's own row."""
+    """True if the clips are the performer's own track."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ def edits_of(
     motion_of: Callable[[str], NormalizedMotion],
     names: Iterator[str],
     begin: float | None = None,
-) -> list[Edit]:
+) -> list[StoredEntity]:
     """Edits that make ``project`` play the take: rows of clips and their constraints; ``names`` supplies new ids.
 
     It plays from ``begin`` seconds of the stage on, or at its recorded time. Raises StudioError if a motion cannot be
@@ -77,7 +77,7 @@ def edits_of(
     """
     later = 0.0 if begin is None else begin - take.begin
     recorded = [each for key in project.performers for each in _row(take, key, project, motion_of, names, later != 0.0)]
-    edits: list[Edit] = []
+    edits: list[StoredEntity] = []
     for key, performer in project.performers.items():
         row = tuple(replace(each.clip, start=each.clip.start + later) for each in recorded if each.performer_id == key)
         if row:
@@ -145,7 +145,7 @@ def _about(placement: PlanarTransform, motion: NormalizedMotion, first: int, is_
     return PlanarTransform(placement.turn, (x, y))
 
 
-def _contacts(recorded: Sequence[RecordedClip], project: Project, names: Iterator[str]) -> list[Edit]:
+def _contacts(recorded: Sequence[RecordedClip], project: Project, names: Iterator[str]) -> list[StoredEntity]:
     """Edits that copy the contacts of each source clip to the clips recorded of it."""
     return [
         ("contacts", next(names), replace(contact, scope=Scope(clip_id=each.clip.id)))
@@ -157,11 +157,11 @@ def _contacts(recorded: Sequence[RecordedClip], project: Project, names: Iterato
 
 def _constraints(
     take: StageTake, recorded: Sequence[RecordedClip], project: Project, names: Iterator[str]
-) -> list[Edit]:
+) -> list[StoredEntity]:
     """Edits of the constraints: those scoped to source clips are copied, those of behaviours added, moved targets
     keyed.
     """
-    edits: list[Edit] = []
+    edits: list[StoredEntity] = []
     moved = _moved(take, project)
     for key, constraint in project.constraints.items():
         concerned = [each for each in recorded if _concerns(constraint, each)]
@@ -188,15 +188,15 @@ def _concerns(constraint: Constraint, each: RecordedClip) -> bool:
     return constraint.motion_id == each.clip.motion_id and constraint.scope.includes(each.performer_id, each.source.id)
 
 
-Path = list[tuple[float, Vector]]
-"""Seconds of the stage, and the position of a target from then on."""
+TargetPath = list[tuple[float, Vector]]
+"""Stage time in seconds, and position of a target from then on, of each move."""
 
 
-def _moved(take: StageTake, project: Project) -> dict[str, Path]:
+def _moved(take: StageTake, project: Project) -> dict[str, TargetPath]:
     """Paths of the targets that were moved during the recording, by the ids of their constraints."""
-    paths: dict[str, Path] = {}
+    paths: dict[str, TargetPath] = {}
     for key in project.constraints:
-        path: Path = []
+        path: TargetPath = []
         for seconds, given in take.project_with:
             target = _place(given.constraints.get(key))
             if target is not None and (not path or path[-1][1] != target):
@@ -213,7 +213,7 @@ def _place(constraint: Constraint | None) -> Vector | None:
     return target if isinstance(target, tuple) else None
 
 
-def _keyed(constraint: Constraint, path: Path, clip: Clip, project: Project) -> Constraint:
+def _keyed(constraint: Constraint, path: TargetPath, clip: Clip, project: Project) -> Constraint:
     """Constraint with its target keyed along ``path``, in seconds of the motion of ``clip``."""
     rate = project.frame_rate_of(clip)
     times: list[float] = []

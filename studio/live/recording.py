@@ -11,12 +11,12 @@ from pathlib import Path
 from studio.core.errors import StudioError
 from studio.io.referenced_files import read_bytes
 from studio.live.osc import LARGEST_PACKET
-from studio.live.tracker import MOST_A_SLICE, SLICE, Inbox
+from studio.live.tracker import MAX_PACKETS_PER_SLICE, SLICE_SECONDS, Inbox
 
 MAX_DATAGRAM_SECONDS = 1e6
-"""Latest arrival time of a datagram, in seconds after the beginning of its recording."""
-LONGEST_PAUSE, LEAST_PAUSE = 5.0, 0.02
-"""Longest silence of a replay in seconds, and its pause between the end and the next beginning."""
+"""Maximum arrival time of a datagram in seconds after the start of its recording."""
+MAX_PAUSE_SECONDS, LOOP_PAUSE_SECONDS = 5.0, 0.02
+"""Maximum silence of a replay in seconds, and pause between its end and the next start."""
 _RECORD = struct.Struct("<dI")
 _MAGIC = b"MSOSC1\0\0"
 
@@ -32,7 +32,7 @@ class PacketRecording:
 
     packets: tuple[tuple[float, bytes], ...]
     problem: str = ""
-    """Sentence that says from which byte on the file is damaged or cut off; empty if all of it is whole."""
+    """Sentence that tells from which byte on the file is damaged or cut off; empty if it is complete."""
 
     def __iter__(self) -> Iterator[tuple[float, bytes]]:
         return iter(self.packets)
@@ -61,7 +61,7 @@ class Recorder:
     """Writer of datagrams as they arrive, from any thread, until it is closed. Raises StudioError if the file cannot be
     written.
 
-    A full disk ends the recording after the last complete datagram, and ``problem`` says so.
+    If the disk is full, the recording ends after the last complete datagram, and ``problem`` tells so.
     """
 
     def __init__(self, path: Path) -> None:
@@ -89,7 +89,7 @@ class Recorder:
             self.count += 1
 
     def close(self) -> None:
-        """Close the file. All datagrams are then written, or ``problem`` says why not."""
+        """Close the file; either all datagrams are written, or ``problem`` tells why not."""
         with self._lock:
             self._close()
 
@@ -143,15 +143,15 @@ class Replay:
         while not self._stopped.is_set():
             before, until, fed = 0.0, 0.0, 0
             for seconds, packet in self._packets:
-                if self._stopped.wait(min(max(seconds - before, 0.0), LONGEST_PAUSE)):
+                if self._stopped.wait(min(max(seconds - before, 0.0), MAX_PAUSE_SECONDS)):
                     return
                 now, before = time.monotonic(), max(before, seconds)
                 if now >= until:
-                    until, fed = now + SLICE, 0
-                elif fed >= MOST_A_SLICE:
+                    until, fed = now + SLICE_SECONDS, 0
+                elif fed >= MAX_PACKETS_PER_SLICE:
                     if self._stopped.wait(until - now):
                         return
-                    until, fed = until + SLICE, 0
+                    until, fed = until + SLICE_SECONDS, 0
                 fed += 1
                 self.inbox.receive(packet)
-            self._stopped.wait(LEAST_PAUSE)
+            self._stopped.wait(LOOP_PAUSE_SECONDS)

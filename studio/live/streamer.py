@@ -1,4 +1,4 @@
-"""VMC output of performers: bundles of at most 1,500 bytes, with each bone once in a frame."""
+"""VMC output of performers, in bundles of at most 1,500 bytes, with each bone once per frame."""
 
 import socket
 import threading
@@ -27,7 +27,9 @@ def packets_of(
     seconds: float,
     fingers: FingerPoses | None = None,
 ) -> list[bytes]:
-    """Datagrams of one frame of a body: positions (K+23, 3), rotations (K+18, 3, 3), ``fingers`` of that frame."""
+    """Datagrams of one frame of a body: positions (K+23, 3) in metres, rotations (K+18, 3, 3), and ``fingers`` of that
+    frame.
+    """
     root = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
     messages = [
         encode_message(vmc.OK_ADDRESS, [1]),
@@ -42,21 +44,21 @@ def packets_of(
 
 @dataclass(frozen=True, eq=False)
 class StreamedPose:
-    """Pose of a body as displayed, to be sent to ``port``: positions (K+23, 3) and rotations (K+18, 3, 3)."""
+    """Pose of a body to be sent to ``port``: positions (K+23, 3) in metres and rotations (K+18, 3, 3)."""
 
     port: int
     positions: FloatArray
     rotations: FloatArray
     body: Morphology
     fingers: FingerPoses | None = None
-    """Fingers in one frame; None leaves those of the receiver alone."""
+    """Finger poses of one frame; None leaves the receiver's fingers unchanged."""
 
 
 class Broadcast:
-    """Sender of the bodies displayed last, in a thread of its own: ``show`` never waits, and late frames are dropped.
+    """Sender of the bodies displayed last, in its own thread: ``show`` never waits, and late frames are dropped.
 
-    ``problem`` is a sentence that says why nothing arrives; empty while all goes well. ``close`` does not wait either:
-    finding the host ``address`` may take seconds.
+    ``problem`` is a sentence that tells why nothing can be sent; empty otherwise. ``close`` does not wait either, since
+    resolving the host ``address`` may take seconds.
     """
 
     def __init__(self, address: str = LOOPBACK) -> None:

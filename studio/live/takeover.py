@@ -1,6 +1,6 @@
-"""Takeover: a motion that begins at any frame of a grounded one, without warning, placed where the body is.
+"""Takeover: a motion that begins at any frame of a grounded one, placed where the body is.
 
-It follows the last poses shown, so the feet stay where they stand. It is grounded by itself and then inertialised from
+It follows the last displayed poses, so standing feet stay in place. It is grounded by itself and then inertialised from
 the current pose (``solver.standing.inertialisation``).
 """
 
@@ -23,19 +23,19 @@ from studio.core.solver.standing.stand import GroundedMotion, stand
 LAST_POSE_SECONDS = 2.0
 """Seconds for which the last pose is held before the takeover, so that standing feet keep their contacts."""
 SPEED_FRAMES = 3
-"""Number of frames shown last from which velocities are computed."""
-SHOWN = (-1, 0)
-"""Origin of a piece of the latest frames, which is no clip's."""
+"""Number of last displayed frames from which velocities are computed."""
+SHOWN_ORIGIN = (-1, 0)
+"""Origin of the piece made of the last displayed frames, which belongs to no clip."""
 ACCELERATION_SECONDS = 1.0
 """Seconds of the previous motion from which the accelerations of its joints are computed."""
 
 
 @dataclass(frozen=True, eq=False)
 class Takeover:
-    """Motion ``composite`` in which the new pieces play from frame ``first`` on, grounded as ``standing`` without
-    inertialisation.
+    """Motion ``composite`` in which the new pieces play from frame ``first`` on, grounded as ``standing`` but not
+    inertialised.
 
-    The difference at the takeover decays in ``seconds``; 0 chooses the time that it needs.
+    The difference at the takeover decays in ``seconds``; 0 chooses the time automatically.
     """
 
     composite: Composite
@@ -44,7 +44,7 @@ class Takeover:
     seconds: float
 
     def inertialised(self, before: GroundedMotion, rows: NDArray[np.int64]) -> GroundedMotion:
-        """Grounded motion inertialised from the frames ``rows`` of ``before``, the last ones shown."""
+        """Grounded motion inertialised from the frames ``rows`` of ``before``, the last displayed ones."""
         return inertialised_from(self.standing, self.first, Stance.of(before, rows), self.seconds)
 
 
@@ -54,7 +54,9 @@ def take_over(
     pieces: Sequence[MotionPiece],
     stood: Callable[[Composite], GroundedMotion],
 ) -> Takeover:
-    """Takeover by ``pieces`` after the frames ``rows`` (SPEED_FRAMES,) of ``before``; ``stood`` grounds a composite."""
+    """Takeover by ``pieces`` after the frames ``rows`` (SPEED_FRAMES,) of ``before``; ``stood`` is a function that
+    grounds a composite.
+    """
     begins, ease = pieces[0].start, pieces[0].ease
     shown = _shown(before, rows, begins)
     composite = pieces_after(shown, pieces)
@@ -65,10 +67,10 @@ def take_over(
 
 
 def _shown(before: GroundedMotion, rows: NDArray[np.int64], start: float) -> MotionPiece:
-    """Last frames shown, on level ground, as a piece that ends where ``start`` begins.
+    """Last displayed frames, on level ground, as a piece that ends where ``start`` begins.
 
-    The last pose is held before them, so that a standing foot is found where it stands, whatever the next piece does
-    with it.
+    The last pose is held before them, so that a standing foot is detected there, whatever the next piece does with
+    it.
     """
     standing, rate = before, before.motion.frame_rate
     if not standing.ground.is_level:
@@ -90,7 +92,7 @@ def _shown(before: GroundedMotion, rows: NDArray[np.int64], start: float) -> Mot
     motion = replace(seen, channels=held)
     last = len(held) - 1
     stands = tuple(replace(each, first=0, last=last) for each in standing.contacts if each.first <= frame <= each.last)
-    return MotionPiece(motion, stands, 0, last, start - len(held) / rate, origin=SHOWN)
+    return MotionPiece(motion, stands, 0, last, start - len(held) / rate, origin=SHOWN_ORIGIN)
 
 
 def _played(before: GroundedMotion, frame: int) -> NormalizedMotion:

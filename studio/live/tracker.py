@@ -1,7 +1,7 @@
-"""Network input: bones and trackers received by OSC and VMC, the newest value of each.
+"""Network input by OSC and VMC: the newest value of each bone and tracker.
 
-It is off until it is switched on; it binds loopback unless told otherwise, and takes packets of listed senders only.
-Packets that are not OSC, invalid numbers and excess values are counted, not reported one by one. No path or address in
+It is off until it is switched on, binds loopback unless another address is given, and accepts packets only from listed
+senders. Invalid packets, invalid numbers and excess values are counted, not reported one by one. No path or address in
 a packet is followed.
 """
 
@@ -23,21 +23,23 @@ from studio.live.osc import LARGEST_PACKET, Argument, BadPacket, Message, decode
 FloatArray = NDArray[np.float64]
 
 PORT, LOOPBACK = 39_539, "127.0.0.1"
-TRACKED_RANGE = 100.0
+TRACKED_RANGE_METRES = 100.0
 """Metres to which the coordinates of received positions are clamped, in both directions."""
-MOST_NAMES = 256
+MAX_NAMES = 256
 """Maximum number of bones, and of trackers: more names are refused, which limits the memory used."""
-MOST_SENDERS = 16
-"""Number of senders, listed ones included, beyond which unknown senders are not remembered."""
-MOST_A_SLICE, SLICE = 250, 0.05
-"""Maximum number of packets taken in a slice of time, and its length in seconds: the system drops the others, so that
-decoding never makes the window wait.
+MAX_SENDERS = 16
+"""Number of senders, including listed ones, beyond which unknown senders are not remembered."""
+MAX_PACKETS_PER_SLICE, SLICE_SECONDS = 250, 0.05
+"""Maximum number of packets taken per slice of time, and length of a slice in seconds; further packets are dropped, so
+that decoding never blocks the window.
 """
 
 
 @dataclass
 class Counts:
-    """Packets taken, ``malformed`` ones, and those of ``unknown_senders`` that are off; and values refused."""
+    """Numbers of accepted and malformed packets, of packets from senders that are switched off, and of refused
+    values.
+    """
 
     accepted: int = 0
     malformed: int = 0
@@ -47,7 +49,7 @@ class Counts:
 
 @dataclass
 class Inbox:
-    """Newest value of every bone and tracker; any thread may feed it and read it."""
+    """Newest value of every bone and tracker; any thread may write and read it."""
 
     counts: Counts = field(default_factory=Counts)
     _bones: dict[str, vmc.Bone] = field(default_factory=dict)
@@ -55,7 +57,7 @@ class Inbox:
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
     def receive(self, packet: bytes) -> None:
-        """Decode one datagram, whatever it contains, and store its values."""
+        """Decode one datagram, valid or not, and store its values."""
         try:
             messages = decode(packet)
         except BadPacket:
@@ -72,8 +74,8 @@ class Inbox:
             return dict(self._bones)
 
     def position_of(self, names: Sequence[str]) -> FloatArray | None:
-        """Mean position (3,) of the trackers of these ``names`` in the world, or the position of the one bone named;
-        None while one is missing.
+        """Mean world position (3,) in metres of the trackers with these ``names``, or the position of a single named
+        bone; None while one is missing.
         """
         with self._lock:
             found = [self._trackers.get(name) for name in names]
@@ -91,14 +93,14 @@ class Inbox:
         if into is None:
             return
         name, bone = _named_bone(message.arguments)
-        if bone is None or (name not in into and len(into) >= MOST_NAMES):
+        if bone is None or (name not in into and len(into) >= MAX_NAMES):
             self.counts.refused_values += 1
         else:
             into[name] = bone
 
 
 def bone_position(bones: dict[str, vmc.Bone], name: str) -> FloatArray | None:
-    """World position (3,) of a bone; None if the body is incomplete or has no such bone."""
+    """World position (3,) in metres of a bone; None if the body is incomplete or has no such bone."""
     found = vmc.posed_body(bones)
     if found is None:
         return None
@@ -114,13 +116,15 @@ def _named_bone(arguments: tuple[Argument, ...]) -> tuple[str, vmc.Bone | None]:
     turn = math.hypot(*numbers[3:])
     if len(numbers) < 7 or not all(math.isfinite(each) for each in numbers) or not 1e-6 < turn < 1e6:
         return arguments[0], None
-    place = [min(max(each, -TRACKED_RANGE), TRACKED_RANGE) for each in numbers[:3]]
+    place = [min(max(each, -TRACKED_RANGE_METRES), TRACKED_RANGE_METRES) for each in numbers[:3]]
     return arguments[0], vmc.from_unity(place, [each / turn for each in numbers[3:]])
 
 
 @dataclass
 class Sender:
-    """State of a sender: ``on`` if it is listened to, number of packets, and time of the last one (``monotonic``)."""
+    """State of a sender: ``on`` if its packets are accepted, number of packets, and clock time ``heard`` of the last
+    one.
+    """
 
     on: bool
     packets: int = 0
@@ -155,7 +159,7 @@ class UdpInput:
 
     @property
     def port(self) -> int:
-        """Port that it listens on; the one assigned by the system if port 0 was requested."""
+        """Port that is listened on; the one assigned by the system if port 0 was requested."""
         return int(self._socket.getsockname()[1])
 
     def close(self) -> None:
@@ -171,8 +175,8 @@ class UdpInput:
                 continue
             now = time.monotonic()
             if now >= until:
-                until, taken = now + SLICE, 0
-            elif taken >= MOST_A_SLICE:
+                until, taken = now + SLICE_SECONDS, 0
+            elif taken >= MAX_PACKETS_PER_SLICE:
                 self._stopped.wait(until - now)
                 continue
             taken += 1
@@ -181,7 +185,7 @@ class UdpInput:
 
     def _take(self, packet: bytes, address: str, now: float) -> None:
         sender = self.senders.get(address)
-        if sender is None and len(self.senders) < MOST_SENDERS:
+        if sender is None and len(self.senders) < MAX_SENDERS:
             sender = self.senders[address] = Sender(False)
         if sender is not None:
             sender.packets, sender.heard = sender.packets + 1, now

@@ -32,15 +32,15 @@ VMC_SPINE_BONES = ("Spine", "Chest", "UpperChest")
 VMC_ARM_BONES, VMC_LEG_BONES = ("Shoulder", "UpperArm", "LowerArm", "Hand"), ("UpperLeg", "LowerLeg", "Foot", "Toes")
 VMC_FINGER_BONES = "Proximal", "Intermediate", "Distal"
 FINGER_ROOTS = np.array([[0.2, 0.2, 0.0], [0.15, 0.55, 0.0], [0.05, 0.55, 0.0], [-0.05, 0.55, 0.0], [-0.15, 0.5, 0.0]])
-"""(5, 3) places of the first joints of the fingers in lengths of the hand, forwards and outwards in a T-pose."""
-PHALANX = 0.16
-"""Length of a bone of a finger in lengths of the hand."""
-TOES_ABOVE = 0.037
-"""Height of the toe joint above the sole in leg lengths, which no packet contains."""
-SHORTEST_VMC_BONE = 1e-3
+"""(5, 3) positions of the first finger joints in hand lengths: forward, outward and up in a T-pose."""
+FINGER_BONE_LENGTH = 0.16
+"""Length of a finger bone in hand lengths."""
+TOE_HEIGHT_LEGS = 0.037
+"""Height of the toe joint above the sole in leg lengths; packets do not contain it."""
+MIN_VMC_BONE_METRES = 1e-3
 """Minimum length of a received bone in metres; a shorter one has no direction, and a default is used."""
 MODEL_FORWARD = np.array([1.0, 0.0, 0.0])
-NEEDED = (
+NEEDED_BONES = (
     "Hips",
     "Spine",
     "Head",
@@ -51,7 +51,7 @@ NEEDED = (
 
 @dataclass(frozen=True, eq=False)
 class Bone:
-    """Bone as sent: its position in its parent (m) and its rotation (x, y, z, w), in our axes."""
+    """Bone as sent: its position relative to the parent in metres, and its rotation (x, y, z, w), in our axes."""
 
     position: FloatArray
     rotation: FloatArray
@@ -125,7 +125,11 @@ def finger_bones(poses: FingerPoses, body: Morphology) -> dict[str, Bone]:
     for cell in np.ndindex(turns.shape[:3]):
         side, digit, place = cell
         size = float(np.linalg.norm(body.hand[side])) * (1.0 - 2.0 * side)
-        away = FINGER_ROOTS[digit] * [abs(size), size, 0.0] if place == 0 else np.array([0.0, PHALANX * size, 0.0])
+        away = (
+            FINGER_ROOTS[digit] * [abs(size), size, 0.0]
+            if place == 0
+            else np.array([0.0, FINGER_BONE_LENGTH * size, 0.0])
+        )
         bones[finger_bone(FingerJoint(side, tuple(Digit)[digit], place))] = Bone(away, turns[cell])
     return bones
 
@@ -152,11 +156,11 @@ def posed_body(bones: dict[str, Bone]) -> tuple[FloatArray, FloatArray, Morpholo
     """Positions (K+23, 3), rotations (K+18, 3, 3) and body of received bones; None if a needed bone is missing or the
     trunk has no length.
     """
-    if any(name not in bones for name in NEEDED):
+    if any(name not in bones for name in NEEDED_BONES):
         return None
     if (
         sum(float(np.linalg.norm(bones[name].position)) for name in VMC_SPINE_BONES if name in bones)
-        < SHORTEST_VMC_BONE
+        < MIN_VMC_BONE_METRES
     ):
         return None
     # Of all offsets from parents only the hips' changes while somebody moves; else the body comes from the cache.
@@ -181,7 +185,7 @@ def _body(known: tuple[tuple[str, float, float, float], ...]) -> Morphology:
         return bones.get(name, np.array(usual))
 
     def length(name: str) -> float:
-        return max(float(np.linalg.norm(bones[name])), SHORTEST_VMC_BONE)
+        return max(float(np.linalg.norm(bones[name])), MIN_VMC_BONE_METRES)
 
     spine = [name for name in VMC_SPINE_BONES if name in bones]
     neck = place("Neck", (0.0, 0.0, 0.25))
@@ -192,24 +196,26 @@ def _body(known: tuple[tuple[str, float, float, float], ...]) -> Morphology:
     shoulders = [place(f"{side}Shoulder", (0.0, 0.03 * (1 - 2 * k), 0.2)) for k, side in enumerate(sides)]
     outward = np.array([bones[f"{side}UpperArm"] for side in sides])
     clavicle = np.linalg.norm(outward, axis=1)
-    outward[clavicle < SHORTEST_VMC_BONE] = np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])[clavicle < SHORTEST_VMC_BONE]
+    outward[clavicle < MIN_VMC_BONE_METRES] = np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])[
+        clavicle < MIN_VMC_BONE_METRES
+    ]
     head = bones["Head"]
     foot = np.array([place(f"{side}Toes", (0.16 * size, 0.0, -0.05 * size)) for side in sides])
     return Morphology(
         spine=np.array([*(bones[name] for name in spine), neck]),
-        neck=max(float(np.linalg.norm(head)), SHORTEST_VMC_BONE),
+        neck=max(float(np.linalg.norm(head)), MIN_VMC_BONE_METRES),
         head=0.22 * size,
         collar_base=np.array(shoulders) - neck,
-        clavicle=np.maximum(clavicle, SHORTEST_VMC_BONE),
+        clavicle=np.maximum(clavicle, MIN_VMC_BONE_METRES),
         arm=arm,
         hand=np.stack([[0.0, 0.0, 0.7 * forearm] for forearm in arm[:, 1]]),
         hip_offset=np.array([bones[f"{side}UpperLeg"] for side in sides]),
         leg=leg,
         foot=foot,
         toe=np.tile([0.08 * size, 0.0, 0.0], (2, 1)),
-        ankle_height=np.maximum(-foot[:, 2], 0.0) + TOES_ABOVE * size,
-        toe_height=np.full(2, TOES_ABOVE * size),
+        ankle_height=np.maximum(-foot[:, 2], 0.0) + TOE_HEIGHT_LEGS * size,
+        toe_height=np.full(2, TOE_HEIGHT_LEGS * size),
         heel_length=np.full(2, 0.077 * size),
-        neck_rest=head if np.linalg.norm(head) > SHORTEST_VMC_BONE else np.array([0.0, 0.0, 1.0]),
+        neck_rest=head if np.linalg.norm(head) > MIN_VMC_BONE_METRES else np.array([0.0, 0.0, 1.0]),
         clavicle_rest=outward,
     )

@@ -1,1 +1,1 @@
-"""Docks around the viewport, one file for each."""
+"""Panels around the 3D view, one module each."""

@@ -1,4 +1,4 @@
-"""Form section of a body map: click a part, then its joint; presets by naming, and body maps as JSON files."""
+"""Form section of the body map (characterization): the joint of each body part, presets, and JSON files."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ _CLICKED = frozenset(SEGMENT_SHAPES) - {BodyPart.ABDOMEN}
 
 @dataclass(frozen=True, eq=False)
 class MappedBody:
-    """Joints of a capture or a character at rest, ``positions`` (J, 3) with Z up, and the part of each."""
+    """Joints of a capture or character in its rest pose, ``positions`` (J, 3) in metres with Z up, and its body map."""
 
     name: str
     skeleton: Skeleton
@@ -41,7 +41,7 @@ class MappedBody:
 
     @property
     def joints(self) -> dict[str, str]:
-        """Joints by part, as in a JSON file."""
+        """Joint name by body part, as stored in JSON files."""
         return self.body_map.to_json(self.skeleton)
 
 
@@ -65,15 +65,15 @@ def body_of_character(character: Character) -> MappedBody | None:
 
 
 class PartFigure(BodyFigure):
-    """Figure of the parts of a body; the one whose joint is being chosen is bright."""
+    """Figure of the body parts; the part whose joint is being chosen is highlighted."""
 
     def tip(self, part: BodyPart | None) -> str:
-        """Name of the part under the mouse."""
+        """Tooltip for the part under the mouse."""
         return "Click a part, then its joint." if part is None else f"{part.label}. Click, then click its joint."
 
 
 class BodyMapSection(Section):
-    """Form section of the body map, folded at first, since most maps are right."""
+    """Form section of the body map, collapsed at first, since most detected maps are right."""
 
     def __init__(
         self,
@@ -81,7 +81,7 @@ class BodyMapSection(Section):
         find: Callable[[], MappedBody | None],
         put: Callable[[Mapping[str, str], str], None],
     ) -> None:
-        super().__init__("Body map")
+        super().__init__("Body map (characterization)")
         self._editor, self._find, self._put = editor, find, put
         self._choices: dict[str, Choice] = {}
         self._part = BodyPart.PELVIS
@@ -89,7 +89,7 @@ class BodyMapSection(Section):
         self.head.addWidget(self._fold)
 
     def refresh(self) -> None:
-        """Update the joints of all visible parts."""
+        """Update the joint of every part."""
         body = self._find()
         self.setVisible(body is not None)
         if body is None or not self._choices:
@@ -150,7 +150,7 @@ class BodyMapSection(Section):
         self._apply(names, f"Map chest of {body.name} to {joint}")
 
     def _map(self, part: str, words: str, joint: str) -> None:
-        """Assign a joint to a part; the joint's former part gets the one that becomes free."""
+        """Assign a joint to a part; another part that had this joint gets the part's former one."""
         body = self._find()
         if body is not None:
             joints = body.joints
@@ -190,7 +190,7 @@ class BodyMapSection(Section):
         dialog.open()
 
     def load_from(self, path: Path) -> None:
-        """Apply the body map in a file; errors in it are reported as a message."""
+        """Apply the body map in a JSON file; errors are reported as messages."""
         body = self._find()
         try:
             names = read_body_map(path)
@@ -201,7 +201,7 @@ class BodyMapSection(Section):
             self._apply(names, f"Load body map of {body.name}")
 
     def save_to(self, path: Path) -> None:
-        """Write the body map to a file; a failure is reported as a message."""
+        """Write the body map to a JSON file; errors are reported as messages."""
         body = self._find()
         try:
             if body is not None:
@@ -211,7 +211,7 @@ class BodyMapSection(Section):
 
 
 def capture_section(editor: Editor[Capture]) -> BodyMapSection:
-    """Section for the capture of ``editor``."""
+    """Section for the body map of the capture shown in ``editor``."""
 
     def put(names: Mapping[str, str], text: str) -> None:
         editor.replace_entity(lambda: editor.entity.with_body_map(names), text)
@@ -222,10 +222,10 @@ def capture_section(editor: Editor[Capture]) -> BodyMapSection:
 def character_section(
     editor: Editor[object], character_id: Callable[[], str], remap: Callable[[str, Mapping[str, str], str], None]
 ) -> BodyMapSection:
-    """Section for the character of ``editor``, alone or as that of a performer.
+    """Section for the body map of a character, shown in the form of the character or of a performer.
 
-    ``remap`` is called with the character's id, the joint of each part and the text of the undo step, because measuring
-    and binding a body takes too long for the window's thread.
+    ``remap`` is called with the character's id, the joint of each part and the text of the undo step; it measures and
+    binds the character in the background.
     """
 
     def put(names: Mapping[str, str], text: str) -> None:

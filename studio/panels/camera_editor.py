@@ -1,4 +1,4 @@
-"""Form of a saved camera: its name, the key that recalls it, and its placement."""
+"""Form of a saved camera: its name, its shortcut, and its placement."""
 
 import math
 
@@ -15,7 +15,7 @@ NO_SLOT = "none"
 
 
 class CameraEditor(Editor[SavedCamera]):
-    """Name, key and placement of a saved camera."""
+    """Form of a saved camera."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)

@@ -1,4 +1,4 @@
-"""Form of a capture with its import report: values of the file, guesses with their reasons, repairs."""
+"""Form of a capture with its import report: facts of the file, guesses with their reasons, and repairs."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -27,17 +27,19 @@ UP_AXIS_CHOICES = tuple((axis, f"{axis} up") for axis in ("X", "Y", "Z", "-X", "
 
 
 class CaptureEditor(Editor[Capture]):
-    """Facts, guesses that can be overruled, repairs. Another unit or axis reads the file again."""
+    """Form of a capture: facts of the file, import settings and report. Changing unit or up axis reads the file
+    again.
+    """
 
     reimport_requested = Signal(str, object)
-    """Capture id, {option: value}."""
+    """Emitted with the capture's id and {option: value} to import with other settings."""
     markers_requested = Signal(str)
-    """Capture id."""
+    """Emitted with the capture's id to open its markers."""
     character_requested = Signal(str)
-    """Capture id: its actor is to become a character."""
+    """Emitted with the capture's id to create a character from its actor."""
 
     steps_requested = Signal(str)
-    """Capture id: the steps on which it was recorded are to be the ground."""
+    """Emitted with the capture's id to make the steps that were detected the ground."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -59,7 +61,7 @@ class CaptureEditor(Editor[Capture]):
         open_markers.setAccessibleName("Open markers")
         self._marker_section = Section("Markers")
         self._marker_section.head.addWidget(open_markers)
-        self._marker_section.add_row("Map", self._markers)
+        self._marker_section.add_row("Marker map", self._markers)
         self.column.addWidget(self._marker_section)
         self._report: QWidget | None = None
         self._body_map = capture_section(self)
@@ -90,7 +92,7 @@ class CaptureEditor(Editor[Capture]):
         for label, field in (
             ("Unit", self._unit),
             ("Up axis", self._axis),
-            ("Reference", self._reference),
+            ("Reference pose", self._reference),
             ("Frame rate", self._rate),
             ("Floor", self._floor),
             ("First frame", self._first),
@@ -99,7 +101,7 @@ class CaptureEditor(Editor[Capture]):
         self.column.addWidget(section)
 
     def refresh(self) -> None:
-        """Update facts, guesses and repairs."""
+        """Update facts, settings and report."""
         capture: Capture | None = self.entity
         if capture is None:
             return
@@ -128,7 +130,7 @@ class CaptureEditor(Editor[Capture]):
 
     @property
     def _motions(self) -> dict[str, Motion]:
-        """Motions of the capture, by id: their tags are its tags."""
+        """Motions of the capture by id; their tags are shown as those of the capture."""
         motions = self.document.shown_project.motions.items()
         return {key: motion for key, motion in motions if motion.capture_id == self.entity_id}
 
@@ -139,7 +141,7 @@ class CaptureEditor(Editor[Capture]):
                 self.document.replace("motions", key, replace(motion, tags=tags), text)
 
     def depends_on(self, collection: str, entity_id: str) -> bool:
-        """Its tags are those of its motions."""
+        """True for the capture itself, and for motions, whose tags the form shows."""
         return collection == "motions" or super().depends_on(collection, entity_id)
 
     def _show_report(self, capture: Capture) -> None:
@@ -152,7 +154,7 @@ class CaptureEditor(Editor[Capture]):
         self._report = report
 
     def _make_report(self, capture: Capture) -> QWidget:
-        """Guesses with their reasons and choices, then the repairs, then warnings."""
+        """Section with the guesses and their reasons, repairs, and warnings."""
         section = Section(f"Assumptions · {len(capture.guesses)}")
         for guess in capture.guesses:
             section.add_wide(_guess_lines(guess))

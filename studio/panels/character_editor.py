@@ -1,4 +1,4 @@
-"""Form of a character's body: sliders for stature and every part, presets, reset to the build."""
+"""Form of a character: sliders for stature and proportions, presets, skinning and finger curl."""
 
 from collections.abc import Callable
 from dataclasses import fields, replace
@@ -21,11 +21,11 @@ from studio.panels.fields import Choice, Section, TagField, press_button, styled
 from studio.panels.growth_row import GrowthRow
 from studio.panels.sliders import ValueSlider
 
-LEAST_PROPORTION, MOST_PROPORTION = 0.5, 1.6
-BUILD = Proportions()
-BLENDINGS = ((Blending.LINEAR, "Classic linear"), (Blending.DUAL_QUATERNIONS, "Dual quaternions"))
-PRESETS: dict[str, Proportions] = {
-    "Original": BUILD,
+MIN_PROPORTION, MAX_PROPORTION = 0.5, 1.6
+ORIGINAL_PROPORTIONS = Proportions()
+SKINNING_CHOICES = ((Blending.LINEAR, "Classic linear"), (Blending.DUAL_QUATERNIONS, "Dual quaternions"))
+PROPORTION_PRESETS: dict[str, Proportions] = {
+    "Original": ORIGINAL_PROPORTIONS,
     "Child": Proportions(stature=0.68, head=1.35, thighs=0.92, shanks=0.92, hands=0.95, shoulders=0.9),
     "Stocky": Proportions(stature=0.96, trunk=1.06, shoulders=1.18, hips=1.16, thighs=0.92, shanks=0.92),
     "Tall": Proportions(stature=1.14, thighs=1.05, shanks=1.05, head=0.94),
@@ -35,7 +35,7 @@ SLIDER_NAMES = {"trunk": "Torso", "shanks": "Lower legs"}
 
 
 def measure_of(name: str, body: Morphology) -> float:
-    """Length in metres that is scaled by a proportion's slider."""
+    """Length in metres on a body that the slider of a proportion scales."""
     lengths: dict[str, Callable[[], float]] = {
         "stature": lambda: body.stature,
         "trunk": lambda: body.spine_length,
@@ -53,24 +53,26 @@ def measure_of(name: str, body: Morphology) -> float:
 
 
 def grip_words(grip: float) -> str:
-    """Word for a grip."""
+    """Finger curl as text."""
     return "open" if grip < -0.5 else "relaxed" if grip < 0.25 else "half closed" if grip < 0.75 else "fists"
 
 
 class BodySection(Section):
-    """All proportions of one character; every view follows a moving slider."""
+    """Form section of all proportions of a character; every view follows a dragged slider."""
 
     def __init__(self, editor: Editor[Character | Performer], character_id: Callable[[], str]) -> None:
         super().__init__("Proportions")
         self._editor, self._character_id = editor, character_id
-        reset = press_button("Reset", lambda: self._put(BUILD, f"Reset proportions of {self._character.name}"), "link")
+        reset = press_button(
+            "Reset", lambda: self._put(ORIGINAL_PROPORTIONS, f"Reset proportions of {self._character.name}"), "link"
+        )
         reset.setToolTip("Reset all proportions")
         self.head.addWidget(reset)
-        self._preset = Choice("Preset", [(values, name) for name, values in PRESETS.items()])
+        self._preset = Choice("Preset", [(values, name) for name, values in PROPORTION_PRESETS.items()])
         self._preset.setPlaceholderText("Custom")
         self._preset.value_chosen.connect(self._choose)
         self.add_row("Preset", self._preset)
-        self._blending = Choice("Skinning", BLENDINGS)
+        self._blending = Choice("Skinning", SKINNING_CHOICES)
         self._blending.value_chosen.connect(self._blend)
         self.add_row("Skinning", self._blending)
         self._grip = ValueSlider("Finger curl", -1.0, 1.0)
@@ -95,7 +97,7 @@ class BodySection(Section):
 
     def _make_slider(self, name: str) -> ValueSlider:
         words = SLIDER_NAMES.get(name, name.replace("_", " ").capitalize())
-        slider = ValueSlider(words, LEAST_PROPORTION, MOST_PROPORTION)
+        slider = ValueSlider(words, MIN_PROPORTION, MAX_PROPORTION)
         slider.begun.connect(self._editor.begin)
         slider.edited.connect(lambda factor: self._set(name, words, factor))
         slider.ended.connect(self._editor.end)
@@ -115,7 +117,7 @@ class BodySection(Section):
         self._odd.setVisible(bool(self._odd.text()))
 
     def refresh_now(self) -> None:
-        """Update the proportions of a growing body to those at the playhead."""
+        """Update the sliders of a character with keyed proportions to those at the playhead."""
         character = self._character
         held = character.proportions_at(self._growth.now)
         body = held.applied_to(character.build)
@@ -139,7 +141,7 @@ class BodySection(Section):
 
     def _blend(self, blending: Blending) -> None:
         make = lambda: replace(self._character, blending=blending)  # noqa: E731
-        text = f"Set skinning of {self._character.name} to {dict(BLENDINGS)[blending].lower()}"
+        text = f"Set skinning of {self._character.name} to {dict(SKINNING_CHOICES)[blending].lower()}"
         self._editor.put_other("characters", self._character_id(), make, text)
 
     def _close_hands(self, grip: float) -> None:
@@ -153,7 +155,7 @@ class BodySection(Section):
             self._editor.put_other("characters", self._character_id(), make, text)
 
     def _put(self, held: Proportions, text: str) -> None:
-        """Set these proportions: constant, or as a key at the playhead if they are keyed."""
+        """Set proportions: constant, or as a key at the playhead if they are keyed."""
         keyed = self._character.proportions
         new = keyed.with_key(self._growth.now, held) if isinstance(keyed, KeyedProportions) else held
         make = lambda: replace(self._character, proportions=new)  # noqa: E731
@@ -161,10 +163,12 @@ class BodySection(Section):
 
 
 class CharacterEditor(Editor[Character]):
-    """Form of a character without a performer."""
+    """Form of a character that no performer uses."""
 
     remap_requested = Signal(str, object, str)
-    """Character id, {part: joint}, text of the undo step."""
+    """Emitted with the character's id, {part: joint} and the text of the undo step, to bind the character with another
+    body map.
+    """
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -179,7 +183,7 @@ class CharacterEditor(Editor[Character]):
         self.finish()
 
     def refresh(self) -> None:
-        """Update name and lengths."""
+        """Update name and proportions."""
         if self.entity is not None:
             self._name.show_name()
             self._body.refresh()

@@ -1,4 +1,4 @@
-"""Form of a clip: its frames, start, speed and placement; for a layer the body region."""
+"""Form of a clip: frame range, start, speed and placement; for a layer also its body region and blending."""
 
 import math
 from collections.abc import Callable
@@ -34,7 +34,7 @@ GRIP_CHOICES = (
 
 
 class ClipEditor(Editor[Clip]):
-    """Form of a clip; an edit changes the clip for all performers that play it."""
+    """Form of a clip; an edit applies to all performers that play the clip."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -73,7 +73,7 @@ class ClipEditor(Editor[Clip]):
         section.add_row("Mirror", self._mirrored)
         self._grip = Choice("Hands", GRIP_CHOICES)
         self._grip.setToolTip(
-            "Pose of the hands while the clip plays. From character: as captured where both have fingers, else its own"
+            "Pose of the hands while the clip plays. From character: the captured fingers, else those of the character"
         )
         self._grip.value_chosen.connect(lambda grip: self._set("Set hands of", grip=grip))
         section.add_row("Hands", self._grip)
@@ -95,7 +95,7 @@ class ClipEditor(Editor[Clip]):
         ]
         for field in self._offset:
             field.setToolTip("In leg lengths, so that it scales with each character. Drag sideways to change.")
-        section.add_row("Offset (× leg)", *self._offset)
+        section.add_row("Offset (legs)", *self._offset)
         self._ease = self._number(NumberField("Blend time", "s", 0.0, 60.0, 0.05), "Set blend time of", ease=1.0)
         self._ease.setSpecialValueText("automatic")
         section.add_row("Blend", self._ease)
@@ -117,7 +117,9 @@ class ClipEditor(Editor[Clip]):
         return box
 
     def _number(self, field: NumberField, verb: str, **unit: float) -> NumberField:
-        """Bind ``field`` to the clip's value named by ``unit``, whose number is the size of the field's unit."""
+        """Bind ``field`` to the clip's value named in ``unit``, for example ``turn=math.radians(1.0)`` for a field in
+        degrees.
+        """
         [(name, size)] = unit.items()
         return self.bind(field, lambda number: self._set(verb, **{name: number * size}))
 
@@ -149,14 +151,14 @@ class ClipEditor(Editor[Clip]):
         self._grip.show_value(clip.grip)
 
     def depends_on(self, collection: str, entity_id: str) -> bool:
-        """True for performers, which play clips, and for motions, which name them."""
+        """True for the clip itself, for performers, which play it, and for motions, whose names the form shows."""
         return collection in ("performers", "motions")
 
     def _edit(self, edit: ClipEdit, verb: str) -> None:
         self._edit_each(lambda key, text: clip_edits.edit_clip(self.document, key, edit, text), verb)
 
     def _edit_each(self, edit: Callable[[str, str], None], verb: str) -> None:
-        """Edit each clip of the selection, by its id and the text of the step, in one step."""
+        """Call ``edit`` with the id of each selected clip and the undo text, as one undo step."""
         text = f"{verb} {clip_edits.name_of(self.document.project, self.entity)}"
 
         def edit_all() -> None:
@@ -173,7 +175,7 @@ class ClipEditor(Editor[Clip]):
         self._edit(lambda clip: (with_fields(clip, **values),), verb)
 
     def _time_of(self, clip: Clip) -> float:
-        """Second of the motion at the playhead, at a whole frame within the clip."""
+        """Time of the playhead in seconds of the clip's motion, rounded to a whole frame within the clip."""
         rate = self.document.project.frame_rate_of(clip)
         frame = round(float(clip.motion_seconds(self.document.playhead.time, rate)) * rate)
         return min(max(frame, clip.first), clip.last) / rate
@@ -182,7 +184,7 @@ class ClipEditor(Editor[Clip]):
         return float(speed_at(clip.speed, self._time_of(clip)))
 
     def _set_speed(self, number: float) -> None:
-        """Set the speed; as a key at the playhead if it is keyed."""
+        """Set the speed: constant, or as a key at the playhead if it is keyed."""
         self._change_speed(
             lambda clip: (
                 clip.speed.with_key(self._time_of(clip), number) if isinstance(clip.speed, KeyedNumber) else number
@@ -191,7 +193,7 @@ class ClipEditor(Editor[Clip]):
         )
 
     def _set_keyed(self, on: bool) -> None:
-        """Key the speed at the playhead, or make its value there that of the whole clip."""
+        """Key the speed at the playhead; or, if ``on`` is False, make its current value constant."""
         self._change_speed(
             lambda clip: KeyedNumber((self._time_of(clip),), (self._speed_of(clip),)) if on else self._speed_of(clip),
             "Key" if on else "Remove keys of the",
@@ -245,7 +247,7 @@ class ClipEditor(Editor[Clip]):
         self._select(lambda: clip_edits.duplicate_clip(self.document, self.entity_id))
 
     def _select(self, make: Callable[[], str]) -> None:
-        """Select the active performer and the clip whose id ``make`` returns."""
+        """Call ``make`` and select the clip whose id it returns, together with the active performer."""
         performer_id = self.document.active_performer_id or ""
         self._say(lambda: self.document.selection.set(("performers", performer_id), ("clips", make())))
 

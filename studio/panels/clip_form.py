@@ -1,4 +1,4 @@
-"""Form to confirm or correct a library clip's label, on a small timeline with the clip's pose at each mark."""
+"""Form for the strike label of a library clip, with a small timeline and the pose at each mark."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -18,12 +18,16 @@ if TYPE_CHECKING:
     from studio.library.label_motion import OpenedClip
 
 FIGURES_PX, CAPTION_PX = 104, 16
-HINT = "Labelled automatically. Drag trim handles and hit marker, set the type, and confirm; indexing keeps your label."
-SAID = "Confirmed (kept on re-indexing)"
+AUTOMATIC_LABEL_HINT = (
+    "Labelled automatically. Drag trim handles and hit marker, set the type, and confirm; indexing keeps your label."
+)
+CONFIRMED_LABEL_HINT = "Confirmed (kept on re-indexing)"
 
 
 class ClipForm(QScrollArea):
-    """Form of a clip's label. ``confirmed`` carries the user's label; ``left`` requests the list of results again."""
+    """Form for the strike label of a library clip. ``confirmed`` carries the label as edited by the user; ``closed``
+    requests the list of strikes again.
+    """
 
     confirmed = Signal(object)
     closed = Signal()
@@ -44,17 +48,17 @@ class ClipForm(QScrollArea):
         self.frames = {mark: NumberField(f"Frame: {mark}", "", 0, 0, 1, 0) for mark in ClipMark}
         self.undo = press_button("Undo", self._undo)
         self.confirm = press_button("Confirm", self._confirm, "main")
-        self.title, self.hint = styled_label("", "title"), styled_label(HINT, "hint")
+        self.title, self.hint = styled_label("", "title"), styled_label(AUTOMATIC_LABEL_HINT, "hint")
         self._lay_out()
         self._connect()
 
     @property
     def label(self) -> ClipLabel:
-        """Label in the present state of the form."""
+        """Label with the current values of the form."""
         return self._steps[-1]
 
     def open(self, opened: "OpenedClip") -> None:
-        """Show a clip, and discard the undo steps of the previous one."""
+        """Show a library clip, and discard the undo steps of the previous one."""
         self._opened, self._steps = opened, [opened.clip.label]
         self.title.setText(opened.clip.take.motion.name)
         self.line.open(opened.speeds, opened.frame_rate, opened.clip.label)
@@ -63,19 +67,19 @@ class ClipForm(QScrollArea):
         self._show()
 
     def tell_confirmed(self) -> None:
-        """Show that the catalogue has stored the label."""
-        self.hint.setText(SAID)
+        """Show that the label was stored in the library."""
+        self.hint.setText(CONFIRMED_LABEL_HINT)
         self.confirm.setEnabled(False)
 
     def event(self, event: QEvent) -> bool:
-        """Reserve undo for the label while the form has the keyboard, instead of the project."""
+        """Reserve the undo shortcuts for edits of the label while the form has the focus."""
         if event.type() == QEvent.Type.ShortcutOverride and _undoes(event):
             event.accept()
             return True
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Undo the last step with Ctrl+Z."""
+        """Undo or redo edits of the label."""
         if _undoes(event):
             self._undo()
         else:
@@ -141,7 +145,7 @@ class ClipForm(QScrollArea):
         self.figures.show_label(opened, label)
         self.undo.setEnabled(len(self._steps) > 1)
         self.confirm.setEnabled(True)
-        self.hint.setText(SAID if label.confirmed and len(self._steps) == 1 else HINT)
+        self.hint.setText(CONFIRMED_LABEL_HINT if label.confirmed and len(self._steps) == 1 else AUTOMATIC_LABEL_HINT)
 
     def _lay_out(self) -> None:
         inside = QWidget()
@@ -183,7 +187,7 @@ def _undoes(event: QEvent) -> bool:
 
 
 class HitFigures(QWidget):
-    """Body at the beginning of the cut, at the hit and at the end, seen so that the limb moves to the right."""
+    """Stick figures at the first frame, the hit and the last frame, turned so that the strike goes to the right."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -202,7 +206,7 @@ class HitFigures(QWidget):
         self.update()
 
     def emphasise(self, mark: ClipMark | None) -> None:
-        """Emphasise one of the figures; None for none."""
+        """Emphasise the figure of one mark; None emphasises none."""
         self._stressed = mark
         self.update()
 

@@ -1,4 +1,4 @@
-"""Small timeline of a clip: speeds of hands and feet, ends of the cut, and the hit."""
+"""Small timeline of a library clip: speeds of hands and feet, trim range, and hit frame."""
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -13,14 +13,14 @@ from studio.document import colours
 from studio.library.clip_labels import ClipLabel
 
 CLIP_LINE_HEIGHT, CLIP_LINE_HEAD, CLIP_LINE_FOOT, CLIP_LINE_SIDE = 116, 18, 18, 10
-GRAB = 8.0
-"""Distance in pixels from a mark within which a press grabs it."""
+MARK_GRAB_PIXELS = 8.0
+"""Distance in pixels within which a press grabs a mark."""
 SECONDS_AROUND_CUT = 0.75
-"""Seconds shown before and after the cut."""
+"""Seconds that are shown before and after the trim range."""
 
 
 class ClipMark(StrEnum):
-    """Marks that can be dragged."""
+    """Marks on the timeline that can be dragged: first frame, hit, last frame."""
 
     FIRST = "first"
     HIT = "hit"
@@ -29,28 +29,28 @@ class ClipMark(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class FrameScale:
-    """Frames ``first`` to ``last`` over ``width`` pixels."""
+    """Mapping of the frames ``first`` to ``last`` to ``width`` pixels."""
 
     first: int
     last: int
     width: float
 
     def x(self, frame: float) -> float:
-        """Pixel of a frame."""
+        """Pixel position of a frame."""
         return CLIP_LINE_SIDE + (frame - self.first) / max(self.last - self.first, 1) * (
             self.width - 2 * CLIP_LINE_SIDE
         )
 
     def frame(self, x: float) -> int:
-        """Frame nearest to a pixel, among those in view."""
+        """Visible frame nearest to the pixel position ``x``."""
         share = (x - CLIP_LINE_SIDE) / max(self.width - 2 * CLIP_LINE_SIDE, 1.0)
         return round(self.first + min(max(share, 0.0), 1.0) * (self.last - self.first))
 
 
 class ClipLine(QWidget):
-    """Small timeline.
+    """Small timeline of a library clip, with marks that can be dragged.
 
-    ``dragged`` is emitted with each intermediate label, ``begun`` at the begin of a drag, ``marked`` with the mark
+    ``begun`` is emitted at the start of a drag, ``dragged`` with each intermediate label, ``marked`` with the mark
     under the mouse. If a mark is dragged to the edge, more of the take is shown on release.
     """
 
@@ -77,19 +77,19 @@ class ClipLine(QWidget):
         return QSize(200, CLIP_LINE_HEIGHT)
 
     def open(self, speeds: NDArray[np.float64], rate: float, proposed: ClipLabel) -> None:
-        """Show another take with its (4, F) speeds; its ``proposed`` label stays visible."""
+        """Show another take with the ``speeds`` (4, F) of hands and feet; its ``proposed`` label stays visible."""
         self._speeds, self._rate, self._proposed = speeds, rate, proposed
         self.show_label(proposed)
 
     def show_label(self, label: ClipLabel) -> None:
-        """Show the cut and the hit of a label; the frames in view stay while a mark is dragged."""
+        """Show the trim range and the hit of a label; the visible frames do not change during a drag."""
         self._label = label
         if self._held is None:
             self._look()
         self.update()
 
     def place_of(self, mark: ClipMark) -> QPointF:
-        """Pixel at which a mark can be grabbed."""
+        """Position in the widget at which a mark can be grabbed."""
         frame = 0 if self._label is None else getattr(self._label, mark)
         return QPointF(
             self._seen.x(frame),
@@ -97,7 +97,7 @@ class ClipLine(QWidget):
         )
 
     def caption(self, mark: ClipMark, width: float) -> QRectF:
-        """Rectangle of a caption ``width`` pixels wide: centred on its mark, but inside the widget at both ends."""
+        """Rectangle of a caption ``width`` pixels wide: centred on its mark, but within the widget."""
         left = min(max(self.place_of(mark).x() - 0.5 * width, 0.0), self.width() - width)
         return QRectF(
             left,
@@ -128,17 +128,17 @@ class ClipLine(QWidget):
                 self.dragged.emit(moved)
 
     def mouseReleaseEvent(self, _: QMouseEvent) -> None:
-        """Release the mark, and bring the frames round the cut into view."""
+        """Release the mark, and fit the visible frames to the trim range."""
         self._held = None
         self._look()
         self.update()
 
     def leaveEvent(self, _: QEvent) -> None:
-        """Clear the highlight, as no mark is under the mouse."""
+        """Remove the highlight."""
         self._point_at(None)
 
     def resizeEvent(self, _: QEvent) -> None:
-        """Fit the frames in view to the new width."""
+        """Fit the visible frames to the new width."""
         self._look()
 
     def _point_at(self, mark: ClipMark | None) -> None:
@@ -156,7 +156,7 @@ class ClipLine(QWidget):
             for mark in (ClipMark.HIT, ClipMark.FIRST, ClipMark.LAST)
         }
         nearest = min(away, key=lambda mark: away[mark])
-        return nearest if away[nearest] <= GRAB else None
+        return nearest if away[nearest] <= MARK_GRAB_PIXELS else None
 
     def _look(self) -> None:
         if self._label is not None:
@@ -218,7 +218,7 @@ class ClipLine(QWidget):
 
 
 def with_mark(label: ClipLabel, mark: ClipMark, frame: int, frame_count: int) -> ClipLabel:
-    """Label with a mark moved to ``frame``, limited by the order of the marks and the ends of the take."""
+    """Label with a mark moved to ``frame``, clamped to the order of the marks and the length of the take."""
     match mark:
         case ClipMark.FIRST:
             return replace(label, first=min(max(frame, 0), label.hit - 1))

@@ -1,4 +1,4 @@
-"""Command palette: every action by a few letters of its name. And the sheet of all shortcuts."""
+"""Command palette, which finds actions by a few letters of their names, and the list of all shortcuts."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -22,37 +22,37 @@ from PySide6.QtWidgets import (
 from studio.document import colours
 from studio.panels.fields import room_on_screen, styled_label
 
-PALETTE_WIDTH, MOST_PALETTE_ROWS, PALETTE_ROW_PX = 480, 12, 28
-SCROLL_BAR = 12
-ACTION = Qt.ItemDataRole.UserRole
+PALETTE_WIDTH, MAX_PALETTE_ROWS, PALETTE_ROW_PX = 480, 12, 28
+SCROLL_BAR_PX = 12
+ACTION_ROLE = Qt.ItemDataRole.UserRole
 ROW_STEPS = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
 PALETTE_KEYS = {*ROW_STEPS, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Escape}
-"""Keys that the palette handles itself; the others go to the text field."""
+"""Keys that the palette handles itself; other keys go to the text field."""
 
 
 def plain_text(action: QAction) -> str:
-    """Text of an action without its mnemonic mark and ellipsis."""
+    """Text of an action without mnemonic mark and ellipsis."""
     return re.sub("&(.)", r"\1", action.text()).removesuffix("…")
 
 
 def lasting_text(action: QAction) -> str:
-    """Constant name of an action, independent of its present text: ``Undo``."""
+    """Constant name of an action, without the changing part of its text: ``Undo`` for ``Undo move target``."""
     return str(action.property("name") or plain_text(action)).removesuffix("…")
 
 
 def shortcut_text(action: QAction) -> str:
-    """First shortcut of an action, in the platform's notation."""
+    """First shortcut of an action in the notation of the platform; empty without one."""
     return action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
 
 
 def detail_text(action: QAction) -> str:
-    """Text at the right of an action's row: its ``data`` if it has some, else its shortcut."""
+    """Text at the right of an action's row: its ``data`` if set, else its shortcut."""
     return str(action.data() or shortcut_text(action))
 
 
 def ranked_actions(actions: Iterable[QAction], words: str) -> list[QAction]:
-    """Actions whose text contains ``words``, early ones first; then those whose tooltip does; then those whose text
-    contains all letters in order.
+    """Actions that match ``words``: those whose text contains them, earliest position first; then by tooltip; then
+    those whose text has all letters in order.
     """
     wanted = words.casefold().strip()
     found = []
@@ -73,7 +73,7 @@ def _in_order(letters: str, text: str) -> bool:
 
 
 class CommandPalette(QFrame):
-    """Palette at the window's top that closes with Esc or when it loses the focus."""
+    """Palette at the top of the window; it closes with Esc or when it loses the focus."""
 
     def __init__(self, window: QWidget, actions: Sequence[QAction]) -> None:
         super().__init__(window)
@@ -104,7 +104,7 @@ class CommandPalette(QFrame):
         self.hide()
 
     def open(self) -> None:
-        """Show it, with the focus in its field."""
+        """Show the palette with the focus in its text field."""
         self.field.clear()
         self._find("")
         self.move((self._window.width() - PALETTE_WIDTH) // 2, 52)
@@ -113,7 +113,7 @@ class CommandPalette(QFrame):
         self.field.setFocus()
 
     def offer(self, title: str, actions: Sequence[QAction]) -> None:
-        """Show these choices instead of the actions."""
+        """Show ``actions`` as choices under a title, instead of the window's actions."""
         for action in self._actions:
             action.deleteLater()
         self._actions = actions
@@ -122,7 +122,7 @@ class CommandPalette(QFrame):
         self.open()
 
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
-        """Move through the list by arrow keys, run by Return, close by Esc."""
+        """Move through the list with the arrow keys, run the current row with Return, close with Esc."""
         if event.type() == QEvent.Type.FocusOut:
             self.hide()
         if not isinstance(event, QKeyEvent):
@@ -158,7 +158,7 @@ class CommandPalette(QFrame):
         self.list.clear()
         for action in ranked_actions(self._actions, words):
             item = QTreeWidgetItem([plain_text(action), detail_text(action)])
-            item.setData(0, ACTION, action)
+            item.setData(0, ACTION_ROLE, action)
             item.setForeground(1, QColor(colours.TEXT_SECOND))
             item.setTextAlignment(1, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
             item.setDisabled(not action.isEnabled())
@@ -168,7 +168,7 @@ class CommandPalette(QFrame):
             item.setDisabled(True)
             self.list.addTopLevelItem(item)
         self._go_to(0)
-        rows = min(max(self.list.topLevelItemCount(), 1), MOST_PALETTE_ROWS)
+        rows = min(max(self.list.topLevelItemCount(), 1), MAX_PALETTE_ROWS)
         self.resize(PALETTE_WIDTH, 48 + rows * PALETTE_ROW_PX)
 
     def _leave(self) -> None:
@@ -176,14 +176,14 @@ class CommandPalette(QFrame):
         self._window.setFocus()
 
     def _run(self, item: QTreeWidgetItem | None) -> None:
-        action = item.data(0, ACTION) if item is not None else None
+        action = item.data(0, ACTION_ROLE) if item is not None else None
         self._leave()
         if action is not None:
             action.trigger()
 
 
 class ShortcutSheet(QDialog):
-    """All shortcuts by menu, in two columns; not modal."""
+    """Non-modal dialog of all shortcuts by menu, in two columns."""
 
     def __init__(self, window: QWidget, menus: dict[str, list[QAction]]) -> None:
         super().__init__(window)
@@ -205,11 +205,11 @@ class ShortcutSheet(QDialog):
         column.addWidget(area)
         wanted = content.sizeHint() + QSize(2, 2)
         room = room_on_screen(window)
-        self.resize(wanted.boundedTo(room) + QSize(SCROLL_BAR if wanted.height() > room.height() else 0, 0))
+        self.resize(wanted.boundedTo(room) + QSize(SCROLL_BAR_PX if wanted.height() > room.height() else 0, 0))
 
 
 def _halves(menus: dict[str, list[QAction]]) -> tuple[list[str], list[str]]:
-    """Menus in their order, in two columns of about the same height."""
+    """Names of the menus, in order, for two columns of about equal height."""
     names = [menu for menu, actions in menus.items() if actions]
     heights = [len(menus[menu]) + 2 for menu in names]
     at = min(range(len(names) + 1), key=lambda k: max(sum(heights[:k]), sum(heights[k:])))

@@ -1,4 +1,4 @@
-"""Python console: ``scene`` is the open project, and its changes are undo steps of the window."""
+"""Python console: ``scene`` is the open project, and its changes are undo steps."""
 
 import rlcompleter
 
@@ -10,14 +10,14 @@ from studio.document.document import Document
 from studio.panels.console_session import ConsoleSession
 from studio.panels.fields import FIELD_ICON_PX
 
-WELCOME = "scene: the open project; api: studio.api (docs/scripts.md). Edits can be undone.\n"
-MOST_LINES = 5000
+WELCOME_TEXT = "scene: the open project; api: studio.api (docs/scripts.md). Edits can be undone.\n"
+MAX_OUTPUT_LINES = 5000
 ENTRY_LINES = 4
 _INDENT = "    "
 
 
 class ConsoleEntry(QPlainTextEdit):
-    """Entry field: Enter runs complete statements, Up and Down go through earlier ones, Tab completes a name."""
+    """Entry field: Enter runs complete statements, Up and Down recall earlier ones, Tab completes names."""
 
     def __init__(self, console: "Console") -> None:
         super().__init__()
@@ -29,7 +29,7 @@ class ConsoleEntry(QPlainTextEdit):
         self._place = 0
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Run, recall or complete."""
+        """Run a statement, recall an earlier one, or complete a name."""
         match event.key():
             case Qt.Key.Key_Return | Qt.Key.Key_Enter if not event.modifiers() & Qt.KeyboardModifier.ShiftModifier:
                 self._enter()
@@ -79,7 +79,7 @@ class ConsoleEntry(QPlainTextEdit):
 
 
 class Console(QWidget):
-    """Python console: the output above, the entry below."""
+    """Python console: output above, entry field below."""
 
     def __init__(self, document: Document) -> None:
         super().__init__()
@@ -89,7 +89,7 @@ class Console(QWidget):
         font = QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont)
         self.shown = QPlainTextEdit(readOnly=True)
         self.shown.setAccessibleName("Python console")
-        self.shown.setMaximumBlockCount(MOST_LINES)
+        self.shown.setMaximumBlockCount(MAX_OUTPUT_LINES)
         self.entry = ConsoleEntry(self)
         self.stop_button = QPushButton("Stop")
         self.stop_button.setToolTip("Interrupt the statement that is running")
@@ -108,10 +108,10 @@ class Console(QWidget):
         self.setFocusProxy(self.entry)
         self.session.written.connect(self.show_text)
         self.session.ended.connect(self._ended)
-        self.show_text(WELCOME)
+        self.show_text(WELCOME_TEXT)
 
     def run(self, source: str) -> bool:
-        """Run statements; False while others are running."""
+        """Run statements; returns False if others are still running."""
         if self.session.running:
             return False
         self.show_text(
@@ -122,13 +122,13 @@ class Console(QWidget):
         return True
 
     def show_text(self, text: str) -> None:
-        """Append text."""
+        """Append text to the output."""
         self.shown.moveCursor(QTextCursor.MoveOperation.End)
         self.shown.insertPlainText(text)
         self.shown.moveCursor(QTextCursor.MoveOperation.End)
 
     def completions(self, word: str) -> list[str]:
-        """Names of the session that begin with ``word``, which may have dots."""
+        """Names of the session that complete ``word``, which may contain dots."""
         completer = rlcompleter.Completer(self.session.namespace)
         found: list[str] = []
         while (name := completer.complete(word, len(found))) is not None and name not in found:

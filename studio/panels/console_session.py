@@ -1,4 +1,4 @@
-"""Python statements on a document of the window, run in another thread so that nothing freezes."""
+"""Python statements that edit the window's document, run in another thread so that the window stays responsive."""
 
 import ast
 import codeop
@@ -18,11 +18,11 @@ from studio.document.document import Document
 Result = TypeVar("Result")
 CONSOLE_FILE = "<console>"
 _WAIT = 0.1
-"""Seconds between two checks of a waiting statement that the window is still open."""
+"""Seconds between two checks by a waiting statement if the window was closed."""
 
 
 class WindowThread(QObject):
-    """Thread of the window: other threads run functions on it and wait for the results."""
+    """Executor on the window's thread: other threads run functions there and wait for the results."""
 
     _asked = Signal(object)
 
@@ -33,7 +33,9 @@ class WindowThread(QObject):
         self._asked.connect(self._run, Qt.ConnectionType.QueuedConnection)
 
     def run(self, work: Callable[[], Result]) -> Result:
-        """Result of ``work``, run on the window's thread. Raises its error, or SystemExit once the window is closed."""
+        """Result of ``work``, run on the window's thread. Exceptions of ``work`` are raised; SystemExit once the window
+        is closed.
+        """
         if threading.get_ident() == self._home:
             return work()
         call = _Call(work)
@@ -67,7 +69,7 @@ class _Call(Generic[Result]):
 
 
 class OnWindowThread:
-    """Proxy of a QObject of the window for another thread: its methods run on the window's thread."""
+    """Proxy of a QObject for use from another thread: its methods run on the window's thread."""
 
     def __init__(self, target: QObject, thread: WindowThread) -> None:
         self._target, self._thread = target, thread
@@ -82,10 +84,10 @@ class OnWindowThread:
 
 
 class DocumentOnWindowThread(OnWindowThread):
-    """The window's document, edited from another thread.
+    """Proxy of the window's document for edits from another thread.
 
-    No undo step is open while the window goes on: edits inside ``group`` are those of one gesture, so that an edit of
-    the user in between is a step of its own, and what was edited before it another one.
+    No undo step is left open while the window handles events: edits inside ``group`` belong to one gesture, so that an
+    edit of the user in between becomes a step of its own and splits the group into two steps.
     """
 
     def __init__(self, target: Document, thread: WindowThread) -> None:
@@ -108,7 +110,9 @@ class DocumentOnWindowThread(OnWindowThread):
 
     @contextlib.contextmanager
     def group(self, text: str, gesture: int | None = None) -> Iterator[None]:
-        """One undo step of all edits inside; an exception takes them back, up to an edit of the user in between."""
+        """Context whose edits are one undo step; an exception reverts them, back to the last edit of the user in
+        between.
+        """
         if self.step is not None:
             yield
             return
@@ -124,12 +128,12 @@ class DocumentOnWindowThread(OnWindowThread):
 
 
 class ConsoleSession(QObject):
-    """One namespace of Python, in which ``scene`` is the open project and ``api`` is ``studio.api``."""
+    """Namespace in which statements run; ``scene`` is the open project and ``api`` is ``studio.api``."""
 
     written = Signal(str)
-    """Text that a statement prints, or its value."""
+    """Emitted with text that a statement prints, or with its value."""
     ended = Signal()
-    """A statement has run, or was stopped."""
+    """Emitted when a statement has ended or was stopped."""
 
     def __init__(self, document: Document) -> None:
         super().__init__()
@@ -147,27 +151,27 @@ class ConsoleSession(QObject):
         return self._running is not None
 
     def is_whole(self, source: str) -> bool:
-        """True if ``source`` can be run as it stands: it is complete, or invalid whatever follows."""
+        """True if ``source`` can be run: it is complete, or invalid whatever follows."""
         try:
             return codeop.compile_command(source, CONSOLE_FILE, "exec") is not None
         except (SyntaxError, ValueError, OverflowError):
             return True
 
     def run(self, source: str) -> None:
-        """Run statements in the background; ``ended`` is emitted afterwards. RuntimeError while others run."""
+        """Run statements in the background and emit ``ended`` afterwards. Raises RuntimeError if others are running."""
         if self._running is not None:
             raise RuntimeError("a statement is still running")
         self._running = threading.Thread(target=self._work, args=(source,), daemon=True, name="console")
         self._running.start()
 
     def stop(self) -> None:
-        """Raise KeyboardInterrupt in the running statement, at its next step in Python."""
+        """Raise KeyboardInterrupt in the running statement, at its next Python instruction."""
         with self._stopping:
             if self._running is not None and self._running.ident is not None and self._stoppable:
                 _send(self._running.ident, ctypes.py_object(KeyboardInterrupt))
 
     def close(self) -> None:
-        """Release everything; a running statement is stopped without waiting for it."""
+        """Release the project; a running statement is stopped without waiting for it."""
         self._window.closed = True
         self.stop()
         self.namespace.clear()
@@ -190,7 +194,7 @@ class ConsoleSession(QObject):
                 self.ended.emit()
 
     def _end_stopping(self) -> None:
-        """Take back a KeyboardInterrupt that is on its way, and let no other be sent."""
+        """Cancel a KeyboardInterrupt that was not raised yet, and allow no further one."""
         while True:
             try:
                 with self._stopping:
@@ -216,7 +220,7 @@ class ConsoleSession(QObject):
             output.write("".join(traceback.format_exception(type(error), error, frames)))
 
     def _execute(self, source: str) -> None:
-        """Run all statements; the value of a last expression is printed and kept as ``_``."""
+        """Run all statements; the value of a final expression is printed and stored as ``_``."""
         if not self.namespace:
             self.namespace.update(self._beginning())
         tree = ast.parse(source, CONSOLE_FILE)
@@ -236,12 +240,12 @@ class ConsoleSession(QObject):
 
 
 def _send(thread: int, error: object) -> None:
-    """Raise an error in a thread at its next step in Python; None takes back one that is not raised yet."""
+    """Raise an exception in a thread at its next Python instruction; None cancels one that was not raised yet."""
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), error)
 
 
 class _Output(io.TextIOBase):
-    """Standard output redirected to a signal."""
+    """Standard output of statements, sent as a signal."""
 
     def __init__(self, written: SignalInstance) -> None:
         self._written = written

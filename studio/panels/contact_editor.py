@@ -1,8 +1,8 @@
-"""Form of a contact: the point of the body on the ground or touch of the hands, and its frames."""
+"""Form of a contact: the body point on the ground or the touching hands, and the frame range."""
 
 from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval, ContactPoint, Touch
 from studio.core.constraints.scope import Scope
-from studio.document.contact_owners import ask_contact_of
+from studio.document.contact_owners import move_contact_to_scope
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor
@@ -11,21 +11,21 @@ from studio.panels.scope_row import ScopeRow
 
 
 def contact_words(point: ContactPoint | Touch) -> str:
-    """Label of a contact point: ``Left heel``."""
+    """Name of a contact point as label, for example ``Left heel``."""
     return point.words.capitalize()
 
 
 ON_BODY_SENTENCE = "The {what} keeps the actor's contact point on the surface"
-KEPT = {
+KEPT_SENTENCES = {
     "together": "The distance between the hands is the actor's, scaled by arm length",
     "thing": "The size of the object between the hands is kept",
     **dict.fromkeys(("head", "trunk", "hips", "thigh"), ON_BODY_SENTENCE),
 }
-"""Sentence on the property kept by a contact that is not with the ground, by the member of its point."""
+"""Sentence about the kept property of a contact of the hands, by the kind of contact."""
 
 
 class ContactEditor(Editor[ContactInterval]):
-    """Form of a contact: point, first and last frame."""
+    """Form of a contact: point, scope, first and last frame."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -55,19 +55,19 @@ class ContactEditor(Editor[ContactInterval]):
         self._last.show_value(contact.last)
         seconds = (contact.last - contact.first + 1) / self.document.playhead.frame_rate
         what = contact_words(contact.point).lower()
-        kept = KEPT.get(contact.point.member, "The {what} is planted on the ground").format(what=what)
+        kept = KEPT_SENTENCES.get(contact.point.member, "The {what} is planted on the ground").format(what=what)
         self._words.setText(f"{kept} for {seconds:.2f} s{self._whose(contact)}.")
 
     def _whose(self, contact: ContactInterval) -> str:
         return "" if contact.scope.is_narrow else ", on every character"
 
     def depends_on(self, collection: str, entity_id: str) -> bool:
-        """True also for performers, which the scope names."""
+        """True for contacts, and for performers, which the scope names."""
         return super().depends_on(collection, entity_id) or collection == "performers"
 
     def _ask(self, scope: Scope) -> None:
         text = f"Set scope of {contact_words(self.entity.point).lower()} contacts"
-        contact_id = ask_contact_of(self.document, self.entity_id, scope, text)
+        contact_id = move_contact_to_scope(self.document, self.entity_id, scope, text)
         self.document.selection.set(("contacts", contact_id))
 
     def _set_first(self, frame: float) -> None:

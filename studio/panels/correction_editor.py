@@ -1,4 +1,4 @@
-"""Form of a manual correction: its range, weight, order with the constraints, and the pose at the playhead."""
+"""Form of a correction layer: range, weight, order with the constraints, and the pose at the playhead."""
 
 import math
 from functools import partial
@@ -19,7 +19,7 @@ TURN_AXES = ("x", "y", "z")
 
 
 class CorrectionEditor(Editor[Correction]):
-    """Form of a correction."""
+    """Form of a correction layer."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -76,7 +76,7 @@ class CorrectionEditor(Editor[Correction]):
         self._show_pose()
 
     def _show_joints(self, correction: Correction) -> None:
-        """Show a row of three angles for each rotated part, and one for the hips."""
+        """Show a row of three angles for each rotated part, and a row for the hips."""
         parts = (*correction.keys.parts, *((None,) if correction.keys.moves_hips else ()))
         if parts == self._shown_parts:
             return
@@ -138,7 +138,7 @@ class CorrectionEditor(Editor[Correction]):
         self.change(f"{verb} {self.entity.name}", **values)
 
     def _set_time(self, index: int, time: float) -> None:
-        """Set one time of the range; the others are pushed along if necessary."""
+        """Set one of the four times of the range; the others are pushed along if necessary."""
         times = [*self.entity.activation.times]
         times[index] = time
         times[:index] = [min(each, time) for each in times[:index]]

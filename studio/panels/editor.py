@@ -1,4 +1,4 @@
-"""Base of all forms of the inspector: one entity, the current drag, and methods that change the entity."""
+"""Base class of all forms of the inspector, which show and edit one entity."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -16,22 +16,24 @@ from studio.panels.fields import NumberField, TextField, styled_label
 from studio.panels.shared_edits import different_fields, with_edit
 
 EDITED_TOGETHER = ("constraints", "contacts", "clips", "performers", "props")
-"""Collections whose selected entities are edited together."""
+"""Collections in which an edit in the form applies to all selected entities."""
 
 
 EditedT_co = TypeVar("EditedT_co", covariant=True)
-"""Shown by a form: an entity, or a part of one."""
+"""Type that a form shows: an entity, or a part of one."""
 
 
 class NamedEntity(Protocol):
-    """Entity with a name for the texts of undo steps."""
+    """Entity whose name appears in the texts of undo steps."""
 
     @property
     def name(self) -> str: ...
 
 
 class Editor(QWidget, Generic[EditedT_co]):
-    """Form of one entity. It keeps no copy: ``refresh`` reads it, ``change`` replaces it."""
+    """Form of one entity. It keeps no copy of it: ``refresh`` reads it from the document, ``change`` replaces it
+    there.
+    """
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__()
@@ -50,12 +52,12 @@ class Editor(QWidget, Generic[EditedT_co]):
 
     @property
     def edited_ids(self) -> tuple[str, ...]:
-        """Ids of the selected entities of the collection that are edited together with this one, itself included."""
+        """Ids of the selected entities that are edited together, the shown one included."""
         selected = self.document.selection.of(self.collection)
         return selected if self.entity_id in selected else (self.entity_id,)
 
     def update_title(self) -> None:
-        """Show the number of entities that an edit changes, and the fields in which they differ."""
+        """Show how many entities an edit will change, and the fields in which they differ."""
         ids = self.edited_ids
         self._together.setVisible(len(ids) > 1 and self.collection in EDITED_TOGETHER)
         if len(ids) > 1 and self.collection in EDITED_TOGETHER:
@@ -67,28 +69,28 @@ class Editor(QWidget, Generic[EditedT_co]):
 
     @property
     def gesture(self) -> int | None:
-        """Number of the current drag, to which edits belong; None without one."""
+        """Number of the current drag, to whose undo step edits belong; None without a drag."""
         return self._gesture
 
     @property
     def entity(self) -> EditedT_co:
-        """Entity as the active clip shows it; None if it was deleted."""
+        """Shown entity, mirrored if the active clip is; None if it was deleted."""
         return cast(EditedT_co, self.document.shown_project.get(self.collection, self.entity_id))
 
     def refresh(self) -> None:
-        """Show the present entity."""
+        """Show the current values of the entity."""
 
     def depends_on(self, collection: str, entity_id: str) -> bool:
-        """True if a change of that entity may change the form."""
+        """True if the form must be updated when the given entity changes."""
         return (collection, entity_id) == (self.collection, self.entity_id)
 
     def change(self, text: str, **values: object) -> None:
-        """Replace the entity by a copy with some values changed; a refused edit is reported as a message."""
+        """Replace the entity by a copy with the given ``values``; an invalid edit is reported as a message."""
         entity = cast(Entity, self.entity)  # what is no entity of its own is changed by the form of its owner
         self.replace_entity(lambda: with_fields(entity, **values), text)
 
     def replace_entity(self, make: Callable[[], Entity], text: str) -> None:
-        """Replace the entity by the result of ``make``; a refused edit is reported as a message."""
+        """Replace the entity by the result of ``make``; an invalid edit is reported as a message."""
         others = [key for key in self.edited_ids if key != self.entity_id] if self.collection in EDITED_TOGETHER else []
         before = self.entity
         if others:
@@ -101,13 +103,15 @@ class Editor(QWidget, Generic[EditedT_co]):
                 self.document.replace_shown(self.collection, key, edited, text)
 
     def put_other(self, collection: str, entity_id: str, make: Callable[[], Entity], text: str) -> None:
-        """As ``put``, for an entity that belongs to this one."""
+        """Replace another entity, which belongs to the shown one, by the result of ``make``; an invalid edit is
+        reported as a message.
+        """
         with self._objections_told():
             self.document.replace_shown(collection, entity_id, make(), text, self._gesture)
 
     @contextmanager
     def _objections_told(self) -> Iterator[None]:
-        """Context that reports a refused edit as a message, and shows the entity unchanged."""
+        """Context that reports an invalid edit as a message, and then shows the unchanged entity."""
         try:
             yield
         except (ValueError, StudioError) as error:
@@ -115,7 +119,7 @@ class Editor(QWidget, Generic[EditedT_co]):
             self.refresh()
 
     def begin(self) -> None:
-        """Begin a drag, whose changes are one undo step and are solved round the playhead first."""
+        """Begin a drag, whose changes are one undo step and are solved first around the playhead."""
         self._gesture = self.document.new_gesture()
         self.live.interactive = True
 
@@ -125,8 +129,8 @@ class Editor(QWidget, Generic[EditedT_co]):
         self.live.interactive = False
 
     def bind(self, field: NumberField, change: Callable[[float], None]) -> NumberField:
-        """Let a number field change the entity, one undo step for each drag; after the entity is deleted it changes
-        nothing.
+        """Let a number field change the entity, as one undo step per drag; it does nothing after the entity is
+        deleted.
         """
 
         def changed(number: float) -> None:
@@ -139,14 +143,14 @@ class Editor(QWidget, Generic[EditedT_co]):
         return field
 
     def finish(self) -> None:
-        """Complete the form, and leave the space below it empty."""
+        """Complete the form; the space below the last section stays empty."""
         self.column.addStretch(1)
         self.refresh()
         self.update_title()
 
 
 class EntityNameField(TextField):
-    """Field for the name of an editor's entity."""
+    """Text field for the name of the shown entity."""
 
     def __init__(self, editor: Editor[NamedEntity], kind: str = "") -> None:
         super().__init__()
@@ -154,7 +158,7 @@ class EntityNameField(TextField):
         self.editingFinished.connect(self._rename)
 
     def show_name(self) -> None:
-        """Show the name of the entity, unless another one is being typed."""
+        """Show the name of the entity, unless the user is typing."""
         if not self.hasFocus() or not self.isModified():
             self.setText(self._editor.entity.name)
 
@@ -168,7 +172,7 @@ class EntityNameField(TextField):
 
 
 class PlainEditor(Editor[Entity]):
-    """Fallback form for a kind without an editor of its own: the entity's values as text."""
+    """Form for entities without a form of their own: shows the values as text."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)

@@ -1,4 +1,4 @@
-"""Parts of a form: section heads, labelled rows, number fields, segments, sliders."""
+"""Widgets of forms: sections, labelled rows, number fields, choices and buttons."""
 
 from collections.abc import Callable, Iterable, Sequence
 from typing import cast
@@ -26,16 +26,16 @@ from studio.core.names import tags_in
 from studio.document.length_units import shown_unit
 from studio.document.mnemonics import escaped_mnemonics
 
-FIELD_LABEL_WIDTH, LONGEST_NAME = 84, 90
-ROW_HEIGHT = 26
+FIELD_LABEL_WIDTH, MAX_NAME_WIDTH_PX = 84, 90
+FORM_ROW_HEIGHT_PX = 26
 FIELD_ICON_PX = 12
-SCRUB_START = 3
+SCRUB_START_PIXELS = 3
 DIALOG_MARGIN = QSize(80, 120)
 PER_CENT = 100.0
 
 
 def styled_label(text: str, role: str) -> QLabel:
-    """Label with one of the style sheet's roles: head, title, second, hint, value."""
+    """Label with a role of the style sheet: head, title, second, hint or value."""
     label = ElidedText(text) if role == "value" else QLabel(text.upper() if role == "head" else text)
     label.setProperty("role", role)
     if role == "head":
@@ -48,15 +48,17 @@ def styled_label(text: str, role: str) -> QLabel:
 
 
 def elided_name(name: str, among: QWidget) -> str:
-    """Name shortened so that a form with other words ``among`` it does not become wider."""
-    return among.fontMetrics().elidedText(name, Qt.TextElideMode.ElideRight, LONGEST_NAME)
+    """Name, elided if necessary so that a form does not become wider; ``among`` is the widget that will show it among
+    other words.
+    """
+    return among.fontMetrics().elidedText(name, Qt.TextElideMode.ElideRight, MAX_NAME_WIDTH_PX)
 
 
 class ElidedText(QLabel):
-    """Text that may be wider than the form: it is elided, and its tooltip shows all of it."""
+    """Label whose text is elided if it does not fit; its tooltip shows the whole text."""
 
     def minimumSizeHint(self) -> QSize:
-        """Narrow size, so that it does not widen the form."""
+        """Narrow size, so that the label does not widen the form."""
         return QSize(0, super().minimumSizeHint().height())
 
     def paintEvent(self, event: QPaintEvent) -> None:
@@ -83,7 +85,7 @@ class ElidedText(QLabel):
 
 
 class Section(QWidget):
-    """Head and rows of label and field below it, all on the same columns."""
+    """Section of a form: a title, and rows of label and fields in shared columns."""
 
     def __init__(self, title: str) -> None:
         super().__init__()
@@ -102,7 +104,9 @@ class Section(QWidget):
         column.addLayout(self._grid)
 
     def add_row(self, label: str, *fields: QWidget) -> QLabel:
-        """Add a row; fields share the width evenly and take the label as accessible name if they have none."""
+        """Add a row and return its label; the fields share the width evenly, and the label is their accessible name if
+        they have none.
+        """
         row = self._grid.rowCount()
         caption = styled_label(label, "second")
         self._grid.addWidget(caption, row, 0)
@@ -118,12 +122,12 @@ class Section(QWidget):
         return caption
 
     def add_wide(self, widget: QWidget) -> None:
-        """Add a widget over the whole width."""
+        """Add a widget over the full width."""
         self._grid.addWidget(widget, self._grid.rowCount(), 0, 1, 2)
 
 
 def with_unit(caption: str, unit: str) -> str:
-    """Caption of a row whose fields leave out their unit, with the unit that is shown: ``Offset (cm)``."""
+    """Label with the display unit in brackets, ``Offset (cm)``, for a row whose fields show no unit."""
     symbol = shown_unit(unit).symbol
     return f"{caption} ({symbol})" if symbol else caption
 
@@ -133,9 +137,9 @@ def _stretches(widget: QWidget) -> bool:
 
 
 class NumberField(QDoubleSpinBox):
-    """Number with its unit: type it, step it with the arrow keys, or drag sideways to scrub.
+    """Number with unit: typed, stepped with the arrow keys, or scrubbed by dragging sideways.
 
-    ``begun`` and ``ended`` enclose every change, so that a drag is one undo step.
+    ``begun`` and ``ended`` are emitted around every change, so that a drag is one undo step.
     """
 
     begun = Signal()
@@ -164,7 +168,7 @@ class NumberField(QDoubleSpinBox):
         self.editingFinished.connect(lambda: self.lineEdit().setModified(False))
 
     def set_unit(self, unit: str) -> None:
-        """Set the unit of the values; the shown unit is that of the preferences."""
+        """Set the unit of the values; the display may use another unit, set in the preferences."""
         shown = shown_unit(unit)
         self._factor = shown.factor
         with QSignalBlocker(self):
@@ -174,13 +178,13 @@ class NumberField(QDoubleSpinBox):
             self.setSuffix(f" {shown.symbol}" if self._suffix and unit else "")
 
     def set_least(self, low: float) -> None:
-        """Allow no value below ``low``."""
+        """Set the minimum."""
         self._low = low
         with QSignalBlocker(self):
             self.setMinimum(low * self._factor)
 
     def show_value(self, value: float) -> None:
-        """Show a value of the document; nothing is emitted, and a drag is not disturbed."""
+        """Show a value; emits nothing, and does not disturb a drag."""
         value *= self._factor
         if not self._scrubbing and round(value, self.decimals()) != self.value():  # the same would be painted again
             with QSignalBlocker(self):
@@ -196,7 +200,7 @@ class NumberField(QDoubleSpinBox):
             self.ended.emit()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Turn a sideways drag over the text into scrubbing; a click still sets the cursor."""
+        """Turn a sideways drag over the text into scrubbing; a click still places the cursor."""
         if isinstance(event, QMouseEvent) and event.type() != QEvent.Type.MouseButtonDblClick:
             if self._scrub(event):
                 return True
@@ -212,7 +216,7 @@ class NumberField(QDoubleSpinBox):
         elif kind == QEvent.Type.MouseMove and self._press is not None:
             start, value = self._press
             distance = place.x() - start.x()
-            if not self._scrubbing and abs(distance) >= SCRUB_START:
+            if not self._scrubbing and abs(distance) >= SCRUB_START_PIXELS:
                 self._scrubbing = True
                 self.begun.emit()
             if self._scrubbing:
@@ -235,31 +239,31 @@ class NumberField(QDoubleSpinBox):
             self.ended.emit()
 
     def event(self, event: QEvent) -> bool:
-        """Leave keys to the window's shortcuts until a number is typed."""
+        """Leave keys to the window's shortcuts unless a number is being typed."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and self.leaves(event):
             event.ignore()
             return False
         return bool(super().event(event))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Leave the same keys to the window where they are no shortcuts."""
+        """Pass the keys that belong to the window on to it."""
         if self.leaves(event):
             event.ignore()
         else:
             super().keyPressEvent(event)
 
     def leaves(self, event: QKeyEvent) -> bool:
-        """True for undo, Space and letters, which begin no number, unless a number is being typed."""
+        """True for keys that belong to the window (undo, Space, letters), unless a number is being typed."""
         begins_none = event.text() == " " or event.text().isalpha() or undoes_or_redoes(event)
         return begins_none and not self.lineEdit().isModified()
 
     def wheelEvent(self, event: QEvent) -> None:
-        """Ignore the wheel, which scrolls the form and never changes a number by accident."""
+        """Ignore the wheel, so that it scrolls the form and never changes a number by accident."""
         event.ignore()
 
 
 class Choice(QComboBox):
-    """List of (value, text) to choose from; ``chosen`` is emitted only for choices of the user."""
+    """Drop-down list of (value, text); ``value_chosen`` is emitted only if the user chooses."""
 
     value_chosen = Signal(object)
 
@@ -291,7 +295,7 @@ class Choice(QComboBox):
         return self._values[place] if place >= 0 else None
 
     def offer(self, items: Iterable[tuple[object, str]]) -> None:
-        """Replace the choices; does nothing if they are the same."""
+        """Replace the choices; does nothing if they are unchanged."""
         items = list(items)
         shown = [(value, self.itemText(place)) for place, value in enumerate(self._values)]
         if items != shown:
@@ -301,18 +305,19 @@ class Choice(QComboBox):
                     self.add(value, text)
 
     def offers(self, value: object) -> bool:
-        """True if ``value`` can be chosen."""
+        """True if ``value`` is among the choices."""
         return value in self._values
 
     def show_value(self, value: object) -> None:
-        """Show the document's value; no choice if it is not among them."""
+        """Select a value; nothing is selected if it is not among the choices."""
         with QSignalBlocker(self):
             self.setCurrentIndex(self._values.index(value) if value in self._values else -1)
 
     def event(self, event: QEvent) -> bool:
-        """Open the list by the arrow keys while it has the focus.
+        """Open the list on the arrow keys while the widget has the focus.
 
-        Each step through a closed list would be an edit of its own, and some lose values that the next one would keep.
+        Otherwise each step through the closed list would be an edit of its own, and some edits lose values that a later
+        one needs.
         """
         if isinstance(event, QKeyEvent) and event.key() in (Qt.Key.Key_Up, Qt.Key.Key_Down):
             if event.type() == QEvent.Type.KeyPress:
@@ -327,7 +332,7 @@ class Choice(QComboBox):
 
 
 class TextField(QLineEdit):
-    """Line of text; Return ends the typing, so that keys are the window's shortcuts again."""
+    """Line of text; Return ends typing, so that keys are shortcuts again."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -335,7 +340,7 @@ class TextField(QLineEdit):
         self.returnPressed.connect(self.clearFocus)
 
     def event(self, event: QEvent) -> bool:
-        """Leave undo to the form and the window until a text is typed."""
+        """Leave undo to the window unless a text is being typed."""
         is_undo = event.type() == QEvent.Type.ShortcutOverride and undoes_or_redoes(cast(QKeyEvent, event))
         if is_undo and not self.isModified():
             event.ignore()
@@ -344,7 +349,7 @@ class TextField(QLineEdit):
 
 
 class TagField(TextField):
-    """Field for tags, separated by commas; ``tags_edited`` is emitted only for edits by the user."""
+    """Text field for tags separated by commas; ``tags_edited`` is emitted only if the user edits."""
 
     tags_edited = Signal(tuple)
 
@@ -357,7 +362,7 @@ class TagField(TextField):
         self.editingFinished.connect(self._read)
 
     def show_tags(self, tags: tuple[str, ...]) -> None:
-        """Show the document's tags, unless others are being typed."""
+        """Show tags, unless the user is typing."""
         self._tags = tags
         if not self.hasFocus() or tags_in(self.text()) != tags:
             self.setText(", ".join(tags))
@@ -370,7 +375,7 @@ class TagField(TextField):
 
 
 class Segments(QWidget):
-    """Two to four exclusive buttons in one row."""
+    """Row of two to four exclusive buttons."""
 
     value_chosen = Signal(object)
 
@@ -392,36 +397,36 @@ class Segments(QWidget):
         self._group.idClicked.connect(lambda index: self.value_chosen.emit(self._values[index]))
 
     def show_value(self, value: object) -> None:
-        """Show the document's value."""
+        """Select the button of a value."""
         self._group.button(self._values.index(value)).setChecked(True)
 
 
 def room_on_screen(window: QWidget) -> QSize:
-    """Greatest size of a dialog on the screen of a window, title bar and borders taken off."""
+    """Maximum size of a dialog on the screen of ``window``, without title bar and borders."""
     return QSize(window.screen().availableSize() - DIALOG_MARGIN)
 
 
 def undoes_or_redoes(event: QKeyEvent) -> bool:
-    """True for the keys of undo and redo."""
+    """True for the shortcuts of undo and redo."""
     return event.matches(QKeySequence.StandardKey.Undo) or event.matches(QKeySequence.StandardKey.Redo)
 
 
 def return_keys(widget: QWidget) -> None:
-    """Give the keys of a widget that is about to be hidden to its window; Qt would give them to the next button."""
+    """Give the focus back to the window before ``widget`` is hidden; Qt would give it to the next button."""
     focused = QApplication.focusWidget()
     if focused is not None and (focused is widget or widget.isAncestorOf(focused)):
         widget.window().setFocus()
 
 
 def check_box(text: str = "") -> QCheckBox:
-    """Checkbox that takes the focus only by Tab, so that Space goes on playing after a click."""
+    """Checkbox that is focused only by Tab, so that Space still starts playback after a click."""
     box = QCheckBox(escaped_mnemonics(text))
     box.setFocusPolicy(Qt.FocusPolicy.TabFocus)
     return box
 
 
 def press_button(text: str, run: Callable[[], object] | None, role: str = "") -> QPushButton:
-    """Button that takes the focus only by Tab, so that Space goes on playing after a click."""
+    """Button that is focused only by Tab, so that Space still starts playback after a click."""
     button = QPushButton(escaped_mnemonics(text))
     button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
     if role:

@@ -1,4 +1,4 @@
-"""Form of reference footage: its name, start and speed."""
+"""Form of reference footage: name, start and frame rate."""
 
 from studio.core.stage.footage import FOOTAGE_RATES, Footage
 from studio.document.document import Document
@@ -8,7 +8,7 @@ from studio.panels.fields import NumberField, Section, styled_label
 
 
 class FootageEditor(Editor[Footage]):
-    """Name, start and rate, and facts of the file."""
+    """Form of reference footage: name, start, frame rate, and facts of the file."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -29,7 +29,7 @@ class FootageEditor(Editor[Footage]):
         self.finish()
 
     def refresh(self) -> None:
-        """Show the present footage."""
+        """Show the current values."""
         footage = self.entity
         self._name.show_name()
         self._start.show_value(footage.start)

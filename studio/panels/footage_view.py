@@ -1,4 +1,4 @@
-"""Reference footage at the playhead: a frame as large as the panel allows, and a text below it."""
+"""Reference footage panel: the frame at the playhead, scaled to the panel, with a text below."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,12 +8,12 @@ from PySide6.QtWidgets import QWidget
 
 from studio.document import colours
 
-BELOW_PX = 20
+FOOTAGE_TEXT_HEIGHT_PX = 20
 NO_FOOTAGE_HINT = "No footage yet. File > Add footage… adds a video or an image sequence."
 
 
 class FootageView(QWidget):
-    """View of one picture, which is kept until another one comes."""
+    """Widget that shows one image until another one replaces it."""
 
     opened = Signal()
 
@@ -31,7 +31,7 @@ class FootageView(QWidget):
         return QSize(316, 210)
 
     def show_picture(self, picture: NDArray[np.uint8] | None, words: str) -> None:
-        """Show a picture (height, width, 3), or none, and words below it."""
+        """Show an image (height, width, 3) or none, and a text below it."""
         self.words = words
         self.setAccessibleDescription(words)
         self.update()
@@ -44,17 +44,17 @@ class FootageView(QWidget):
 
     @property
     def image(self) -> QImage:
-        """Shown picture; null if there is none."""
+        """Shown image; null if there is none."""
         return self._image
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Request the present picture."""
+        """Emit ``opened``, so that the current frame is loaded."""
         super().showEvent(event)
         self.opened.emit()
 
     def paintEvent(self, _: QPaintEvent) -> None:
-        """Draw the picture, in its proportions, above the text."""
-        area = self.rect().adjusted(0, 0, 0, -BELOW_PX)
+        """Draw the image in its aspect ratio, above the text."""
+        area = self.rect().adjusted(0, 0, 0, -FOOTAGE_TEXT_HEIGHT_PX)
         with QPainter(self) as painter:
             painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
             if not self._image.isNull():

@@ -1,4 +1,4 @@
-"""Form of the ground: its kind and its measures; every body follows a moving slider."""
+"""Form of the ground: type and parameters; all characters follow a dragged slider."""
 
 import math
 from dataclasses import dataclass, fields
@@ -20,13 +20,15 @@ GROUND_CHOICES: tuple[tuple[type[Ground], str], ...] = (
     (HeightMap, "Height map"),
     (SurfaceMesh, "Mesh"),
 )
-MADE_HERE = (Ground, Slope, Steps, Bumps)
-"""The kinds that need nothing but numbers; the others come from files and are offered where one is loaded."""
+NUMERIC_GROUND_KINDS = (Ground, Slope, Steps, Bumps)
+"""Ground types defined by numbers; the other types come from files and are offered only if one is loaded."""
 
 
 @dataclass(frozen=True)
 class GroundSlider:
-    """Slider for a field, from ``low`` to ``high`` in the field's own unit; it shows ``scale`` times that."""
+    """Slider of a ground parameter: limits in the parameter's own unit, and the factor ``scale`` to the displayed
+    unit.
+    """
 
     name: str
     words: str
@@ -38,7 +40,7 @@ class GroundSlider:
     whole: bool = False
 
     def reading(self, value: float) -> str:
-        """Value as text."""
+        """Displayed text of a value."""
         if self.unit in PER_METRE:
             return length_text(value, self.unit, self.decimals)
         return f"{value * self.scale:.{self.decimals}f}{self.unit}"
@@ -46,7 +48,7 @@ class GroundSlider:
 
 SHOWN_DEGREES = math.degrees(1.0)
 DIRECTION_SLIDER = GroundSlider("direction", "Direction", -math.pi, math.pi, "°", SHOWN_DEGREES, 0)
-MEASURES: dict[type[Ground], tuple[GroundSlider, ...]] = {
+GROUND_SLIDERS: dict[type[Ground], tuple[GroundSlider, ...]] = {
     Slope: (
         GroundSlider("angle", "Angle", -math.radians(30.0), math.radians(30.0), "°", SHOWN_DEGREES, 1),
         DIRECTION_SLIDER,
@@ -63,7 +65,7 @@ MEASURES: dict[type[Ground], tuple[GroundSlider, ...]] = {
         GroundSlider("seed", "Seed", 0, 50, "", decimals=0, whole=True),
     ),
 }
-GROUND_PLACES: dict[type[Ground], tuple[str, str]] = {
+GROUND_ORIGINS: dict[type[Ground], tuple[str, str]] = {
     Slope: ("foot", "Start position"),
     Steps: ("start", "First step position"),
     HeightMap: ("origin", "Origin"),
@@ -71,12 +73,14 @@ GROUND_PLACES: dict[type[Ground], tuple[str, str]] = {
 
 
 class GroundEditor(Editor[Ground]):
-    """Kind and height of the ground, and below them the measures of that kind."""
+    """Form of the ground: type and height, and below them the parameters of the type."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
         section = Section("Ground")
-        self._kind = Choice("Ground type", [(kind, words) for kind, words in GROUND_CHOICES if kind in MADE_HERE])
+        self._kind = Choice(
+            "Ground type", [(kind, words) for kind, words in GROUND_CHOICES if kind in NUMERIC_GROUND_KINDS]
+        )
         self._kind.value_chosen.connect(self._choose)
         section.add_row("Type", self._kind)
         self._height = self.bind(
@@ -85,7 +89,7 @@ class GroundEditor(Editor[Ground]):
         )
         section.add_row("Height", self._height)
         self.column.addWidget(section)
-        self._forms = {kind: _KindSection(self, kind) for kind in (*MEASURES, HeightMap)}
+        self._forms = {kind: _KindSection(self, kind) for kind in (*GROUND_SLIDERS, HeightMap)}
         for form in self._forms.values():
             self.column.addWidget(form)
         hint = styled_label("Planted feet follow the ground, on every character.", "hint")
@@ -94,7 +98,7 @@ class GroundEditor(Editor[Ground]):
         self.finish()
 
     def refresh(self) -> None:
-        """Update kind, height and measures."""
+        """Update type, height and parameters."""
         ground = self.entity
         kind, words = next(pair for pair in GROUND_CHOICES if pair[0] is type(ground))
         if not self._kind.offers(kind):
@@ -107,34 +111,34 @@ class GroundEditor(Editor[Ground]):
                 form.refresh()
 
     def _choose(self, kind: type[Ground]) -> None:
-        """Set the kind of ground; measures of both kinds are kept."""
+        """Change the type of ground; parameters that both types have are kept."""
         if kind is type(self.entity):
             return
         words = dict(GROUND_CHOICES)[kind].lower()
         names = {field.name for field in fields(kind)} & {field.name for field in fields(self.entity)}
         kept = {name: getattr(self.entity, name) for name in names}
-        if kind in MADE_HERE:
+        if kind in NUMERIC_GROUND_KINDS:
             self.replace_entity(lambda: kind(**kept), f"Set ground to {words}")
         self.refresh()
 
 
 class _KindSection(Section):
-    """Sliders and position of one kind of ground."""
+    """Form section with the sliders and the position of one type of ground."""
 
     def __init__(self, editor: GroundEditor, kind: type[Ground]) -> None:
         self._words = dict(GROUND_CHOICES)[kind]
         super().__init__(self._words)
         self._editor = editor
-        self._sliders = {measure: self._make_slider(measure, kind) for measure in MEASURES.get(kind, ())}
+        self._sliders = {measure: self._make_slider(measure, kind) for measure in GROUND_SLIDERS.get(kind, ())}
         self._place = ""
         self._fields: list[NumberField] = []
-        if kind in GROUND_PLACES:
-            self._place, words = GROUND_PLACES[kind]
+        if kind in GROUND_ORIGINS:
+            self._place, words = GROUND_ORIGINS[kind]
             self._fields = [self._make_field(words, axis) for axis in range(2)]
             self.add_row(words, *self._fields)
 
     def refresh(self) -> None:
-        """Update every measure."""
+        """Update every parameter."""
         ground = self._editor.entity
         for measure, slider in self._sliders.items():
             value = getattr(ground, measure.name)

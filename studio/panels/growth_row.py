@@ -1,4 +1,4 @@
-"""Form row for proportions that are keyed over time, and for their keys."""
+"""Form row for keyed proportions and their keys."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -13,7 +13,7 @@ from studio.panels.fields import Section, check_box
 
 
 class GrowthRow(KeyRow):
-    """Check box for proportions that are keyed over the stage's time, and a row with the keys."""
+    """Checkbox that keys the proportions over stage time, and a row with the keys."""
 
     def __init__(
         self, editor: Editor[Character | Performer], section: Section, character_id: Callable[[], str]
@@ -40,7 +40,7 @@ class GrowthRow(KeyRow):
         return proportions if isinstance(proportions, KeyedProportions) else None
 
     def _seconds(self) -> float:
-        """Stage time in seconds of the frame at the playhead."""
+        """Stage time in seconds of the playhead, rounded to a frame."""
         playhead = self._editor.document.playhead
         return playhead.frame / playhead.frame_rate
 

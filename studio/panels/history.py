@@ -1,4 +1,4 @@
-"""History: every step by its text; a click goes back to it."""
+"""History panel: the list of undo steps; a click undoes or redoes up to a step."""
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QUndoStack
@@ -8,7 +8,7 @@ from studio.panels.fields import FIELD_ICON_PX, styled_label
 
 
 class History(QWidget):
-    """Undo stack as a list."""
+    """List of all undo steps."""
 
     def __init__(self, undo_stack: QUndoStack) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""Inspector: the form of the selected entity, found by its collection and kind."""
+"""Inspector: the form of the selected entity, chosen by its collection and kind."""
 
 from collections.abc import Callable
 
@@ -44,12 +44,12 @@ ENTITY_EDITORS: dict[str, Callable[[Document, Live, str, str], Editor[object]]] 
     "states": StateEditor,
     "transitions": TransitionEditor,
 }
-DRAGGED_MILLISECONDS = 100
-"""Milliseconds between two updates of the form during a drag, since bodies are updated first."""
+DRAG_REFRESH_MILLISECONDS = 100
+"""Milliseconds between two updates of the form during a drag, so that characters are updated first."""
 
 
 def _silence(editor: Editor[object]) -> None:
-    """Disconnect a form whose entity was deleted, so that releasing a button or leaving a field has no effect."""
+    """Disconnect a form whose entity was deleted, so that its fields no longer change anything."""
     if editor.gesture is not None:
         editor.end()
     for child in editor.findChildren(QWidget):
@@ -57,17 +57,19 @@ def _silence(editor: Editor[object]) -> None:
 
 
 class Inspector(QScrollArea):
-    """View of one form, kept up to date."""
+    """Inspector, which shows the form of the selection and keeps it up to date."""
 
     reimport_requested = Signal(str, object)
     steps_requested = Signal(str)
-    """Capture id, {option: value}: the file is to be read otherwise."""
+    """Emitted with the capture's id to make the steps that were detected the ground."""
     markers_requested = Signal(str)
-    """Capture id: its markers are to be shown."""
+    """Emitted with the capture's id to open its markers."""
     character_requested = Signal(str)
-    """Capture id: its actor is to become a character."""
+    """Emitted with the capture's id to create a character from its actor."""
     remap_requested = Signal(str, object, str)
-    """Character id, {part: joint}, text of the undo step: the character is to be bound anew."""
+    """Emitted with the character's id, {part: joint} and the text of the undo step, to bind the character with another
+    body map.
+    """
 
     def __init__(self, document: Document, live: Live) -> None:
         super().__init__()
@@ -81,7 +83,7 @@ class Inspector(QScrollArea):
         document.selection.changed.connect(self._show_current)
         document.entity_changed.connect(self._entity_changed)
         document.project_opened.connect(self._show_current)
-        self._dragged = QTimer(self, singleShot=True, interval=DRAGGED_MILLISECONDS)
+        self._dragged = QTimer(self, singleShot=True, interval=DRAG_REFRESH_MILLISECONDS)
         self._dragged.timeout.connect(self._refresh)
         self._show_current()
 
@@ -141,5 +143,5 @@ class Inspector(QScrollArea):
             self.editor.update_title()
 
     def current_form(self) -> QWidget | None:
-        """Visible form."""
+        """Form that is shown; None if there is none."""
         return self.editor

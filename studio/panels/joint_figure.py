@@ -1,4 +1,4 @@
-"""All joints of a body at rest, seen from behind, each of which can be clicked."""
+"""Figure of all joints of a body in its rest pose, seen from behind, which can be clicked."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ _MARGIN, _LETTER_MARGIN, _NEAR, _DOT = 10.0, 6.0, 12.0, 2.5
 
 
 class JointFigure(QWidget):
-    """Joints of body parts are filled; the one of the part that is being chosen is ringed."""
+    """Figure of joints: those assigned to a body part are filled, the joint of the selected part has a ring."""
 
     clicked = Signal(str)
 
@@ -33,12 +33,12 @@ class JointFigure(QWidget):
         self._ringed: int | None = None
 
     def sizeHint(self) -> QSize:
-        """Width of the panel."""
+        """Preferred width of the panel."""
         return QSize(120, JOINT_FIGURE_HEIGHT)
 
     def show_body(self, skeleton: Skeleton, positions: FloatArray, body_map: BodyMap, ringed: int | None) -> None:
-        """Show joints at ``positions`` (J, 3), Z up, of a body with this map; ``ringed`` is the joint of the chosen
-        part.
+        """Show joints at ``positions`` (J, 3), Z up, with a body map; the joint with the index ``ringed`` gets a
+        ring.
         """
         left = positions[body_map[BodyPart.LEFT_THIGH]] - positions[body_map[BodyPart.RIGHT_THIGH]]
         left = left * [1.0, 1.0, 0.0]
@@ -54,11 +54,11 @@ class JointFigure(QWidget):
         self.update()
 
     def place_of(self, name: str) -> QPointF:
-        """Point of the widget at which a joint is drawn."""
+        """Position in the widget at which a joint is drawn."""
         return QPointF(*self._places()[self._names.index(name)])
 
     def joint_at(self, point: QPointF) -> str | None:
-        """Name of the nearest joint within reach of the mouse."""
+        """Name of the joint nearest to ``point``; None if none is near."""
         if not self._names:
             return None
         away = np.linalg.norm(self._places() - [point.x(), point.y()], axis=1)
@@ -66,7 +66,7 @@ class JointFigure(QWidget):
         return self._names[nearest] if away[nearest] <= _NEAR else None
 
     def _places(self) -> FloatArray:
-        """(J, 2) pixels."""
+        """(J, 2) pixel positions of the joints."""
         body = self._flat[self._body]
         low, high = body.min(axis=0), body.max(axis=0)
         room = np.array([self.width(), self.height()]) - 2.0 * _MARGIN
@@ -75,12 +75,12 @@ class JointFigure(QWidget):
         return np.asarray(centre + scale * (self._flat - 0.5 * (low + high)) * [1.0, -1.0])
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Report the joint under the mouse."""
+        """Emit the joint under the mouse."""
         if (name := self.joint_at(event.position())) is not None:
             self.clicked.emit(name)
 
     def event(self, event: QEvent) -> bool:
-        """Show the name of the joint under the mouse."""
+        """Show the name of the joint under the mouse as tooltip."""
         if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip:
             QToolTip.showText(event.globalPos(), self.joint_at(QPointF(event.pos())) or "Click a joint.", self)
             return True

@@ -1,4 +1,4 @@
-"""Form of a label: the name of a moment or range of a motion."""
+"""Form of a label, the name of a frame or frame range of a motion."""
 
 from studio.core.captures.annotations import Label
 from studio.document.document import Document

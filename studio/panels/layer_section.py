@@ -1,4 +1,4 @@
-"""Form section of a layer's settings beyond its clip: body region, weight, fades, and if it is additive."""
+"""Form section of a layer: body region, weight, fades, and additive mode."""
 
 from PySide6.QtCore import QSignalBlocker
 
@@ -11,7 +11,7 @@ from studio.panels.fields import PER_CENT, Choice, NumberField, Section, check_b
 
 
 class LayerSection(Section):
-    """Part of the form of a clip that is a layer."""
+    """Form section with the settings of a clip that is a layer."""
 
     def __init__(self, editor: Editor[Clip]) -> None:
         super().__init__("Layer")
@@ -47,7 +47,7 @@ class LayerSection(Section):
         self.add_wide(styled_label("Foot contacts come from the clips that drive the legs.", "hint"))
 
     def refresh(self) -> None:
-        """Update everything; nothing is shown for a clip of a row."""
+        """Update all fields; the section is hidden for a clip of the track."""
         layer = clip_edits.layer_of(self._editor.document.project, self._editor.entity_id)
         self.setVisible(layer is not None)
         if layer is None:

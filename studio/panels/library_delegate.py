@@ -1,4 +1,4 @@
-"""Drawing of a row of the library: picture, mark, name, detail, eye."""
+"""Painting of the rows of the library: thumbnail, mark, name, detail and eye."""
 
 from pathlib import Path
 
@@ -7,27 +7,27 @@ from PySide6.QtGui import QColor, QFont, QFontMetrics, QIcon, QPainter
 from PySide6.QtWidgets import QAbstractItemView, QStyle, QStyledItemDelegate, QStyleOptionViewItem
 
 from studio.document import colours
-from studio.panels.library_rows import OPENED, LibraryRow
+from studio.panels.library_rows import SCENE_COLLECTIONS, LibraryRow
 from studio.panels.thumbnails import Thumbnails
 from studio.resources_folder import resources_folder
 
 LIBRARY_ROW_ROLE = Qt.ItemDataRole.UserRole
 LIBRARY_ROW_HEIGHT = 26
 PICTURE_SIDE, PICTURE_ROW_HEIGHT = 36, 40
-PICTURED = ("captures", "characters", "performers", *OPENED)
-"""First members of the items whose rows have a picture."""
-HEAD_HEIGHT = 36
+COLLECTIONS_WITH_PICTURE = ("captures", "characters", "performers", *SCENE_COLLECTIONS)
+"""Collections whose rows have a thumbnail."""
+LIBRARY_HEAD_HEIGHT_PX = 36
 LIBRARY_MARK_PX = 12
-MARK = 8
-EYE = 16
-EYE_WIDTH = 32
-HEAD_PIXELS = 11
+MARK_SIZE_PX = 8
+EYE_SIZE_PX = 16
+EYE_COLUMN_PX = 32
+HEAD_FONT_PIXELS = 11
 DETAIL_FONT_PIXELS = 11
-HINT_PIXELS = 12
+HINT_FONT_PIXELS = 12
 
 
 class LibraryDelegate(QStyledItemDelegate):
-    """Rows on a 4 px grid; only bodies and constraint kinds have colours."""
+    """Delegate that paints library rows; only characters and constraint kinds are coloured."""
 
     def __init__(self, view: QAbstractItemView, thumbnails: Thumbnails) -> None:
         super().__init__(view)
@@ -41,13 +41,13 @@ class LibraryDelegate(QStyledItemDelegate):
         row: LibraryRow = index.data(LIBRARY_ROW_ROLE)
         if row.hint:
             width = self._view.viewport().width() - 2 * LIBRARY_MARK_PX
-            room = QFontMetrics(_sized(option.font, HINT_PIXELS)).boundingRect(
+            room = QFontMetrics(_sized(option.font, HINT_FONT_PIXELS)).boundingRect(
                 QRect(0, 0, max(width, 1), 0), Qt.TextFlag.TextWordWrap, row.text
             )
             return QSize(0, max(room.height() + 8, LIBRARY_ROW_HEIGHT))
         if row.item is None:
-            return QSize(0, HEAD_HEIGHT)
-        return QSize(0, PICTURE_ROW_HEIGHT if row.item[0] in PICTURED else LIBRARY_ROW_HEIGHT)
+            return QSize(0, LIBRARY_HEAD_HEIGHT_PX)
+        return QSize(0, PICTURE_ROW_HEIGHT if row.item[0] in COLLECTIONS_WITH_PICTURE else LIBRARY_ROW_HEIGHT)
 
     def paint(
         self, painter: QPainter, option: QStyleOptionViewItem, index: QModelIndex | QPersistentModelIndex
@@ -66,11 +66,11 @@ class LibraryDelegate(QStyledItemDelegate):
         painter.setPen(QColor(colours.TEXT_THIRD))
         place = rect.adjusted(LIBRARY_MARK_PX, 0, -LIBRARY_MARK_PX, 0)
         if row.hint:
-            painter.setFont(_sized(font, HINT_PIXELS))
+            painter.setFont(_sized(font, HINT_FONT_PIXELS))
             flags = Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft | Qt.TextFlag.TextWordWrap
             painter.drawText(place, flags, row.text)
             return
-        head = _sized(font, HEAD_PIXELS)
+        head = _sized(font, HEAD_FONT_PIXELS)
         head.setWeight(QFont.Weight.DemiBold)
         head.setLetterSpacing(QFont.SpacingType.PercentageSpacing, 106)
         painter.setFont(head)
@@ -85,13 +85,14 @@ class LibraryDelegate(QStyledItemDelegate):
             painter.fillRect(option.rect, QColor(colours.BAR))
         if option.state & state.State_HasFocus:
             painter.fillRect(
-                QRect(option.rect.left(), option.rect.top(), 2, option.rect.height()), QColor(colours.KINDS["position"])
+                QRect(option.rect.left(), option.rect.top(), 2, option.rect.height()),
+                QColor(colours.KIND_COLOURS["position"]),
             )
 
     def _paint_row(self, painter: QPainter, rect: QRect, font: QFont, row: LibraryRow) -> None:
         left, right = rect.left() + LIBRARY_MARK_PX, rect.right() - LIBRARY_MARK_PX
         hidden = row.shown is False
-        pictured = row.item is not None and row.item[0] in PICTURED
+        pictured = row.item is not None and row.item[0] in COLLECTIONS_WITH_PICTURE
         if row.item is not None and pictured:
             picture = self._thumbnails.of(*row.item)
             if picture is not None:
@@ -104,8 +105,11 @@ class LibraryDelegate(QStyledItemDelegate):
             left += self._paint_mark(painter, left, rect.center().y(), row, hidden)
         if row.shown is not None:
             eye = self._closed_eye if hidden else self._eye
-            eye.paint(painter, QRect(right - EYE + 2, rect.center().y() - EYE // 2 + 1, EYE, EYE))
-            right -= EYE + 6
+            eye.paint(
+                painter,
+                QRect(right - EYE_SIZE_PX + 2, rect.center().y() - EYE_SIZE_PX // 2 + 1, EYE_SIZE_PX, EYE_SIZE_PX),
+            )
+            right -= EYE_SIZE_PX + 6
         lines = QRect(left, rect.top(), right - left, rect.height())
         if pictured:
             upper, lower = lines.adjusted(0, 3, 0, -lines.height() // 2), lines.adjusted(0, lines.height() // 2, 0, -3)
@@ -130,12 +134,12 @@ class LibraryDelegate(QStyledItemDelegate):
         colour = QColor(row.colour)
         painter.setPen(colour if hidden else Qt.PenStyle.NoPen)
         painter.setBrush(Qt.BrushStyle.NoBrush if hidden else colour)
-        mark = QRectF(left + 0.5, middle - MARK / 2 + 0.5, MARK, MARK)
+        mark = QRectF(left + 0.5, middle - MARK_SIZE_PX / 2 + 0.5, MARK_SIZE_PX, MARK_SIZE_PX)
         if row.round_mark:
             painter.drawEllipse(mark)
         else:
             painter.drawRoundedRect(mark, 2, 2)
-        return MARK + 8
+        return MARK_SIZE_PX + 8
 
 
 def _icon(file: Path) -> QIcon:

@@ -8,11 +8,13 @@ from PySide6.QtWidgets import QWidget
 
 from studio.document.dragging import item_in
 
-BODIES = ("performers", "characters")
+BODY_COLLECTIONS = ("performers", "characters")
 
 
 class LibraryDrops(QObject):
-    """Event filter of a view: takes drags of rows of these ``collections``, leaves others to the view."""
+    """Event filter that accepts drags of library rows of the given ``collections`` and emits ``dropped``; other drags
+    are left to the view.
+    """
 
     dropped = Signal(tuple)
 

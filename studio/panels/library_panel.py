@@ -1,6 +1,6 @@
-"""Library: the project's entities, the visibility of bodies, and scenes to be opened.
+"""Library panel: the entities of the project, the visibility of characters, and scenes that can be opened.
 
-Its selection of entities and the document's are kept equal.
+The panel's selection and the document's selection are kept equal.
 """
 
 from collections.abc import Iterable, Sequence
@@ -25,9 +25,9 @@ from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QListView, QVBoxLayo
 
 from studio.core.stage.project import Performer
 from studio.document.document import Document
-from studio.document.dragging import CAPTURE, LIBRARY_ITEM, carried_item
-from studio.panels.library_delegate import EYE_WIDTH, LIBRARY_ROW_ROLE, LibraryDelegate
-from studio.panels.library_rows import BUNDLED, OPENED, SAVED, LibraryRow, rows_of, scene_rows
+from studio.document.dragging import CAPTURE_MIME, LIBRARY_ITEM_MIME, item_drag_data
+from studio.panels.library_delegate import EYE_COLUMN_PX, LIBRARY_ROW_ROLE, LibraryDelegate
+from studio.panels.library_rows import BUNDLED_SCENE, SAVED_PROJECT, SCENE_COLLECTIONS, LibraryRow, rows_of, scene_rows
 from studio.panels.thumbnails import Thumbnails
 
 EYE_HINT = "Click the eye to show/hide the selected items; Alt+click to solo."
@@ -35,14 +35,14 @@ Index = QModelIndex | QPersistentModelIndex
 
 
 class LibraryModel(QAbstractListModel):
-    """Rows as a Qt model; heads and hints cannot be selected."""
+    """Qt model of the rows; titles and hints cannot be selected."""
 
     def __init__(self) -> None:
         super().__init__()
         self.rows: list[LibraryRow] = []
 
     def show(self, rows: list[LibraryRow]) -> None:
-        """Show these rows; if only texts differ, the view keeps its scroll position."""
+        """Set the rows; if only texts differ, the scroll position is kept."""
         if [row.item for row in rows] == [row.item for row in self.rows]:
             self.rows = rows
             self.dataChanged.emit(self.index(0), self.index(len(rows) - 1))
@@ -71,21 +71,21 @@ class LibraryModel(QAbstractListModel):
         row = self.rows[index.row()] if index.isValid() else None
         if row is None or row.item is None:
             return Qt.ItemFlag.NoItemFlags
-        can_be_dragged = row.item[0] in ("captures", *OPENED) or row.shown is False
+        can_be_dragged = row.item[0] in ("captures", *SCENE_COLLECTIONS) or row.shown is False
         dragged = Qt.ItemFlag.ItemIsDragEnabled if can_be_dragged else Qt.ItemFlag.NoItemFlags
         return Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable | dragged
 
     def mimeTypes(self) -> list[str]:
-        return [LIBRARY_ITEM, CAPTURE]
+        return [LIBRARY_ITEM_MIME, CAPTURE_MIME]
 
     def mimeData(self, indexes: Sequence[QModelIndex]) -> QMimeData:
-        """Data of the first dragged row: a capture, a body that is not on the stage, or a scene."""
+        """MIME data of the first dragged row: a capture, a character that is not on the stage, or a scene."""
         items = [row.item for row in (self.rows[each.row()] for each in indexes) if row.item]
-        return carried_item(items[0])
+        return item_drag_data(items[0])
 
 
 class LibraryView(QListView):
-    """List with clickable eyes."""
+    """List view with clickable eyes."""
 
     eye_clicked = Signal(object)
     solo_clicked = Signal(object)
@@ -112,7 +112,7 @@ class LibraryView(QListView):
             super().keyPressEvent(event)
 
     def event(self, event: QEvent) -> bool:
-        """Let the arrow keys move through the list while it has the focus, and not through time."""
+        """Let the arrow keys move through the list while it has the focus, instead of through time."""
         arrows = (Qt.Key.Key_Up, Qt.Key.Key_Down)
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in arrows:
             event.accept()
@@ -126,11 +126,13 @@ class LibraryView(QListView):
 
     def _eye(self, event: QMouseEvent) -> QRect:
         rect = self.visualRect(self.indexAt(event.position().toPoint()))
-        return rect.adjusted(rect.width() - EYE_WIDTH, 0, 0, 0)
+        return rect.adjusted(rect.width() - EYE_COLUMN_PX, 0, 0, 0)
 
 
 class SearchField(QLineEdit):
-    """Search field; Esc empties it. Esc, Return and Down return the focus by ``left``."""
+    """Search field of the library. Esc clears the text; Esc, Return and Down emit ``left``, on which the list takes the
+    focus.
+    """
 
     left = Signal()
     KEYS = (Qt.Key.Key_Escape, Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Down)
@@ -142,7 +144,7 @@ class SearchField(QLineEdit):
         self.setClearButtonEnabled(True)
 
     def event(self, event: QEvent) -> bool:
-        """Reserve the keys from the window's actions while the field has the focus."""
+        """Reserve the field's keys from shortcuts while it has the focus."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in self.KEYS:
             event.accept()
             return True
@@ -158,8 +160,10 @@ class SearchField(QLineEdit):
 
 
 class LibraryPanel(QWidget):
-    """Content of the dock. ``performance_requested`` requests a capture for the visible bodies, the other two request
-    a bundled scene by its key and a project by its path.
+    """Content of the library panel.
+
+    ``performance_requested`` carries the id of a capture to be played by the visible characters, ``scene_requested``
+    the key of a bundled scene, ``project_requested`` the path of a project file to be opened.
     """
 
     performance_requested = Signal(str)
@@ -205,7 +209,7 @@ class LibraryPanel(QWidget):
         self.refresh()
 
     def refresh(self) -> None:
-        """Update all rows; a row that stays does not move under the mouse."""
+        """Update all rows; the row under the mouse does not move."""
         anchor, bar = self._anchor(), self.view.verticalScrollBar()
         scrolled = bar.value()
         with QSignalBlocker(self.view.selectionModel()):
@@ -217,13 +221,15 @@ class LibraryPanel(QWidget):
         self._show_selection()
 
     def show_recent(self, recent: Iterable[Path]) -> None:
-        """List these project files, the newest first, with the pictures that they have now."""
+        """List project files, newest first, with their thumbnails."""
         self._scenes = scene_rows(recent)
         self.thumbnails.forget_saved()
         self.refresh()
 
     def _anchor(self) -> tuple[tuple[str, str], int] | None:
-        """Item whose row is to stay, and its top pixel: the one under the mouse, else the current one if it is seen."""
+        """Item whose row must not move, with its top in pixels: the one under the mouse, else the current one if it is
+        in view. None without one.
+        """
         remaining = {row.item for row in self._rows()}
         mouse, area = self.view.viewport().mapFromGlobal(QCursor.pos()), self.view.viewport().rect()
         rects = {row.item: self.row_rect(row.item) for row in self.model.rows if row.item and row.item in remaining}
@@ -241,12 +247,12 @@ class LibraryPanel(QWidget):
         self.refresh()
 
     def _show_change(self) -> None:
-        """Update the rows if they have changed; most drags change no row."""
+        """Update the rows if they have changed, which most drags do not."""
         if self._rows() != self.model.rows:
             self.refresh()
 
     def row_rect(self, item: tuple[str, str]) -> QRect:
-        """Rectangle of an entity's row in the list's viewport."""
+        """Rectangle of an item's row in the viewport of the list."""
         return self.view.visualRect(self._index(item))
 
     def _index(self, item: tuple[str, str]) -> QModelIndex:
@@ -278,7 +284,7 @@ class LibraryPanel(QWidget):
 
     def _select(self) -> None:
         rows = [index.data(LIBRARY_ROW_ROLE) for index in self.view.selectionModel().selectedIndexes()]
-        entities = [row.item for row in rows if row.item is not None and row.item[0] not in OPENED]
+        entities = [row.item for row in rows if row.item is not None and row.item[0] not in SCENE_COLLECTIONS]
         if entities or not rows:  # a scene is no part of the project
             self.document.selection.set(*entities)
 
@@ -293,7 +299,7 @@ class LibraryPanel(QWidget):
             self._put_on_stage(entity_id)
 
     def _solo(self, row: LibraryRow) -> None:
-        """Show only one performer, or those selected with it; show all if they are shown alone already."""
+        """Show only one performer, or those selected with it; show all if only they are visible already."""
         collection, entity_id = row.item or ("", "")
         if collection != "performers":
             return
@@ -303,7 +309,7 @@ class LibraryPanel(QWidget):
         self._show_performers({key: alone or key in kept for key in performers}, "Show all" if alone else "Solo")
 
     def _show_performers(self, visible: dict[str, bool], verb: str) -> None:
-        """Show and hide performers in one undo step."""
+        """Set the visibility of performers by id, in one undo step."""
         performers = self.document.project.performers
         names = [performers[key].name for key in visible]
         what = names[0] if len(names) == 1 else f"{len(names)} characters"
@@ -329,9 +335,9 @@ class LibraryPanel(QWidget):
         match row.item:
             case ("captures", capture_id):
                 self.performance_requested.emit(capture_id)
-            case (collection, key) if collection == BUNDLED:
+            case (collection, key) if collection == BUNDLED_SCENE:
                 self.scene_requested.emit(key)
-            case (collection, path) if collection == SAVED:
+            case (collection, path) if collection == SAVED_PROJECT:
                 self.project_requested.emit(Path(path))
             case _ if row.shown is not None:
                 self._toggle(row)

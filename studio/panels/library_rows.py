@@ -1,4 +1,4 @@
-"""Rows of the library as plain values: heads, entities of a project, and scenes that can be opened in its place."""
+"""Rows of the library as plain values: titles, entities of the project, and scenes that can be opened."""
 
 import unicodedata
 from collections.abc import Iterable, Sequence
@@ -15,14 +15,14 @@ from studio.engine.point_names import point_words
 from studio.library.scenes import SCENES
 
 Item = tuple[str, str]
-BUNDLED, SAVED = "scenes", "projects"
-"""First members of the items of scenes: the second is the key of a bundled scene, or the path of a project's file."""
-OPENED = (BUNDLED, SAVED)
+BUNDLED_SCENE, SAVED_PROJECT = "scenes", "projects"
+"""Pseudo-collections in the items of scenes: the id is the key of a bundled scene, or the path of a project file."""
+SCENE_COLLECTIONS = (BUNDLED_SCENE, SAVED_PROJECT)
 
 
 @dataclass(frozen=True)
 class LibraryRow:
-    """One row. A head has no item; a hint is a head in sentence case."""
+    """Row of the library. A title or hint has no ``item``."""
 
     text: str
     detail: str = ""
@@ -30,7 +30,7 @@ class LibraryRow:
     colour: str | None = None
     round_mark: bool = True
     shown: bool | None = None
-    """True if the body is on the stage; None where nothing can be shown or hidden."""
+    """True if the character is visible; None if the row has no visibility."""
     hint: bool = False
     strong: bool = False
     tags: tuple[str, ...] = ()
@@ -38,16 +38,16 @@ class LibraryRow:
 
     @property
     def words(self) -> str:
-        """Words by which it is found: its name and its tags."""
+        """Text that the search matches: name and tags."""
         return " ".join((self.text, *self.tags))
 
 
 def rows_of(
     project: Project, motion_id: str | None, search: str = "", scenes: Sequence[LibraryRow] = ()
 ) -> list[LibraryRow]:
-    """All rows in their order; constraints are those of ``motion_id``, ``scenes`` come last.
+    """All rows in order: entities of the project, constraints of the motion ``motion_id``, and ``scenes`` last.
 
-    With a ``search``, only rows whose names or tags contain each of its words, and the heads above them.
+    With ``search``, only rows whose name or tags contain each of its words, and the titles above them.
     """
     sections = (
         ("Captures", _captures(project, motion_id), "Drop a capture here"),
@@ -65,10 +65,12 @@ def rows_of(
 
 
 def scene_rows(recent: Iterable[Path]) -> list[LibraryRow]:
-    """Rows of ``recent`` project files and of all bundled scenes."""
-    saved = [LibraryRow(path.name, str(path.parent), (SAVED, str(path))) for path in recent]
+    """Rows of the ``recent`` project files and of all bundled scenes."""
+    saved = [LibraryRow(path.name, str(path.parent), (SAVED_PROJECT, str(path))) for path in recent]
     bundled = [
-        LibraryRow(scene.title, ", ".join(scene.tags), (BUNDLED, scene.key), tags=scene.tags, description=scene.text)
+        LibraryRow(
+            scene.title, ", ".join(scene.tags), (BUNDLED_SCENE, scene.key), tags=scene.tags, description=scene.text
+        )
         for scene in SCENES
     ]
     return saved + bundled
@@ -138,7 +140,7 @@ def _tagged(detail: str, tags: tuple[str, ...]) -> str:
 
 
 def _stature(character: Character) -> str:
-    """``1.66 m``, or ``1.20 – 1.94 m`` for a growing character."""
+    """Stature as text, ``1.66 m``, or ``1.20 – 1.94 m`` if it is keyed."""
     keyed = character.proportions
     if not isinstance(keyed, KeyedProportions):
         return length_text(character.morphology.stature, "m", 2)
@@ -164,7 +166,7 @@ def _constraints(project: Project, motion_id: str | None) -> list[LibraryRow]:
 
 
 def _point(constraint: Constraint) -> str:
-    """Point of a constraint, unless its name contains it."""
+    """Name of the constrained point; empty if the constraint's name contains it."""
     words = constraint.shown.about or point_words(constraint.point)
     return "" if words in constraint.name.lower() else words
 

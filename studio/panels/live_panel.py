@@ -1,4 +1,4 @@
-"""Live panel: input over the network, its mapping to bodies and props, and output."""
+"""Live panel: network input, its mapping to performers and props, and output."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,17 +20,17 @@ from PySide6.QtWidgets import (
 from studio.document import colours
 from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, check_box, press_button, styled_label
 
-OWN_CLIPS, NO_INPUT, NO_PROP = "Own clips", "Nothing", "No prop yet"
-NO_INPUTS = "Not listening. Choose a port and press Listen, or replay a recording."
-LIST_HEIGHT = 98
+OWN_CLIPS_LABEL, NO_INPUT_LABEL, NO_PROP_LABEL = "Own clips", "Nothing", "No prop yet"
+NO_INPUTS_HINT = "Not listening. Choose a port and press Listen, or replay a recording."
+INPUT_LIST_HEIGHT_PX = 98
 CENTRED = Qt.AlignmentFlag.AlignVCenter
 KEY_ROLE, SENDER_ROLE = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1
 
 
 @dataclass(frozen=True)
 class SenderRow:
-    """Sender to a port: ``on`` if its packets are accepted, packets per second, seconds since the last
-    (None: never).
+    """Sender to a port: ``on`` if its packets are accepted, ``rate`` in packets per second, ``age`` in seconds since
+    the last packet (None: never).
     """
 
     address: str
@@ -41,7 +41,7 @@ class SenderRow:
 
 @dataclass(frozen=True)
 class InputRow:
-    """Port or replayed recording: its name, and ``words`` on it and the bodies that it drives."""
+    """Port or replayed recording: its name, and a text ``words`` about it and the performers that it drives."""
 
     key: str
     name: str
@@ -51,22 +51,24 @@ class InputRow:
 
 
 class LivePanel(QScrollArea):
-    """Content of the dock; every signal is a request of the user."""
+    """Content of the Live panel; every signal is a request of the user."""
 
     listen_requested = Signal(int, str)
-    """Port, address."""
+    """Emitted with port and address."""
     replay_requested = Signal()
     record_requested = Signal()
     close_requested = Signal(str)
     sender_switched = Signal(str, str, bool)
-    """Input, address, on."""
+    """Emitted with the input, the address of the sender, and True to accept it."""
     body_driven = Signal(str, str)
-    """Performer, input; without one its own clips play."""
+    """Emitted with the performer and the input that shall drive it; empty for its own clips."""
     head_tracked = Signal(str, str, str)
-    """Input, names with commas between them, prop; without an input nothing is tracked."""
+    """Emitted with the input, the names of bones or trackers separated by commas, and the prop; without input tracking
+    ends.
+    """
     performer_shown = Signal(str)
     streaming_requested = Signal(bool, str, int)
-    """On, address, first port."""
+    """Emitted with True to stream, the address, and the first port."""
 
     def __init__(self, port: int, loopback: str, out_port: int) -> None:
         super().__init__()
@@ -80,24 +82,24 @@ class LivePanel(QScrollArea):
         self.address.setToolTip("Network: senders are listed; enable each to accept it")
         self.inputs = self._make_list()
         self.record = press_button("Record…", self.record_requested.emit)
-        self.performer, self.body = Choice("Character", ()), Choice("Driven by", ((None, OWN_CLIPS),))
+        self.performer, self.body = Choice("Character", ()), Choice("Driven by", ((None, OWN_CLIPS_LABEL),))
         self.head, self.prop = (
-            Choice("Head tracking input", ((None, NO_INPUT),)),
-            Choice("Driven prop", ((None, NO_PROP),)),
+            Choice("Head tracking input", ((None, NO_INPUT_LABEL),)),
+            Choice("Driven prop", ((None, NO_PROP_LABEL),)),
         )
         self.names = QLineEdit("Head")
         self.names.setToolTip("One bone, or trackers separated by commas (their mean is used)")
         self.stream = check_box("Stream visible characters as VMC")
         self.out_address, self.out_port = QLineEdit(loopback), NumberField("Port", "", 1, 65_535, 1, 0)
         self.out_port.show_value(out_port)
-        self.told, self.out_told = styled_label(NO_INPUTS, "hint"), styled_label("", "hint")
+        self.told, self.out_told = styled_label(NO_INPUTS_HINT, "hint"), styled_label("", "hint")
         self._lay_out()
         self._connect()
 
     # Display
 
     def show_inputs(self, rows: Sequence[InputRow], told: str) -> None:
-        """List the inputs; choices are kept, and rows are updated in place."""
+        """List the inputs; choices of the user are kept, and rows are updated in place."""
         with QSignalBlocker(self.inputs):
             for place, row in enumerate(rows):
                 top = self.inputs.topLevelItem(place) or QTreeWidgetItem(self.inputs)
@@ -114,32 +116,32 @@ class LivePanel(QScrollArea):
                 top.setExpanded(True)
             for place in range(self.inputs.topLevelItemCount() - 1, len(rows) - 1, -1):
                 self.inputs.takeTopLevelItem(place)
-        self.told.setText(told if rows else NO_INPUTS)
-        for choice, none in ((self.body, OWN_CLIPS), (self.head, NO_INPUT)):
+        self.told.setText(told if rows else NO_INPUTS_HINT)
+        for choice, none in ((self.body, OWN_CLIPS_LABEL), (self.head, NO_INPUT_LABEL)):
             chosen = choice.value
             choice.offer([(None, none), *((row.key, row.name) for row in rows)])
             choice.show_value(chosen if choice.offers(chosen) else None)
 
     def offer(self, performers: Sequence[tuple[str, str]], props: Sequence[tuple[str, str]]) -> None:
-        """Offer the performers and props that can be driven."""
+        """Set the performers and props that can be driven."""
         offered: list[tuple[Choice, list[tuple[object, str]]]]
-        offered = [(self.performer, [*performers]), (self.prop, [*props] or [(None, NO_PROP)])]
+        offered = [(self.performer, [*performers]), (self.prop, [*props] or [(None, NO_PROP_LABEL)])]
         for choice, items in offered:
             chosen = choice.value
             choice.offer(items)
             choice.show_value(chosen if choice.offers(chosen) else items[0][0] if items else None)
 
     def show_driver(self, input_key: str | None) -> None:
-        """Show the input that drives the chosen body."""
+        """Show the input that drives the chosen performer."""
         self.body.show_value(input_key)
 
     def show_recording(self, words: str) -> None:
-        """Show the recorded amount; ``words`` are empty without a recording."""
+        """Show the recorded amount as text; an empty text means that nothing is recorded."""
         self.record.setText("Stop recording" if words else "Record…")
         self.record.setToolTip(words)
 
     def show_streaming(self, on: bool, words: str) -> None:
-        """Show if bodies are streamed, and ``words`` on the address of each."""
+        """Show if characters are streamed, and a text about their addresses."""
         with QSignalBlocker(self.stream):
             self.stream.setChecked(on)
         self.out_told.setText(words)
@@ -151,7 +153,7 @@ class LivePanel(QScrollArea):
         made.setObjectName("live_inputs")
         made.setAccessibleName("Inputs (ports, recordings) and their senders")
         made.setHeaderLabels(["Input", "Packets/s", "Last packet"])
-        made.setFixedHeight(LIST_HEIGHT)
+        made.setFixedHeight(INPUT_LIST_HEIGHT_PX)
         made.setRootIsDecorated(False)
         made.setIndentation(14)
         made.setUniformRowHeights(True)
@@ -231,7 +233,7 @@ class LivePanel(QScrollArea):
         self.head_tracked.emit(str(self.head.value or ""), self.names.text(), str(self.prop.value or ""))
 
     def ask_to_stream(self, on: bool) -> None:
-        """Request streaming of bodies to the address in the fields, or its end."""
+        """Emit a request to start or stop streaming to the address in the fields."""
         self.streaming_requested.emit(on, self.out_address.text().strip(), round(self.out_port.value()))
 
 

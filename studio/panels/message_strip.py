@@ -1,4 +1,4 @@
-"""Message line under the viewport, and the bar that asks a question. Never modal."""
+"""Message strip under the 3D view, and its variant for questions. Neither is modal."""
 
 import re
 from collections.abc import Callable
@@ -15,21 +15,21 @@ Answer = tuple[str, Callable[[], object]]
 
 
 class Lifetime(IntEnum):
-    """Latest event that removes a message; a message also ends at every event of a smaller value."""
+    """Event that removes a message; a message also ends at every event of a smaller value."""
 
     CLOSED = 0
-    """The user closes it, or another message comes."""
+    """The user closes the message, or another one is shown."""
     PROJECT_OPENED = 1
-    """Another project is shown: for what is said about this one."""
+    """Another project is opened; for messages about the current project."""
     EDITED = 2
-    """The project is edited: for advice on the next edit."""
+    """The project is edited; for advice on the next edit."""
     SELECTED = 3
-    """Something else is selected: for what an action needs first."""
+    """The selection changes; for messages that ask for a selection."""
 
 
 @dataclass(frozen=True)
 class UserMessage:
-    """Sentence for the user, its buttons, and its lifetime."""
+    """Message to the user: sentence, buttons, and lifetime."""
 
     sentence: str
     answers: tuple[Answer, ...] = ()
@@ -37,13 +37,13 @@ class UserMessage:
     warns: bool = True
 
 
-LONG_WORD = re.compile(r"\S{60}(?=\S)")
-"""Part of a word, as of a path, after which a line may break: a word in one piece would make the window as wide."""
-PRESSING = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+LONG_WORD_PATTERN = re.compile(r"\S{60}(?=\S)")
+"""Pattern for breaking long words, such as paths, which would otherwise widen the window."""
+PRESS_KEYS = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
 class MessageStrip(QWidget):
-    """One sentence with a button to close it; hidden without a message."""
+    """Strip with one message and a button to close it; hidden without a message."""
 
     def __init__(self, name: str = "message_strip") -> None:
         super().__init__()
@@ -64,11 +64,11 @@ class MessageStrip(QWidget):
 
     @property
     def text(self) -> str:
-        """Shown sentence; empty while the strip is hidden."""
+        """Shown sentence; empty if the strip is hidden."""
         return "" if self.isHidden() else self._sentence
 
     def show_sentence(self, sentence: str, *answers: Answer) -> None:
-        """Show a sentence and buttons; any of them closes the strip."""
+        """Show a sentence with buttons for its ``answers``; each button closes the strip."""
         for button in self._answers:
             self._row.removeWidget(button)
             button.deleteLater()
@@ -78,12 +78,12 @@ class MessageStrip(QWidget):
             self._make_button(*answer, main=place == 0 and bool(answers)) for place, answer in enumerate(chosen)
         ]
         self._sentence = sentence
-        self._label.setText(LONG_WORD.sub("\\g<0>\u200b", sentence))
+        self._label.setText(LONG_WORD_PATTERN.sub("\\g<0>\u200b", sentence))
         self.setAccessibleName(sentence)
         self.show()
 
     def show_message(self, message: UserMessage) -> None:
-        """Show a message; an empty one removes the last one."""
+        """Show a message; an empty one removes the current one."""
         if message.sentence:
             self.show_sentence(message.sentence, *message.answers)
             self._lifetime = message.lifetime
@@ -93,27 +93,29 @@ class MessageStrip(QWidget):
             self.clear()
 
     def clear_at(self, event: Lifetime) -> None:
-        """Remove the message if its lifetime ends with the event."""
+        """Remove the message if ``event`` ends its lifetime."""
         if self._lifetime >= event:
             self.clear()
 
     def ask_user(self, sentence: str, *answers: Answer) -> None:
-        """``say`` with the focus on the first answer: Tab goes on, Enter presses, Esc presses the last one."""
+        """Show a question with the focus on the first answer: Tab moves on, Enter presses, Esc presses the last
+        answer.
+        """
         self.show_sentence(sentence, *answers)
         self._answers[0].setFocus(Qt.FocusReason.PopupFocusReason)
 
     def event(self, event: QEvent) -> bool:
-        """Reserve the keys of answers from the window's shortcuts while an answer has the focus."""
-        keys = (*PRESSING, Qt.Key.Key_Space, Qt.Key.Key_Escape)
+        """Reserve the keys of answers from shortcuts while an answer has the focus."""
+        keys = (*PRESS_KEYS, Qt.Key.Key_Space, Qt.Key.Key_Escape)
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride and event.key() in keys:
             event.accept()
             return True
         return bool(super().event(event))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Press the focused answer, or with Esc the last one."""
+        """Press the focused answer with Enter, or the last one with Esc."""
         focused = next((button for button in self._answers if button.hasFocus()), None)
-        if event.key() in PRESSING and focused is not None:
+        if event.key() in PRESS_KEYS and focused is not None:
             focused.click()
         elif event.key() == Qt.Key.Key_Escape:
             self._answers[-1].click()
@@ -126,7 +128,7 @@ class MessageStrip(QWidget):
         self.hide()
 
     def press(self, text: str) -> None:
-        """Press one of the buttons by its text."""
+        """Press a button by its text."""
         next(button for button in self._answers if button.text() == text).click()
 
     def _make_button(self, text: str, run: Callable[[], object], main: bool) -> QPushButton:
@@ -140,7 +142,7 @@ class MessageStrip(QWidget):
 
 
 class RecoveryBar(MessageStrip):
-    """Bar that offers the recovery of a crashed session; declining deletes nothing."""
+    """Message strip that offers to recover a crashed session; declining deletes nothing."""
 
     refused = Signal()
 
@@ -148,5 +150,5 @@ class RecoveryBar(MessageStrip):
         super().__init__("recovery_bar")
 
     def offer(self, words: str, recover: Callable[[], object]) -> None:
-        """Show the offer, without a modal dialog."""
+        """Show the offer ``words``; ``recover`` is called if the user accepts."""
         self.show_sentence(words, ("Recover", recover), ("Not now", self.refused.emit))

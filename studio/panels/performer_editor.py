@@ -1,4 +1,4 @@
-"""Form of a body on the stage: its visibility, placement, clips and build."""
+"""Form of a performer: visibility, placement, clips, and the proportions of its character."""
 
 import math
 from collections.abc import Callable
@@ -18,10 +18,12 @@ PLACEMENT_LIMIT = 1000.0
 
 
 class PerformerEditor(Editor[Performer]):
-    """Performer and character in one form: to the animator they are one body."""
+    """Form of a performer and its character, which to the animator are one character on the stage."""
 
     remap_requested = Signal(str, object, str)
-    """Character id, {part: joint}, text of the undo step."""
+    """Emitted with the character's id, {part: joint} and the text of the undo step, to bind the character with another
+    body map.
+    """
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -75,9 +77,7 @@ class PerformerEditor(Editor[Performer]):
         self.finish()
 
     def depends_on(self, collection: str, entity_id: str) -> bool:
-        """True if the form has to be refreshed for a change of this entity: its performer, or any character, since
-        characters fill its list.
-        """
+        """True for the performer itself and for all characters, which the form lists."""
         return super().depends_on(collection, entity_id) or collection == "characters"
 
     def refresh(self) -> None:
@@ -120,7 +120,7 @@ class PerformerEditor(Editor[Performer]):
         self.change(f"{kept} of {self.entity.name}", clears=clears)
 
     def _recast(self, character_id: str) -> None:
-        """Replace the character; the performer takes its name unless the user has named it."""
+        """Replace the performer's character; the performer takes the new name unless the user has renamed it."""
         characters = self.document.project.characters
         new, old = characters[character_id], characters[self.entity.character_id]
         name = new.name if self.entity.name == old.name else self.entity.name

@@ -1,4 +1,4 @@
-"""Panel of the pose library: thumbnails of saved poses, the part to which they are applied, and the blend."""
+"""Panel of saved poses: thumbnails, the body region to which a pose is applied, and the blend."""
 
 from collections.abc import Iterable, Sequence
 
@@ -6,16 +6,16 @@ from PySide6.QtCore import QMimeData, QSignalBlocker, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
-from studio.document.dragging import POSE, carried_row
+from studio.document.dragging import POSE_MIME, row_drag_data
 from studio.panels.fields import PER_CENT, Choice, press_button, styled_label
 from studio.panels.sliders import ValueSlider
 from studio.panels.thumbnails import THUMBNAIL_PIXELS
 
-NO_POSES = "No pose is saved yet. Save pose stores the selected character's pose at the playhead."
+NO_POSES_HINT = "No pose is saved yet. Save pose stores the selected character's pose at the playhead."
 
 
 class PoseList(QListWidget):
-    """Thumbnails of poses with their names, to be dragged onto a body."""
+    """List of saved poses with thumbnails, which can be dragged onto a character."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -32,15 +32,15 @@ class PoseList(QListWidget):
         self.setEditTriggers(QListWidget.EditTrigger.EditKeyPressed)
 
     def mimeTypes(self) -> list[str]:
-        return [POSE]
+        return [POSE_MIME]
 
     def mimeData(self, items: Sequence[QListWidgetItem]) -> QMimeData:
-        """Index of the dragged pose."""
-        return carried_row(POSE, self.row(items[0]))
+        """MIME data with the index of the dragged pose."""
+        return row_drag_data(POSE_MIME, self.row(items[0]))
 
 
 class PosePanel(QWidget):
-    """Panel whose signals carry the row of a pose in the list."""
+    """Panel of saved poses; its signals carry the row of a pose in the list."""
 
     save_requested = Signal()
     apply_requested = Signal(int)
@@ -83,16 +83,16 @@ class PosePanel(QWidget):
 
     @property
     def fraction(self) -> float:
-        """Weight of the pose in the blend, from 0 to 1."""
+        """Blend weight of the pose, from 0 to 1."""
         return self._fraction
 
     def set_blend(self, fraction: float) -> None:
-        """Set the slider."""
+        """Set the slider of the blend weight, from 0 to 1."""
         self._fraction = fraction
         self.blend.show_value(fraction, f"{PER_CENT * fraction:.0f} %")
 
     def show_poses(self, poses: Sequence[tuple[str, QIcon]], problems: Sequence[str], current: int = -1) -> None:
-        """List the names and thumbnails of poses, and the sentences about unreadable files."""
+        """List poses by name and thumbnail, and messages about unreadable files; ``current`` is the row to select."""
         with QSignalBlocker(self.poses):
             self.poses.clear()
             for name, picture in poses:
@@ -101,17 +101,17 @@ class PosePanel(QWidget):
                 item.setToolTip(f"{name}. Double-click to apply, F2 to rename, or drag it onto a character")
                 self.poses.addItem(item)
             self.poses.setCurrentRow(current)
-        self._hint.setText("\n".join(problems) if poses or problems else NO_POSES)
+        self._hint.setText("\n".join(problems) if poses or problems else NO_POSES_HINT)
         self._hint.setVisible(bool(self._hint.text()))
         self._row_changed(current)
 
     def edit_name(self, row: int) -> None:
-        """Let the user type the name of a pose in the list."""
+        """Let the user edit the name of a pose in the list."""
         self.poses.setFocus()
         self.poses.editItem(self.poses.item(row))
 
     def _item_changed(self, item: QListWidgetItem) -> None:
-        """Report a name once its editor is closed, as the list may be filled anew."""
+        """Emit the new name after its editor is closed, because the list may be refilled then."""
         row, name = self.poses.row(item), item.text().strip()
         QTimer.singleShot(0, self, lambda: self.pose_renamed.emit(row, name))
 

@@ -1,4 +1,4 @@
-"""Poses of the motion library as a map: one figure for each group of poses, lines between similar groups."""
+"""Map of the poses in the motion library: one figure per group of poses, with lines between similar groups."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,21 +15,21 @@ from studio.panels.stick_figure import FigureView, paint_sticks
 FloatArray = NDArray[np.float64]
 
 FIGURE_CELL_PX, FIGURE_CAPTION_PX, FIGURE_MARGIN_PX = 92.0, 16.0, 8.0
-"""Least pixels of a figure's place across, of the words under it, and round all of them."""
+"""Minimum width in pixels of a figure's cell, height of the text below it, and margin around the map."""
 NO_CLIPS_HINT = "The motion library has no clips yet. Add a folder of captures in the Strikes panel."
-FACING = (1.0, 0.35)
-"""Direction that figures face: to the right, a little towards the viewer."""
+FIGURE_FACING = (1.0, 0.35)
+"""Direction that the figures face: to the right, and slightly towards the viewer."""
 LETTER_PX, LETTER_AWAY_PX = 9, 6.0
-"""Height of the letters at the ends of limbs, and how far beyond the ends they stand, in pixels."""
-LISTED_CLIPS = 4
-"""Clips that a tooltip names."""
+"""Height of the letters at the ends of limbs, and their distance from the ends, in pixels."""
+MAX_LISTED_CLIPS = 4
+"""Number of clips that a tooltip names."""
 SIDES_HINT = "L and R mark left and right."
 
 
 @dataclass(frozen=True, eq=False)
 class PoseGroup:
-    """Group of poses: typical pose (P, 3), its forward direction (2,), map position (2,), similar groups, words, and
-    the names of its clips, the one with most poses first.
+    """Group of similar poses: the typical pose (P, 3) in metres, its forward direction (2,), its map position (2,),
+    similar groups, a caption, and the names of its clips, those with most poses first.
     """
 
     points: FloatArray
@@ -41,8 +41,8 @@ class PoseGroup:
 
 
 class PoseMapView(QWidget):
-    """``looked_at`` is emitted with the group under the mouse, -1 for none; ``chosen`` with a clicked one; ``opened``
-    requests groups when the map becomes visible.
+    """Map of pose groups. ``group_highlighted`` carries the group under the mouse (-1: none), ``pose_chosen`` the
+    clicked one; ``opened`` is emitted when the map becomes visible.
     """
 
     opened = Signal()
@@ -65,7 +65,9 @@ class PoseMapView(QWidget):
         return QSize(900, 260)
 
     def show_groups(self, groups: Sequence[PoseGroup], sticks: NDArray[np.intp], sides: NDArray[np.intp]) -> None:
-        """Show other groups, whose points ``sticks`` (S, 2) join, of ``sides`` (S,): -1 middle, 0 left, 1 right."""
+        """Show groups; ``sticks`` (S, 2) are pairs of points to be joined, and ``sides`` (S,) their side: -1 middle, 0
+        left, 1 right.
+        """
         self._groups, self._sticks, self._sides = groups, sticks, sides
         self._under = self._clicked = -1
         self._arrange()
@@ -92,16 +94,16 @@ class PoseMapView(QWidget):
             self.update()
 
     def leaveEvent(self, _: QEvent) -> None:
-        """Report that no group is under the mouse."""
+        """Emit that no group is under the mouse."""
         self._look(-1)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Request groups, since the map is visible now."""
+        """Emit ``opened``, so that the groups are computed."""
         super().showEvent(event)
         self.opened.emit()
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Report that no group is under the mouse."""
+        """Emit that no group is under the mouse."""
         self._look(-1)
         super().hideEvent(event)
 
@@ -114,18 +116,20 @@ class PoseMapView(QWidget):
             self.update()
 
     def _hint(self, group: int) -> str:
-        """Tooltip of a group: its clips, and what the letters mean."""
+        """Tooltip of a group: its clips, and the meaning of the letters."""
         if group < 0:
             return ""
         names = self._groups[group].clips
-        more = [f"and {len(names) - LISTED_CLIPS} more"] if len(names) > LISTED_CLIPS else []
-        return "\n".join([self._groups[group].words, *names[:LISTED_CLIPS], *more, SIDES_HINT])
+        more = [f"and {len(names) - MAX_LISTED_CLIPS} more"] if len(names) > MAX_LISTED_CLIPS else []
+        return "\n".join([self._groups[group].words, *names[:MAX_LISTED_CLIPS], *more, SIDES_HINT])
 
     def _at(self, position: QPointF) -> int:
         return next((number for number, cell in enumerate(self._cells) if cell.contains(position)), -1)
 
     def _arrange(self) -> None:
-        """Arrange cells in columns by the first axis of largest difference between poses, in rows by the second."""
+        """Arrange the cells in columns along the first axis of largest variation between poses, in rows along the
+        second.
+        """
         count = len(self._groups)
         if not count:
             self._cells = []
@@ -179,7 +183,7 @@ class PoseMapView(QWidget):
         self, painter: QPainter, group: PoseGroup, cell: QRectF, tallest: float, looked: bool, near: bool
     ) -> None:
         x, y = group.forward.tolist()
-        turned = (FACING[0] * x - FACING[1] * y, FACING[1] * x + FACING[0] * y)
+        turned = (FIGURE_FACING[0] * x - FIGURE_FACING[1] * y, FIGURE_FACING[1] * x + FIGURE_FACING[0] * y)
         figure = cell.adjusted(0.0, 0.0, 0.0, -FIGURE_CAPTION_PX)
         colour = colours.TEXT if looked or near else colours.TEXT_SECOND
         paint_sticks(painter, group.points, self._sticks, FigureView(turned, tallest), figure, colours.PANEL, 5.0)
@@ -197,7 +201,9 @@ class PoseMapView(QWidget):
     def _paint_letters(
         self, painter: QPainter, places: FloatArray, sticks: NDArray[np.intp], letter: str, colour: str
     ) -> None:
-        """Letter of a side beyond the ends of its limbs, so that colour is not alone in telling left from right."""
+        """Paint the letter of a side at the ends of its limbs, since colour alone is not enough to tell left from
+        right.
+        """
         ends = {end: begin for begin, end in sticks.tolist()}
         painter.save()
         font = painter.font()

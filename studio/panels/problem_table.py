@@ -1,4 +1,4 @@
-"""Table of every constraint by body, and of whole motions: sorted by any column; a click goes to the worst frame."""
+"""Table of all constraints by character, and of foot sliding, penetration and pops; a click goes to the worst frame."""
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QColor, QHideEvent, QShowEvent
@@ -10,12 +10,16 @@ from studio.engine.quality_summary import ASPECT_HINTS, ASPECTS, Finding, Summar
 from studio.panels.fields import styled_label
 
 PROBLEM_COLUMNS = ("Character", "Constraint", *(aspect.capitalize() for aspect in ASPECTS))
-NO_ROWS = "Nothing is adapted yet. Drop a capture and add constraints; how well they hold is listed here."
-ROW, ASPECT, BADNESS_ROLE = Qt.ItemDataRole.UserRole, Qt.ItemDataRole.UserRole + 1, Qt.ItemDataRole.UserRole + 2
+NO_ROWS_HINT = "Nothing is adapted yet. Drop a capture and add constraints; how well they hold is listed here."
+ROW_ROLE, ASPECT_ROLE, BADNESS_ROLE = (
+    Qt.ItemDataRole.UserRole,
+    Qt.ItemDataRole.UserRole + 1,
+    Qt.ItemDataRole.UserRole + 2,
+)
 
 
 class _Cell(QTableWidgetItem):
-    """A cell that is sorted by its badness, or else by its text."""
+    """Table cell that is sorted by its badness if it has one, else by its text."""
 
     def __lt__(self, other: QTableWidgetItem) -> bool:
         own, theirs = self.data(BADNESS_ROLE), other.data(BADNESS_ROLE)
@@ -25,7 +29,7 @@ class _Cell(QTableWidgetItem):
 
 
 class ProblemTable(QWidget):
-    """Table; ``chosen`` is emitted with a row and the aspect of the clicked or entered cell."""
+    """Sortable problem table; ``problem_chosen`` is emitted with a row and the aspect of the clicked cell."""
 
     problem_chosen = Signal(object, str)
 
@@ -50,7 +54,7 @@ class ProblemTable(QWidget):
         self.table.sortByColumn(2, Qt.SortOrder.DescendingOrder)
         self.table.cellClicked.connect(self._choose)
         self.table.cellActivated.connect(self._choose)
-        self._hint = styled_label(NO_ROWS, "hint")
+        self._hint = styled_label(NO_ROWS_HINT, "hint")
         self._hint.setContentsMargins(12, 8, 12, 8)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
@@ -60,7 +64,7 @@ class ProblemTable(QWidget):
         self.refresh()
 
     def refresh(self) -> None:
-        """Show the rows that the search has found."""
+        """Show the newest rows of the problem search."""
         rows = self._search.rows
         self._hint.setVisible(not rows)
         self.table.setVisible(bool(rows))
@@ -75,8 +79,8 @@ class ProblemTable(QWidget):
 
     def _put(self, line: int, column: int, row: SummaryRow, aspect: str, text: str, finding: Finding | None) -> None:
         cell = _Cell(text if column < 2 else finding.text if finding else "–")
-        cell.setData(ROW, row)
-        cell.setData(ASPECT, aspect)
+        cell.setData(ROW_ROLE, row)
+        cell.setData(ASPECT_ROLE, aspect)
         if column >= 2:
             cell.setData(BADNESS_ROLE, finding.weight if finding else -1.0)
             cell.setTextAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
@@ -88,10 +92,10 @@ class ProblemTable(QWidget):
     def _choose(self, line: int, column: int) -> None:
         cell = self.table.item(line, column)
         if cell is not None:
-            self.problem_chosen.emit(cell.data(ROW), cell.data(ASPECT))
+            self.problem_chosen.emit(cell.data(ROW_ROLE), cell.data(ASPECT_ROLE))
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Resume updates now that the table is visible."""
+        """Resume updates while the table is visible."""
         super().showEvent(event)
         self._search.set_continuous(True)
 

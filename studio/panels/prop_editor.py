@@ -1,4 +1,4 @@
-"""Form of a prop: shape, size, and its position on the stage or its holder."""
+"""Form of a prop: shape, size, and its placement on the stage or by a performer."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -17,8 +17,8 @@ from studio.document.document import Document
 from studio.document.grips import update_grips
 from studio.document.obstacles import obstacles_of, set_obstacle
 from studio.engine.live_interface import Live
-from studio.engine.performance import posed_performers
 from studio.engine.point_names import POINT_NAMES, point_words
+from studio.engine.posed_performer import posed_performers
 from studio.engine.prop_places import (
     PropPose,
     heading_of,
@@ -31,7 +31,7 @@ from studio.engine.prop_places import (
     with_fixed_position,
     wrists_from,
 )
-from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled_position
+from studio.panels.constraint_editors.procedural_rows import PROCEDURAL_KINDS, ProceduralRows, ruled_position
 from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import Choice, Section, check_box, press_button, styled_label
@@ -42,7 +42,7 @@ STAYING, KEYED_PLACE = "stays", "keyed"
 PLACE_CHOICES = (
     (STAYING, "Fixed"),
     (KEYED_PLACE, "Animated"),
-    *RULES,
+    *PROCEDURAL_KINDS,
     (InHand.kind, "Attached to a body point"),
     (Carried.kind, "Carried in both hands"),
 )
@@ -50,7 +50,7 @@ RIGHT_HAND = BodyPoint(BodyPart.RIGHT_HAND)
 
 
 class PropEditor(Editor[Prop]):
-    """Shape, size, and position on the stage; numbers are those at the playhead."""
+    """Form of a prop; position and rotation are those at the playhead."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -113,11 +113,15 @@ class PropEditor(Editor[Prop]):
         self._refresh_moment()
 
     def depends_on(self, collection: str, entity_id: str) -> bool:
-        """True also for performers, which may hold the prop, and for constraints, which may make it an obstacle."""
+        """True for props, for performers, which may hold the prop, and for constraints, which may make it an
+        obstacle.
+        """
         return super().depends_on(collection, entity_id) or collection in ("performers", "constraints")
 
     def _resize(self, size: tuple[float, ...]) -> None:
-        """Resize the selected props in what was edited, and the constraints that make them obstacles."""
+        """Apply the edited components of ``size`` to all selected props, and to the constraints that make them
+        obstacles.
+        """
         text, before, ground = f"Resize {self.entity.name}", self.entity.size, self.document.project.ground
         with self._objections_told(), self.document.group(text, self.gesture):
             for prop_id in self.edited_ids:
@@ -134,7 +138,7 @@ class PropEditor(Editor[Prop]):
 
     @property
     def _hold_now(self) -> InHand | Carried | None:
-        """Hold of the prop at the playhead; without one, its first hold."""
+        """Hold of the prop at the playhead, else its first hold; None if it is never held."""
         prop: Prop = self.entity
         return prop.held_at(self.document.playhead.time) or prop.held
 
@@ -188,7 +192,7 @@ class PropEditor(Editor[Prop]):
     def _place(self, where: str) -> None:
         if where in (STAYING, KEYED_PLACE):
             self._put_made("Release", lambda: with_fixed_position(self.pose, keyed=where == KEYED_PLACE))
-        elif where in dict(RULES):
+        elif where in dict(PROCEDURAL_KINDS):
             x, y, z = self.pose.place.tolist()
             self._put_made(
                 "Set procedural motion of",
@@ -221,7 +225,7 @@ class PropEditor(Editor[Prop]):
             self._put_made("Carry", lambda: self._meanwhile(hold), reaching=reaching_time(wrists_from(pose, holder)))
 
     def _meanwhile(self, hold: InHand | Carried) -> Prop:
-        """Prop whose current hold is replaced by ``hold``, with the same begin and end."""
+        """Prop whose hold at the playhead is replaced by ``hold``, with the same start and end."""
         prop: Prop = self.entity
         old = self._hold_now
         return prop.with_hold(old, replace(hold, begin=old.begin, end=old.end)) if old else prop.with_holds([hold])
@@ -261,7 +265,7 @@ def _span_words(hold: Hold) -> str:
 
 
 def placement_choice(prop: Prop) -> str:
-    """Key in ``PLACE_CHOICES`` of a prop's placement."""
+    """Key of a prop's placement in ``PLACE_CHOICES``."""
     if prop.held is not None:
         return prop.held.kind
     if isinstance(prop.position, ProceduralPlace):

@@ -1,4 +1,6 @@
-"""Reference pose of a capture as interpreted: from behind and from its left, with sides, front and up named."""
+"""Figure of a capture's reference pose as interpreted: from behind and from the left, with sides, front and up
+labelled.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +25,7 @@ _CHAINS = (
 
 
 class ReferenceFigure(QWidget):
-    """Two views of a capture's reference pose; left and right have different colours."""
+    """Two views of a capture's reference pose, in which left and right have different colours."""
 
     def __init__(self, capture: Capture, body_map: BodyMap) -> None:
         super().__init__()
@@ -35,11 +37,11 @@ class ReferenceFigure(QWidget):
         self._drawn = sorted({joint for _, joints in self._chains for joint in joints})
 
     def sizeHint(self) -> QSize:
-        """Width of the panel."""
+        """Preferred width of the panel."""
         return QSize(200, _HEIGHT)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the back view, as of the other figures, at the left, and the view from the body's left at the right."""
+        """Draw the view from behind at the left, and the view of the body's left side at the right."""
         with QPainter(self) as painter:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             half = self.width() / 2.0
@@ -76,7 +78,7 @@ class ReferenceFigure(QWidget):
 
 
 def _standing(capture: Capture, body_map: BodyMap) -> FloatArray:
-    """Joint positions (J, 3) in the reference pose, turned so that the body faces +X, Z up."""
+    """Joint positions (J, 3) in the reference pose, rotated so that the body faces +X with Z up."""
     points: FloatArray = joint_positions(capture.skeleton, rest_poses(capture.skeleton, capture.reference_rotations))[0]
     left = points[body_map[BodyPart.LEFT_THIGH]] - points[body_map[BodyPart.RIGHT_THIGH]]
     left = normalized(left * [1.0, 1.0, 0.0])
@@ -84,7 +86,7 @@ def _standing(capture: Capture, body_map: BodyMap) -> FloatArray:
 
 
 def _chains(capture: Capture, body_map: BodyMap) -> list[tuple[str, list[int]]]:
-    """Chains of joints with their colour: trunk and head, then arms and legs with all their ends."""
+    """Colour and joint indices of each chain: trunk and head, then arms and legs with all their end joints."""
     top = [joint for part in (BodyPart.NECK, BodyPart.HEAD) if (joint := body_map.get(part)) is not None]
     chains = [(colours.TEXT, _to_the_end(capture, [*body_map.spine, *top]))]
     for side, colour in (("RIGHT", colours.RIGHT), ("LEFT", colours.LEFT)):  # the left is nearer in its view
@@ -95,7 +97,7 @@ def _chains(capture: Capture, body_map: BodyMap) -> list[tuple[str, list[int]]]:
 
 
 def _to_the_end(capture: Capture, joints: list[int]) -> list[int]:
-    """``joints`` with the farthest descendant of the last one, so that its direction is visible."""
+    """``joints`` extended by the farthest descendant of the last one, so that its direction is visible."""
     children = capture.skeleton.children[joints[-1]]
     if not children:
         return joints

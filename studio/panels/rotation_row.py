@@ -1,4 +1,4 @@
-"""Form row of a rotation as three angles."""
+"""Form row of a rotation as three Euler angles."""
 
 from collections.abc import Callable
 from functools import partial
@@ -10,15 +10,15 @@ from studio.core.rotations import angle_between, from_euler, to_euler
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section
 
-ORDER = "ZYX"
-"""Intrinsic order; equal to rotations about fixed X, then Y, then Z, so that Z is always the heading."""
-SAME = 1e-3
-"""Angle in radians below which rotations are equal: the fields are rounded, and angles stay as typed."""
+EULER_ORDER = "ZYX"
+"""Intrinsic Euler order; equal to rotations about fixed X, then Y, then Z, so that Z is always the heading."""
+SAME_ANGLE_RADIANS = 1e-3
+"""Angle in radians below which rotations count as equal, so that typed angles are not replaced by rounded ones."""
 
 
 class RotationRow:
-    """Degrees about the X, then the Y, then the Z axis of a ``space``; ``put`` is called with the rotation (x, y, z,
-    w).
+    """Form row of rotation angles in degrees about X, then Y, then Z of ``space``; ``put`` is called with the
+    quaternion (x, y, z, w).
     """
 
     def __init__(
@@ -39,10 +39,10 @@ class RotationRow:
         section.add_row("Rotation (°)", *self._fields).setToolTip(words)
 
     def show_rotation(self, rotation: ArrayLike) -> None:
-        """Show a rotation (x, y, z, w)."""
+        """Show a quaternion (x, y, z, w) as angles."""
         now = np.asarray(rotation, dtype=np.float64)
-        if angle_between(self._rotation(self._shown()), now) > SAME:
-            for field, angle in zip(self._fields, np.degrees(to_euler(ORDER, now))[::-1], strict=True):
+        if angle_between(self._rotation(self._shown()), now) > SAME_ANGLE_RADIANS:
+            for field, angle in zip(self._fields, np.degrees(to_euler(EULER_ORDER, now))[::-1], strict=True):
                 field.show_value(float(angle))
 
     def _shown(self) -> list[float]:
@@ -50,7 +50,7 @@ class RotationRow:
 
     @staticmethod
     def _rotation(degrees: list[float]) -> NDArray[np.float64]:
-        return from_euler(ORDER, np.radians(degrees[::-1]))
+        return from_euler(EULER_ORDER, np.radians(degrees[::-1]))
 
     def _set(self, axis: int, degrees: float) -> None:
         angles = self._shown()

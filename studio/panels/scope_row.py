@@ -1,4 +1,4 @@
-"""Form row of the scope of a constraint or contact: the characters that it applies to."""
+"""Form row of the scope of a constraint or contact: the characters or the clip to which it applies."""
 
 from collections.abc import Callable
 
@@ -14,7 +14,9 @@ UNPLAYED_CLIP = "Unused clip"
 
 
 class ScopeRow:
-    """Choice of scope: all performers of the motion, one performer, or one clip; ``put`` is called with the choice."""
+    """Form row of a scope: all performers of the motion, one performer, or one clip. ``put`` is called with the
+    choice.
+    """
 
     def __init__(
         self, editor: Editor[Constraint | ContactInterval], section: Section, put: Callable[[Scope], None]
@@ -26,7 +28,7 @@ class ScopeRow:
         section.add_row("Applies to", self._choice)
 
     def refresh(self) -> None:
-        """Update the possible scopes and the entity's own."""
+        """Update the choices and select the entity's scope."""
         entity = self._editor.entity
         scopes = scopes_of(self._editor.document.project, entity.motion_id)
         if entity.scope not in scopes:
@@ -36,7 +38,7 @@ class ScopeRow:
 
 
 def scopes_of(project: Project, motion_id: str) -> dict[Scope, str]:
-    """Possible scopes of a constraint or contact of the motion, and their texts."""
+    """Possible scopes of a constraint or contact of a motion, with their labels."""
     scopes = {EVERYONE: "All characters"}
     for key, performer in project.performers.items():
         if any(clip.motion_id == motion_id for clip in performer.clips):

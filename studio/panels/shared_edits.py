@@ -1,4 +1,4 @@
-"""Edits of one of several selected entities, applied to the others as well."""
+"""Transfer of an edit of one selected entity to the other selected ones."""
 
 from collections.abc import Iterable
 from dataclasses import fields, is_dataclass
@@ -7,16 +7,16 @@ from studio.core.changed_records import RecordT, with_fields
 from studio.core.stage.project import Entity
 from studio.document.commands.replace import same_value
 
-INDIVIDUAL = frozenset(
+INDIVIDUAL_FIELDS = frozenset(
     {"name", "motion_id", "priority", "character_id", "clips", "layers", "position", "heading", "holds"}
 )
-"""Fields that each entity keeps for itself."""
+"""Fields that are not transferred to the other entities."""
 _WORDS = {"enabled": "on or off", "scope": "applies to", "end_segment": "end"}
 
 
 def with_edit(other: RecordT, before: object, after: object) -> RecordT:
-    """``other`` with those values in which ``after`` differs from ``before``."""
-    names = [each.name for each in fields(other) if each.name not in INDIVIDUAL]
+    """``other`` with the values in which ``after`` differs from ``before``."""
+    names = [each.name for each in fields(other) if each.name not in INDIVIDUAL_FIELDS]
     edits = {
         name: _edited(getattr(other, name), getattr(before, name), getattr(after, name))
         for name in names
@@ -28,7 +28,7 @@ def with_edit(other: RecordT, before: object, after: object) -> RecordT:
 
 
 def _edited(other: object, before: object, after: object) -> object:
-    """Value with the edited parts; all of ``after`` if the values are of different kinds."""
+    """``other`` with the edited parts of ``after``; all of ``after`` if the types differ."""
     if type(other) is type(before) is type(after):
         if isinstance(other, tuple) and isinstance(before, tuple) and isinstance(after, tuple):
             if len(other) == len(before) == len(after):
@@ -43,12 +43,12 @@ def _edited(other: object, before: object, after: object) -> object:
 
 
 def different_fields(entities: Iterable[Entity]) -> list[str]:
-    """Names of the fields in which entities differ."""
+    """Labels of the fields in which ``entities`` differ."""
     first, *others = entities
     return [
         _WORDS.get(each.name, each.name.replace("_", " "))
         for each in fields(first)
-        if each.name not in INDIVIDUAL
+        if each.name not in INDIVIDUAL_FIELDS
         and any(
             not hasattr(other, each.name) or not same_value(getattr(first, each.name), getattr(other, each.name))
             for other in others

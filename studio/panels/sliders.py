@@ -1,4 +1,4 @@
-"""Slider with its number beside it: one drag, one undo step."""
+"""Slider with its number beside it; a drag is one undo step."""
 
 from PySide6.QtCore import QEvent, QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QKeyEvent
@@ -7,13 +7,11 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QSlider, QWidget
 from studio.panels.fields import styled_label
 
 SLIDER_STEPS = 1000
-VALUE_WIDTH = 62
+SLIDER_VALUE_WIDTH_PX = 62
 
 
 class QuietSlider(QSlider):
-    """Slider that jumps to the pressed position instead of by pages; a double click and Home request
-    the build's value.
-    """
+    """Slider that jumps to the pressed position; a double click or Home emits ``restored``, to reset the value."""
 
     restored = Signal()
 
@@ -30,7 +28,7 @@ class QuietSlider(QSlider):
         self.restored.emit()
 
     def event(self, event: QEvent) -> bool:
-        """Let the arrow keys move the slider while it has the focus, and not the time."""
+        """Let the arrow keys move the slider while it has the focus, instead of the playhead."""
         keys = (Qt.Key.Key_Left, Qt.Key.Key_Right, Qt.Key.Key_Up, Qt.Key.Key_Down)
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in keys:
             event.accept()
@@ -39,7 +37,7 @@ class QuietSlider(QSlider):
 
 
 class ValueSlider(QWidget):
-    """Slider from ``low`` to ``high``; ``begun`` and ``ended`` enclose every change, like those of a number field."""
+    """Slider from ``low`` to ``high`` with a number; ``begun`` and ``ended`` are emitted around every change."""
 
     begun = Signal()
     edited = Signal(float)
@@ -53,7 +51,7 @@ class ValueSlider(QWidget):
         self.slider.setAccessibleName(name)
         self.slider.setToolTip(f"{name}. Double-click to reset.")
         self._value: QLabel = styled_label("", "value")
-        self._value.setFixedWidth(VALUE_WIDTH)
+        self._value.setFixedWidth(SLIDER_VALUE_WIDTH_PX)
         self._value.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         row = QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
@@ -68,7 +66,7 @@ class ValueSlider(QWidget):
         self.slider.restored.connect(self.restored)
 
     def show_value(self, value: float, words: str) -> None:
-        """Show a value of the document, and its text."""
+        """Show a value, and its text ``words``."""
         self._value.setText(words)
         if not self.slider.isSliderDown():
             with QSignalBlocker(self.slider):

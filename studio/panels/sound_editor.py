@@ -1,4 +1,4 @@
-"""Form of a sound track: its name and start."""
+"""Form of a sound track: name and start."""
 
 from studio.core.stage.sound_track import SoundTrack
 from studio.document.document import Document
@@ -8,7 +8,7 @@ from studio.panels.fields import NumberField, Section, styled_label
 
 
 class SoundEditor(Editor[SoundTrack]):
-    """Name and start, and facts of the file."""
+    """Form of a sound track: name, start, and facts of the file."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -24,7 +24,7 @@ class SoundEditor(Editor[SoundTrack]):
         self.finish()
 
     def refresh(self) -> None:
-        """Show the present sound."""
+        """Show the current values."""
         sound = self.entity
         self._name.show_name()
         self._start.show_value(sound.start)

@@ -1,4 +1,4 @@
-"""Content of the inspector while nothing is selected: hints on the next steps."""
+"""Content of the inspector if nothing is selected: hints on first steps."""
 
 from studio.document.document import Document
 from studio.engine.live_interface import Live
@@ -14,7 +14,7 @@ FIRST_HINTS = (
 
 
 class StageEditor(Editor[None]):
-    """Form with a few hints."""
+    """Form with hints on first steps."""
 
     def __init__(self, document: Document, live: Live) -> None:
         super().__init__(document, live, "", "")
@@ -25,5 +25,5 @@ class StageEditor(Editor[None]):
         self.column.addStretch(1)
 
     def depends_on(self, collection: str, entity_id: str) -> bool:
-        """Always False, as the hints never change."""
+        """Always False, since the hints never change."""
         return False

@@ -1,4 +1,4 @@
-"""Status line: frame, frame rate, import guesses, running job, state of the journal."""
+"""Status line: frame, frame rate, import assumptions, running job, and state of the backup."""
 
 import math
 import time
@@ -14,14 +14,14 @@ from studio.document.mnemonics import escaped_mnemonics
 from studio.panels.fields import ElidedText, press_button
 
 STATUS_BAR_WIDTH = 120
-LEAST_TIMED_SECONDS, LEAST_TIMED_SHARE = 3.0, 0.02
+MIN_TIMED_SECONDS, MIN_TIMED_FRACTION = 3.0, 0.02
 """Seconds, and part of a job, that must have been timed before the time left is shown."""
 STEADY_PACE = 1.5
 """Factor by which the pace of the second half of the time may differ from that of the whole."""
 SECONDS_SHOWN_BELOW = 120
-"""Seconds from which the time left is shown in minutes."""
+"""Time left in seconds from which it is shown in minutes."""
 MOTION_NAME_PX = 240
-"""Greatest width of the name of a motion, which is cut in its middle if it is longer."""
+"""Maximum width in pixels of the name of a motion; a longer one is elided in the middle."""
 
 
 @dataclass
@@ -46,7 +46,7 @@ class Pace:
         if not self._timed:
             return ""
         (begin, first), (now, last) = self._timed[0], self._timed[-1]
-        if now - begin < LEAST_TIMED_SECONDS or last - first < LEAST_TIMED_SHARE or last >= 1.0:
+        if now - begin < MIN_TIMED_SECONDS or last - first < MIN_TIMED_FRACTION or last >= 1.0:
             return ""
         middle, reached = self._timed[bisect_left(self._timed, ((begin + now) / 2.0,)) - 1]
         pace, recent = (last - first) / (now - begin), (last - reached) / (now - middle)
@@ -58,11 +58,11 @@ class Pace:
 
 
 class ProgressLine(QWidget):
-    """Running job with its progress, and a button to stop it."""
+    """Progress of the running job, with a button to cancel it."""
 
     cancel_requested = Signal(int)
     message_posted = Signal(str, float)
-    """Words and share of the job that is shown; empty words when none runs."""
+    """Emitted with the text and progress (0 to 1) of the shown job; an empty text if none runs."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         super().__init__()
@@ -89,7 +89,7 @@ class ProgressLine(QWidget):
 
     @property
     def now(self) -> tuple[str, float]:
-        """Text and progress (0 to 1) of the newest running job; empty and 0 if there is none."""
+        """Text and progress (0 to 1) of the newest running job; empty and 0 if none runs."""
         return next(reversed(self._jobs.values()), ("", 0.0))
 
     def begin(self, task: int, title: str) -> None:
@@ -106,7 +106,7 @@ class ProgressLine(QWidget):
             self._show()
 
     def end(self, task: int) -> None:
-        """Remove a job that has ended, in whichever way."""
+        """Remove a job that has finished, failed or been cancelled."""
         self._titles.pop(task, None)
         self._paces.pop(task, None)
         self._jobs.pop(task, None)
@@ -126,10 +126,10 @@ class ProgressLine(QWidget):
 
 
 class StatusLine(QStatusBar):
-    """Frame, rate and guesses at the left; the journal at the right."""
+    """Status line: frame, frame rate and assumptions at the left, state of the backup at the right."""
 
     report_requested = Signal()
-    """The guesses were clicked."""
+    """Emitted when the number of assumptions is clicked."""
 
     def __init__(self, document: Document) -> None:
         super().__init__()
@@ -157,7 +157,7 @@ class StatusLine(QStatusBar):
         self._show_journal()
 
     def show_hint(self, words: str) -> None:
-        """Show a text about the item under the mouse, in one line."""
+        """Show a text about the item under the mouse, on one line."""
         self._told.setText(" · ".join(words.splitlines()))
 
     def _entity_changed(self, collection: str, _: str) -> None:
@@ -187,7 +187,7 @@ class StatusLine(QStatusBar):
 
 
 def journal_words(document: Document) -> str:
-    """State of the journal and number of undo steps; for a stopped journal the advice instead."""
+    """State of the backup and number of undo steps; if the backup has stopped, what to do."""
     count = document.undo_stack.index()
     edits = f"{count} edit" + ("" if count == 1 else "s")
     state, _, detail = document.journal_state.partition(" - ")

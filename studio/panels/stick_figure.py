@@ -1,4 +1,4 @@
-"""Body as a small stick figure, for views without 3D."""
+"""Small stick figures of a body, for views without 3D."""
 
 from dataclasses import dataclass
 
@@ -9,24 +9,26 @@ from PySide6.QtGui import QColor, QPainter, QPen
 
 FloatArray = NDArray[np.float64]
 
-ASLANT = 0.35
-"""Factor of the depth axis in an oblique projection, so that legs and arms do not hide each other."""
+DEPTH_FORESHORTENING = 0.35
+"""Foreshortening of the depth axis in the oblique projection, so that legs and arms do not hide each other."""
 STICK_FIGURE_MARGIN = 4.0
 
 
 @dataclass(frozen=True)
 class FigureView:
-    """Oblique side view of figures: ``heading`` (2,) points to the right, ``height`` metres fill the box."""
+    """Oblique projection of figures: the direction ``heading`` (2,) points to the right, and ``height`` metres fill the
+    box.
+    """
 
     heading: tuple[float, float]
     height: float
 
     def projected(self, points: FloatArray, box: QRectF) -> FloatArray:
-        """Pixels (P, 2) of ``points`` (P, 3), centred in ``box`` on its lower edge."""
+        """Pixels (P, 2) of ``points`` (P, 3) in metres, centred in ``box`` and standing on its lower edge."""
         along = np.array(self.heading) / max(float(np.hypot(*self.heading)), 1e-9)
         across = np.array([-along[1], along[0]])
         middle = points[:, :2].mean(axis=0)
-        right = (points[:, :2] - middle) @ (along - ASLANT * across)
+        right = (points[:, :2] - middle) @ (along - DEPTH_FORESHORTENING * across)
         scale = (box.height() - 2.0 * STICK_FIGURE_MARGIN) / self.height
         return np.column_stack(
             [box.center().x() + scale * right, box.bottom() - STICK_FIGURE_MARGIN - scale * points[:, 2]]
@@ -42,7 +44,7 @@ def paint_sticks(
     colour: str,
     width: float,
 ) -> None:
-    """Paint ``points`` (P, 3), joined by ``pairs`` (B, 2), into ``box``."""
+    """Paint the figure with ``points`` (P, 3) in metres, joined by ``pairs`` (B, 2), into ``box``."""
     places = look.projected(points, box)
     sticks = [QLineF(QPointF(*places[begin]), QPointF(*places[end])) for begin, end in pairs]
     painter.setPen(QPen(QColor(colour), width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))

@@ -1,4 +1,4 @@
-"""Strikes: a search of the motion library for clips that hit a prop, ranked with reasons."""
+"""Strikes panel: clips of the motion library that hit a target, ranked with reasons."""
 
 from collections.abc import Iterable, Sequence
 
@@ -6,28 +6,28 @@ from PySide6.QtCore import QEvent, QMimeData, QObject, Qt, Signal
 from PySide6.QtGui import QHideEvent, QShowEvent
 from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QSizePolicy, QVBoxLayout, QWidget
 
-from studio.document.dragging import STRIKE, carried_row
+from studio.document.dragging import STRIKE_MIME, row_drag_data
 from studio.panels.fields import FIELD_ICON_PX, Choice, Section, Segments, press_button, styled_label
 from studio.panels.two_lines import TwoLines
 
-ALL = "None (list all strikes)"
+NO_TARGET_CHOICE = "None (list all strikes)"
 NO_STRIKES_HINT = "No clips yet. Add a folder of captures: strikes are found in them automatically."
-READY = "Hover to preview a strike. Drag it onto a character or a track, or insert it at the playhead."
-TRYING = "Evaluating strikes in this scene…"
+READY_HINT = "Hover to preview a strike. Drag it onto a character or a track, or insert it at the playhead."
+EVALUATING_HINT = "Evaluating strikes in this scene…"
 NO_MATCH_HINT = "No clip in the library matches that limb and type."
-OF_A_POSE = "Clips that contain the selected pose, best match first."
+POSE_CLIPS_HINT = "Clips that contain the selected pose, best match first."
 INSERT_TIP = "Insert the strike at the playhead, blended in and constrained to the target"
-TARGET_NEEDED = "Choose a target first: a strike is inserted so that it meets it"
-UNSOLVED = "All strikes of the library. Ranking starts when this character and its target are solved."
+TARGET_NEEDED_TIP = "Choose a target first: a strike is inserted so that it meets it"
+UNSOLVED_HINT = "All strikes of the library. Ranking starts when this character and its target are solved."
 OWN_FACE_HINT = "All strikes of the library. A character cannot target its own face: choose another target."
-NO_TARGET = "All strikes of the library. Choose a target, a box or a face, to rank them."
+NO_TARGET_HINT = "All strikes of the library. Choose a target, a box or a face, to rank them."
 
 
 class Strikes(QWidget):
-    """Content of the dock.
+    """Content of the Strikes panel.
 
-    ``wanted`` requests a search, ``chosen`` the use of a result by its index, ``opened`` its label; ``looked_at`` is
-    the result under the mouse or with the focus, -1 for none.
+    ``search_requested`` requests a search, ``strike_chosen`` the insertion of a result by its index, ``opened`` its
+    label; ``strike_highlighted`` carries the result under the mouse or with the focus, -1 for none.
     """
 
     folder_requested = Signal()
@@ -43,7 +43,7 @@ class Strikes(QWidget):
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self._looked, self._usable = -1, False
         section = Section("Target of the strike")
-        self.target = Choice("Target", ((None, ALL),))
+        self.target = Choice("Target", ((None, NO_TARGET_CHOICE),))
         self.aim = Segments("Aim", ((True, "Moving target"), (False, "Position at search")))
         self.aim.setToolTip("Meet the target where it is at the hit frame, or where it was at the search")
         self.aim.value_chosen.connect(self._choose_aim)
@@ -72,7 +72,7 @@ class Strikes(QWidget):
         self.use = press_button(
             "Insert on selected character", lambda: self.strike_chosen.emit(self.results.currentRow())
         )
-        self.use.setToolTip(TARGET_NEEDED)
+        self.use.setToolTip(TARGET_NEEDED_TIP)
         self.use.setEnabled(False)
         self.correct = press_button("Label…", lambda: self.opened.emit(self.results.currentRow()))
         self.correct.setToolTip("Confirm or correct trim range, hit frame, limb and type")
@@ -84,15 +84,17 @@ class Strikes(QWidget):
         column.addLayout(below)
 
     def offer_targets(self, targets: Sequence[tuple[object, str]], wanted: object) -> None:
-        """Offer the targets; select ``wanted`` if it is among them, else the entry ``ALL``."""
-        self.target.offer([(None, ALL), *targets])
+        """Set the targets; select ``wanted`` if it is among them, else ``NO_TARGET_CHOICE``."""
+        self.target.offer([(None, NO_TARGET_CHOICE), *targets])
         self.target.show_value(wanted if self.target.offers(wanted) else None)
 
     def show_results(self, results: Sequence[tuple[str, str]], hint: str, usable: bool = True) -> None:
-        """List (name, reasons), the best first; without a target none is ``usable``."""
+        """List (name, reasons) of each result, best first, with a ``hint``. ``usable`` is False if results cannot be
+        inserted, without a target.
+        """
         self._look(-1)
         self._usable = usable
-        self.use.setToolTip(INSERT_TIP if usable else TARGET_NEEDED)
+        self.use.setToolTip(INSERT_TIP if usable else TARGET_NEEDED_TIP)
         self.results.clear()
         for name, reasons in results:
             item = QListWidgetItem(f"{name}\n{reasons}")
@@ -102,24 +104,24 @@ class Strikes(QWidget):
         self.hint.setText(hint)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Report that no result is under the mouse when it leaves the list."""
+        """Emit that no result is highlighted when the mouse leaves the list."""
         if event.type() == QEvent.Type.Leave:
             self._look(-1)
         return super().eventFilter(watched, event)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Report that the panel is visible."""
+        """Emit that the panel is visible."""
         super().showEvent(event)
         self.shown.emit()
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Report that no result is under the mouse."""
+        """Emit that no result is highlighted."""
         self._look(-1)
         super().hideEvent(event)
 
     @property
     def place(self) -> int | None:
-        """Index of the chosen result in the list; None if none is chosen."""
+        """Index of the selected result; None if none is selected."""
         row = self.results.currentRow()
         return None if row < 0 else row
 
@@ -162,15 +164,15 @@ class Strikes(QWidget):
 
 
 class ResultList(QListWidget):
-    """Rows that can be dragged to a body, or to its row of the timeline."""
+    """List of strikes, which can be dragged to a character or to its track on the timeline."""
 
     def __init__(self) -> None:
         super().__init__()
         self.setDragEnabled(True)
 
     def mimeTypes(self) -> list[str]:
-        return [STRIKE]
+        return [STRIKE_MIME]
 
     def mimeData(self, items: Sequence[QListWidgetItem]) -> QMimeData:
-        """Index of the dragged result."""
-        return carried_row(STRIKE, self.row(items[0]))
+        """MIME data with the index of the dragged result."""
+        return row_drag_data(STRIKE_MIME, self.row(items[0]))

@@ -1,4 +1,4 @@
-"""Thumbnails of captures, characters, poses and scenes; those of the library are made in the background and kept."""
+"""Thumbnails of captures, characters, poses and scenes; those of the library are drawn in the background and cached."""
 
 from collections.abc import Callable, Hashable
 from contextlib import suppress
@@ -21,28 +21,28 @@ from studio.document import colours
 from studio.document.document import Document
 from studio.io.project.project_file import read_thumbnail
 from studio.library.scenes import SCENES
-from studio.panels.library_rows import BUNDLED, SAVED
+from studio.panels.library_rows import BUNDLED_SCENE, SAVED_PROJECT
 
 FloatArray = NDArray[np.float64]
 
 THUMBNAIL_PIXELS = 72
-"""Width and height; rows show half of it in pixels of a usual screen."""
+"""Width and height in pixels, twice the size in the list for high resolution screens."""
 _MARGIN = 4
 _POINTS = 24_000
 _LIGHT = np.array([0.8, 0.3, 0.52])
 _DARKEST = 0.4
 _POSES = ((0.2, -0.3, 70), (0.8, 0.3, 70), (0.5, 0.0, 255))
-"""Moment in the take, offset across the picture and opacity of each pose of a capture."""
+"""Moment as a fraction of the take, horizontal offset and opacity of each pose in the thumbnail of a capture."""
 _POSED_STATURE, _LEAST_HEIGHT = 1.75, 1.2
-"""Metres: the body that shows a pose, and the least height that fills the picture."""
+"""Stature in metres of the body that shows a pose, and minimum height in metres that fills the thumbnail."""
 _FROM_AHEAD = np.array([[-0.5, 0.866, 0.0], [-0.13, -0.075, 0.989], [0.857, 0.494, 0.149]])
-"""Rows: right, up and towards the viewer of the picture of a pose."""
+"""View of a pose thumbnail: the rows are its right, up and towards-viewer axes."""
 _FARTHEST = 0.35
-"""Share of the colour of the nearest bone of a pose that the farthest one has."""
+"""Brightness of the farthest bone of a pose relative to the nearest."""
 
 
 class Thumbnails(QObject):
-    """Thumbnails by entity: None until one is drawn, then ``drawn`` is emitted."""
+    """Cache of thumbnails by entity. A thumbnail is None until it is drawn; then ``drawn`` is emitted."""
 
     drawn = Signal()
     _made = Signal(object, object)
@@ -57,10 +57,10 @@ class Thumbnails(QObject):
         document.project_opened.connect(self._pictures.clear)
 
     def of(self, collection: str, entity_id: str) -> QPixmap | None:
-        """Thumbnail of a capture, a character, a performer or a scene; None if there is none, or none yet."""
-        if collection == BUNDLED:
+        """Thumbnail of a capture, character, performer or scene; None if there is none, or it is not drawn yet."""
+        if collection == BUNDLED_SCENE:
             return self._picture((collection, entity_id), None, lambda: bundled_picture(entity_id))
-        if collection == SAVED:
+        if collection == SAVED_PROJECT:
             return self._picture((collection, entity_id), None, lambda: saved_picture(Path(entity_id)))
         project = self._document.shown_project
         if collection == "performers" and entity_id in project.performers:
@@ -73,12 +73,14 @@ class Thumbnails(QObject):
         return None
 
     def forget_saved(self) -> None:
-        """Read the pictures of project files again when they are shown."""
-        for key in [key for key in self._pictures if isinstance(key, tuple) and key[0] == SAVED]:
+        """Read the thumbnails of project files again when they are next shown."""
+        for key in [key for key in self._pictures if isinstance(key, tuple) and key[0] == SAVED_PROJECT]:
             del self._pictures[key]
 
     def _picture(self, key: Hashable, drawn: object, draw: Callable[[], QImage]) -> QPixmap | None:
-        """Thumbnail by ``key``, that of what is ``drawn``: poses or a skin, which outlast names and lengths."""
+        """Thumbnail cached by ``key``; ``draw`` is called again only if the object ``drawn`` (poses or skin) is another
+        one.
+        """
         if key in self._pictures:
             return self._pictures[key][1]
         self._pictures[key] = (drawn, None)  # kept, so that its id stays its own
@@ -98,17 +100,17 @@ class Thumbnails(QObject):
 
 
 def bundled_picture(key: str) -> QImage:
-    """Picture of the bundled scene of this key."""
+    """Thumbnail of a bundled scene by its key."""
     return _square(next(scene.picture for scene in SCENES if scene.key == key).read_bytes())
 
 
 def saved_picture(path: Path) -> QImage:
-    """Picture in the file of a project; null without one."""
+    """Thumbnail stored in a project file; null if there is none."""
     return _square(read_thumbnail(path) or b"")
 
 
 def _square(content: bytes) -> QImage:
-    """Middle of a picture file; null if there is no picture in ``content``."""
+    """Centre square of an image file; null if ``content`` is not an image."""
     image = QImage.fromData(content)
     side = min(image.width(), image.height())
     middle = image.copy((image.width() - side) // 2, (image.height() - side) // 2, side, side)
@@ -117,7 +119,7 @@ def _square(content: bytes) -> QImage:
 
 
 def character_picture(character: Character, size: int = THUMBNAIL_PIXELS) -> QImage:
-    """Front view of a character in its bind pose, in the colours of its materials."""
+    """Front view of a character in its bind pose, in its material colours."""
     skin = character.skin
     corner, *others = skin.vertices.astype(np.float64)[skin.triangles].swapaxes(0, 1)
     first, second = (other - corner for other in others)
@@ -146,7 +148,7 @@ def character_picture(character: Character, size: int = THUMBNAIL_PIXELS) -> QIm
 
 
 def capture_picture(capture: Capture, size: int = THUMBNAIL_PIXELS) -> QImage:
-    """Front view of three poses of a capture, the middle one brightest."""
+    """Front view of three poses of a capture, of which the middle one is brightest."""
     picture = QImage(size, size, QImage.Format.Format_ARGB32_Premultiplied)
     picture.fill(Qt.GlobalColor.transparent)
     skeleton = capture.skeleton
@@ -169,7 +171,7 @@ def capture_picture(capture: Capture, size: int = THUMBNAIL_PIXELS) -> QImage:
 
 
 def pose_picture(pose: LocalPose, size: int = THUMBNAIL_PIXELS) -> QImage:
-    """Stick figure of an average body in a pose, seen from ahead and its left; farther bones are darker."""
+    """Stick figure of an average body in a pose, seen from the front left; farther bones are darker."""
     body = Physique(_POSED_STATURE).morphology()
     points = standing_points(body, posed_rotations(body.layout, pose))
     seen, depth = points @ _FROM_AHEAD[:2].T, points @ _FROM_AHEAD[2]
@@ -198,14 +200,14 @@ def pose_picture(pose: LocalPose, size: int = THUMBNAIL_PIXELS) -> QImage:
 
 
 def _colours(character: Character) -> FloatArray:
-    """(M, 3) colours of the materials from 0 to 255; the character's own if it has none."""
+    """(M, 3) material colours, 0 to 255; the character's colour if it has no materials."""
     look = character.skin.appearance
     names = [material.colour for material in look.materials] if look else [character.colour]
     return np.array([[int(name[place : place + 2], 16) for place in (1, 3, 5)] for name in names], dtype=np.float64)
 
 
 def _left_of(capture: Capture, places: FloatArray) -> FloatArray:
-    """(3,) horizontal direction to the left of a body whose joints are at ``places`` (J, 3)."""
+    """(3,) horizontal unit vector to the left of a body with joint positions ``places`` (J, 3)."""
     if capture.body_map is None:
         return np.array([0.0, 1.0, 0.0])
     left, right = (places[capture.body_map[part]] for part in (BodyPart.LEFT_THIGH, BodyPart.RIGHT_THIGH))

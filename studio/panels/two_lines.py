@@ -1,4 +1,4 @@
-"""List row with a name, and below it more text in as many lines as it needs."""
+"""List row with a name, and below it wrapped text."""
 
 from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRect, QSize, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetrics, QPainter
@@ -8,19 +8,19 @@ from studio.document import colours
 from studio.panels.fields import FIELD_ICON_PX
 
 LINE_TOP_PX, LINE_GAP_PX, DETAIL_FONT_PX = 7, 2, 12
-WRAPPED = Qt.TextFlag.TextWordWrap
+WRAPPED_TEXT = Qt.TextFlag.TextWordWrap
 Index = QModelIndex | QPersistentModelIndex
 
 
 class TwoLines(QStyledItemDelegate):
-    """Delegate; the first line of an item's text is the name."""
+    """Delegate that paints the first line of an item's text as name, and the rest wrapped below it."""
 
     def sizeHint(self, option: QStyleOptionViewItem, index: Index) -> QSize:
-        """Height of the text in the width of the list."""
+        """Size of the wrapped text in the width of the list."""
         return QSize(0, self._words(option, index, QRect(0, 0, option.rect.width(), 0)).bottom() + LINE_TOP_PX)
 
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
-        """Draw background, name, and text."""
+        """Paint background, name and text."""
         name, _, words = str(index.data()).partition("\n")
         hovered = option.state & QStyle.StateFlag.State_MouseOver
         if option.state & QStyle.StateFlag.State_Selected:
@@ -32,7 +32,7 @@ class TwoLines(QStyledItemDelegate):
         painter.drawText(self._name(option, option.rect), Qt.AlignmentFlag.AlignLeft, name)
         painter.setFont(_small(option.font))
         painter.setPen(QColor(colours.TEXT_SECOND))
-        painter.drawText(self._words(option, index, option.rect), WRAPPED, words)
+        painter.drawText(self._words(option, index, option.rect), WRAPPED_TEXT, words)
 
     def _name(self, option: QStyleOptionViewItem, row: QRect) -> QRect:
         height = option.fontMetrics.height()
@@ -41,7 +41,7 @@ class TwoLines(QStyledItemDelegate):
     def _words(self, option: QStyleOptionViewItem, index: Index, row: QRect) -> QRect:
         above, words = self._name(option, row), str(index.data()).partition("\n")[2]
         room = QRect(above.left(), above.bottom() + LINE_GAP_PX, above.width(), 1000)
-        return QFontMetrics(_small(option.font)).boundingRect(room, int(WRAPPED), words)
+        return QFontMetrics(_small(option.font)).boundingRect(room, int(WRAPPED_TEXT), words)
 
 
 def _small(font: QFont) -> QFont:

@@ -190,7 +190,7 @@ def compile_first() -> None:
         return
     tell, warming = progress_line(), WarmUp()
     try:
-        warming.follow(lambda share, words: tell(share, f"The solver is compiled, {words}"))
+        warming.follow(lambda share, words: tell(share, f"Compiling the solver, {words}"))
     finally:
         warming.stop()
     tell(1.0, "The solver is ready")
@@ -199,7 +199,7 @@ def compile_first() -> None:
 def print_wait_reason() -> None:
     """Report on standard error that the kernels for reading captures are being compiled, if they are not cached yet."""
     if is_cold(LAST_TO_READ):
-        print("What reads motions is compiled, once on this machine: some ten seconds.", file=sys.stderr)
+        print("Compiling the file readers, once on this computer: about ten seconds.", file=sys.stderr)
 
 
 def is_cold(last: str = COMPLETE) -> bool:

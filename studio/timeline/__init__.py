@@ -1,1 +1,1 @@
-"""Timeline: bars, handles, curves and error strips over time."""
+"""Timeline: tracks with bars, handles, curves and error strips over stage time."""

@@ -1,4 +1,4 @@
-"""TimeAxis: the mapping between seconds on the stage and pixels, for everything drawn over time."""
+"""Time axis: the mapping between stage time and pixels, shared by everything that is drawn over time."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,11 +8,13 @@ FloatArray = NDArray[np.float64]
 MAX_PIXELS_PER_FRAME = 80.0
 FAR_PIXELS = 1e6
 AXIS_MARGIN = 10
-"""Pixels before the first and after the last moment when everything is shown."""
+"""Pixels before the start and after the end of the extent if all of it is shown."""
 
 
 class TimeAxis(QObject):
-    """Mapping in which ``start`` seconds are at pixel ``left``; ``scale`` pixels a second, over ``width`` pixels."""
+    """Mapping of stage time to pixels: ``start`` seconds are at pixel ``left``, ``scale`` is in pixels per second, and
+    ``width`` in pixels.
+    """
 
     changed = Signal()
 
@@ -25,46 +27,51 @@ class TimeAxis(QObject):
         self._fitted = True
 
     def x_of_time(self, seconds: float) -> float:
-        """Pixel of a time, at most ``FAR_PIXELS`` outside the view, because painting uses 32 bits."""
+        """Pixel of a stage time in seconds, at most ``FAR_PIXELS`` outside of the view, because painting uses 32
+        bits.
+        """
         x = self.left + (seconds - self.start) * self.scale
         return min(max(x, self.left - FAR_PIXELS), self.right + FAR_PIXELS)
 
     def xs_of_times(self, seconds: FloatArray) -> FloatArray:
-        """Horizontal positions (N,) in pixels of the times (N,) in seconds."""
+        """(N,) pixels of stage times (N,) in seconds."""
         return np.clip(self.left + (seconds - self.start) * self.scale, self.left - FAR_PIXELS, self.right + FAR_PIXELS)
 
     def time_at(self, x: float) -> float:
-        """Seconds at a pixel."""
+        """Stage time in seconds at a pixel."""
         return self.start + (x - self.left) / self.scale
 
     def x_of_frame(self, frame: float) -> float:
-        """Pixel of a frame of the stage."""
+        """Pixel of a stage frame."""
         return self.x_of_time(frame / self.frame_rate)
 
     def frame_at(self, x: float) -> float:
-        """Frame of the stage at a pixel, with a fraction."""
+        """Stage frame at a pixel, as a fractional number."""
         return self.time_at(x) * self.frame_rate
 
     @property
     def right(self) -> float:
-        """Pixel of the axis' end."""
+        """Pixel of the right end of the axis."""
         return self.left + self.width
 
     @property
     def pixels_per_frame(self) -> float:
-        """Pixels from one frame to the next."""
+        """Pixels per stage frame."""
         return self.scale / self.frame_rate
 
     def set_position(self, left: float, width: float) -> None:
-        """Use ``width`` pixels from ``left`` on; a fitted view stays fitted, another one keeps its start."""
+        """Use ``width`` pixels from ``left`` on. A view that shows everything still does; any other keeps its start
+        time.
+        """
         if (left, width) != (self.left, self.width):
             self.left, self.width = left, max(width, 1.0)
             self._settle()
 
     def set_extent(self, begin: float, end: float, frame_rate: float, keeps_scale: bool = False) -> None:
-        """Set the extent from ``begin`` to ``end`` seconds, in frames of ``frame_rate``.
+        """Set the extent to ``begin`` to ``end`` seconds, and the frame rate in Hz.
 
-        A fitted view is fitted again; one that ``keeps_scale``, as during a trim, only if the extent has grown.
+        A view that shows everything is fitted again; with ``keeps_scale``, as during a trim, only if the extent has
+        grown.
         """
         end = max(end, begin + 1.0 / frame_rate)
         if (begin, end, frame_rate) != (self.begin, self.end, self.frame_rate):
@@ -72,12 +79,12 @@ class TimeAxis(QObject):
             self._settle(min(self.scale, self._whole) if keeps_scale else None)
 
     def fit(self) -> None:
-        """Show everything."""
+        """Show the whole extent."""
         self._fitted = True
         self._settle()
 
     def show(self, begin: float, end: float) -> None:
-        """Show a range of time, with a tenth of it on either side."""
+        """Show the time from ``begin`` to ``end`` seconds, with a tenth of it on either side."""
         length = max(end - begin, 2.0 / self.frame_rate)
         wanted = self.width / (1.2 * length)
         self.scale = min(max(wanted, self._whole), MAX_PIXELS_PER_FRAME * self.frame_rate)
@@ -86,7 +93,7 @@ class TimeAxis(QObject):
         self._settle()
 
     def zoom(self, factor: float, x: float) -> None:
-        """Scale by ``factor`` about the time at pixel ``x``."""
+        """Magnify the scale by ``factor`` about the time at pixel ``x``."""
         fixed = self.time_at(x)
         scale = min(max(self.scale * factor, self._whole), MAX_PIXELS_PER_FRAME * self.frame_rate)
         self._fitted = scale <= self._whole
@@ -95,23 +102,23 @@ class TimeAxis(QObject):
         self._settle()
 
     def scroll(self, pixels: float) -> None:
-        """Move the view ``pixels`` towards later times."""
+        """Scroll the view by ``pixels`` to later times."""
         self.start += pixels / self.scale
         self._settle()
 
     def reveal(self, seconds: float) -> None:
-        """Scroll by a page if a time has left the view."""
+        """Scroll by a page if the stage time ``seconds`` is out of view."""
         if not self.left <= self.x_of_time(seconds) <= self.right:
             self.start = seconds - AXIS_MARGIN / self.scale
             self._settle()
 
     @property
     def _whole(self) -> float:
-        """Scale at which everything fits."""
+        """Scale in pixels per second at which the whole extent is visible."""
         return max(self.width - 2 * AXIS_MARGIN, 1.0) / (self.end - self.begin)
 
     def _settle(self, scale: float | None = None) -> None:
-        """Clamp the view to the extent, at the scale that fits it or another one."""
+        """Clamp the view to the extent, at the given scale or at the one that shows everything."""
         if self._fitted:
             self.scale = scale or self._whole
         margin = AXIS_MARGIN / self.scale

@@ -1,4 +1,4 @@
-"""Edits of clips without a drag: from the menu of their rows, by the keyboard, or dropped from the library."""
+"""Edits of clips without a drag: by the context menu of their tracks, the keyboard, or a drop from the library."""
 
 from collections.abc import Callable
 from functools import partial
@@ -13,7 +13,7 @@ from studio.timeline.shown import Hit, ItemPart, RowContext
 
 
 def performers_of_row(shown: RowContext, performer_id: str) -> tuple[str, ...]:
-    """Performers of a row: one, or all visible ones with the same clips."""
+    """Ids of the performers that a clip track stands for: one, or all visible ones with the same clips."""
     performers = shown.project.performers
     if shown.rows_per_performer:
         return (performer_id,)
@@ -24,14 +24,14 @@ def performers_of_row(shown: RowContext, performer_id: str) -> tuple[str, ...]:
 
 
 def add_clip(shown: RowContext, performer_id: str, motion_id: str, start: float | None) -> None:
-    """Add and select a clip in a row, from ``start`` or where the row ends."""
+    """Add a motion as a clip to a track at the stage time ``start``, or at the end of the track, and select it."""
     document = shown.document
     name = clip_edits.add_clip(document, performers_of_row(shown, performer_id), motion_id, start)
     document.selection.set(("performers", performer_id), ("clips", name))
 
 
 def add_layer(shown: RowContext, performer_id: str, motion_id: str, start: float | None) -> None:
-    """As ``add_clip``, a layer: from ``start`` or the playhead."""
+    """Add a motion as a layer at the stage time ``start``, or at the playhead, and select it."""
     document = shown.document
     begin = document.playhead.time if start is None else start
     name = clip_edits.add_layer(document, performers_of_row(shown, performer_id), motion_id, begin)
@@ -39,7 +39,7 @@ def add_layer(shown: RowContext, performer_id: str, motion_id: str, start: float
 
 
 def nudged_clip(shown: RowContext, clip_id: str, edge: ItemPart, frames: int) -> None:
-    """Trim an end of a clip by whole frames: one undo step."""
+    """Trim the first or last frame of a clip by a number of frames, as one undo step."""
     project = shown.project
     clip = project.clips[clip_id]
     rate, count = project.frame_rate_of(clip), project.captures[project.motions[clip.motion_id].capture_id].frame_count
@@ -55,7 +55,7 @@ def nudged_clip(shown: RowContext, clip_id: str, edge: ItemPart, frames: int) ->
 
 
 def offer_clip(menu: QMenu, shown: RowContext, hit: Hit) -> None:
-    """Menu of a clip."""
+    """Fill the context menu of a clip."""
     document, project = shown.document, shown.project
 
     def select(clip_id: str) -> None:
@@ -79,7 +79,7 @@ def offer_clip(menu: QMenu, shown: RowContext, hit: Hit) -> None:
 
 
 def offer_motions(menu: QMenu, shown: RowContext, performer_id: str, start: float | None) -> None:
-    """Every motion of the project as a clip to add to a row, or as a layer over it."""
+    """Add submenus with every motion of the project, to be added as a clip or as a layer of a performer."""
     for text, add in (("Add clip", add_clip), ("Add layer", add_layer)):
         added = menu.addMenu(text)
         for motion_id, motion in shown.project.motions.items():
@@ -88,7 +88,7 @@ def offer_motions(menu: QMenu, shown: RowContext, performer_id: str, start: floa
 
 
 def _offer(menu: QMenu, shown: RowContext, performer_id: str, text: str, run: Callable[[], None]) -> None:
-    """An entry about a performer's row, which may be removed while the menu is open."""
+    """Add a menu entry that does nothing if the performer was removed while the menu was open."""
     kept = partial(_run_on, shown, performer_id, run)
     menu.addAction(escaped_mnemonics(text)).triggered.connect(lambda: try_edit(shown, kept))
 
@@ -102,7 +102,7 @@ def _refuse(what: str) -> None:
 
 
 def try_edit(shown: RowContext, run: Callable[[], None]) -> None:
-    """Run an edit of the document; the reason for a refusal is shown in the window."""
+    """Run an edit of the document; an invalid one is reported as a message."""
     try:
         run()
     except StudioError as error:

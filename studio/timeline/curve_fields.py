@@ -1,4 +1,4 @@
-"""Fields of the curve editor: time and value of the selected key."""
+"""Fields of the curve editor for time and value of the selected keys."""
 
 from PySide6.QtCore import QSignalBlocker, Signal
 from PySide6.QtWidgets import QDoubleSpinBox, QGridLayout, QLabel, QWidget
@@ -41,7 +41,7 @@ class CurveFields(QWidget):
         )
 
     def show_keys(self, shown: RowContext | None) -> None:
-        """Show the selected keys of the active channel; disabled where none is selected."""
+        """Show the selected keys of the active channel; the fields are disabled if there are none."""
         self._shown = shown
         self._target = self._find() if shown is not None else None
         self.time.setEnabled(self._target is not None)
@@ -57,7 +57,9 @@ class CurveFields(QWidget):
             self.value.setValue(float(key_values(channel, keyed)[places[0]]))
 
     def _find(self) -> tuple[Channel, tuple[int, ...]] | None:
-        """The active channel, or else the first one with a selected key."""
+        """Channel and indices of its selected keys: of the active channel, else of the first one with a selected key.
+        None if there is none.
+        """
         assert self._shown is not None
         selected = self._shown.document.keys.by_field()
         channels = [channel for channel, _ in self._curves.channels(self._shown) if channel.field in selected]

@@ -1,4 +1,4 @@
-"""Menu of the curve editor: tangents, extrapolation, and framing."""
+"""Context menu of the curve editor: tangents, extrapolation, and framing."""
 
 from collections.abc import Callable
 from functools import partial
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def offer_curves(menu: QMenu, canvas: "TrackCanvas") -> None:
-    """Add the actions on the selected keys and the visible curves."""
+    """Fill the menu with actions on the selected keys and on the visible curves."""
     document, shown = canvas.document, canvas.shown
     if shown is None:
         return

@@ -1,4 +1,4 @@
-"""Measured curves of bodies over time: speeds, heights, angles, slide, balance or residual."""
+"""Graphs of measured quantities over time: speeds, heights, angles, foot sliding, balance, and constraint errors."""
 
 import logging
 from dataclasses import dataclass
@@ -24,12 +24,12 @@ from studio.timeline.subject import ActiveMotion, BodyOnTimeline
 
 FloatArray = NDArray[np.float64]
 
-PIECES = 1
-"""Stretches of a pixel that are told apart where it has more frames."""
+BINS_PER_PIXEL = 1
+"""Bins per pixel for a curve with many frames per pixel."""
 
 
 class Quantity(StrEnum):
-    """Quantities that can be plotted."""
+    """Quantity that can be plotted, with its label."""
 
     FOOT_SPEED = "Foot speed"
     LEFT_FOOT_SPEED = "Left foot speed"
@@ -49,14 +49,14 @@ class Quantity(StrEnum):
     ERROR = "Error"
 
     def unit(self, shown: RowContext) -> str:
-        """Unit of the drawn values: a residual has that of the constraint."""
+        """Unit of the plotted values; for errors the unit of the plotted constraint."""
         if self is Quantity.ERROR:
             return error_measure(shown).sign.strip()
         return _UNITS.get(self, "m/s")
 
     @property
     def asks_document(self) -> bool:
-        """True if it depends on more than the poses: on contacts, the ground or a constraint."""
+        """True if the quantity depends not only on poses but also on contacts, the ground or a constraint."""
         return self in _ASKING_DOCUMENT
 
 
@@ -79,23 +79,23 @@ _UNITS = {
     **dict.fromkeys(_FLEXIONS, "°"),
     Quantity.KNEE_SPEED: "°/s",
 }
-"""Units of quantities that are no speeds in metres a second."""
+"""Units of the quantities that are not speeds in metres per second."""
 
 
 @dataclass(frozen=True)
 class PlugInQuantity:
-    """Quantity that a plug-in measures; there is no curve where it fails."""
+    """Quantity measured by a plug-in; if that fails, there is no curve."""
 
     measure: MotionMeasure
     asks_document: ClassVar[bool] = False
 
     @property
     def value(self) -> str:
-        """Title of the measure."""
+        """Label of the quantity."""
         return self.measure.title
 
     def unit(self, _shown: RowContext) -> str:
-        """Unit of the values drawn."""
+        """Unit of the plotted values."""
         return self.measure.unit
 
 
@@ -109,28 +109,28 @@ def plotted_quantities() -> tuple[Plotted, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """Values of one body at stage times, both (F,)."""
+    """Values (F,) of a quantity for one performer at the stage times (F,) in seconds."""
 
     name: str
     colour: str
     times: FloatArray
     values: FloatArray
     top: float
-    """The greatest value, 0 at least."""
+    """Maximum of the values, at least 0."""
 
     def at(self, seconds: float) -> float:
-        """Value of the frame nearest to a time."""
+        """Value of the frame nearest to the stage time ``seconds``."""
         return float(self.values[np.argmin(np.abs(self.times - seconds))])
 
 
 def foot_speed(adapted: AdaptedMotion, sides: tuple[int, ...] = (0, 1)) -> FloatArray:
-    """(F,) speed of the ball of the faster foot, metres a second."""
+    """(F,) speed of the ball of the faster foot in metres per second."""
     layout = BodyLayout(len(adapted.morphology.spine))
     return _speed(adapted.positions[:, [layout.toe_point(side) for side in sides]], adapted.frame_rate)
 
 
 def _speed(points: FloatArray, frame_rate: float) -> FloatArray:
-    """(F,) speed of the fastest of ``points`` (F, P, 3), metres a second, by central differences."""
+    """(F,) speed of the fastest of ``points`` (F, P, 3) in metres per second, by central differences."""
     if len(points) < 2:
         return np.zeros(len(points))
     steps = np.concatenate(
@@ -142,16 +142,16 @@ def _speed(points: FloatArray, frame_rate: float) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class CurveQuery:
-    """Input of a curve: values only, which a worker may hold."""
+    """Immutable input of a curve, which a worker thread may hold."""
 
     project: Project
     subject: ActiveMotion
     quantity: Plotted
     constraint_id: str | None
-    """Constraint of which the error is plotted."""
+    """Id of the constraint whose error is plotted; None for other quantities."""
 
     def curve(self, body: BodyOnTimeline, adapted: AdaptedMotion) -> Curve | None:
-        """Curve of a body's result; None if it does not apply."""
+        """Curve of a performer's adapted motion; None if the quantity does not apply to it."""
         values = self._values(body.performer_id, adapted)
         if values is None:
             return None
@@ -159,7 +159,7 @@ class CurveQuery:
         return Curve(body.name, body.colour, times, values, float(values.max(initial=0.0)))
 
     def _times(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray:
-        """(F,) seconds on the stage of what there are values of."""
+        """(F,) stage times in seconds of the curve's values."""
         if self.quantity is Quantity.ERROR and self.constraint_id:
             missed = residuals_on(self.project, performer_id, adapted, self.constraint_id)
             if missed is not None:
@@ -216,7 +216,7 @@ class CurveQuery:
 
     @property
     def _side(self) -> int:
-        """Side of the body that the quantity names, 0 left, 1 right."""
+        """Side of the body in the quantity's name: 0 left, 1 right."""
         return int(self.quantity.value.startswith("Right"))
 
     def _contacts(self, adapted: AdaptedMotion) -> tuple[ContactInterval, ...]:
@@ -225,25 +225,29 @@ class CurveQuery:
         return tuple(self.project.contacts_of(self.subject.motion_id).values())
 
     def _slide(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray:
-        """(F,) slide in millimetres of the contact point that has moved most since its contact began."""
+        """(F,) displacement in millimetres of the contact point that has moved most since its contact began."""
         from studio.core.quality.contact_tracks import contact_tracks  # as above
 
         slides, _ = contact_tracks(adapted, self._contacts(adapted), self._ground(performer_id))
         return np.asarray(1000.0 * np.nan_to_num(slides).max(axis=0))
 
     def _skate(self, performer_id: str, adapted: AdaptedMotion) -> FloatArray:
-        """(F,) millimetres that the foot that skates farther has gone since it came near the ground."""
+        """(F,) distance in millimetres travelled by the foot that has travelled farther since it came near the
+        ground.
+        """
         from studio.core.quality.metrics import skate_distances  # as above
 
         return np.asarray(1000.0 * skate_distances(adapted, self._ground(performer_id)).max(axis=0))
 
     def _ground(self, performer_id: str) -> Ground:
-        """The stage's ground in the space of a body's motion."""
+        """Ground of the stage, in the space of a performer's motion."""
         performer = self.project.performers[performer_id]
         return self.project.ground.seen_from(performer.position, performer.heading)
 
     def _beyond_support(self, adapted: AdaptedMotion) -> FloatArray:
-        """(F,) distance in millimetres of the centre of mass from the support polygon; 0 inside, and in flight."""
+        """(F,) distance in millimetres of the centre of mass from the support polygon; 0 inside, and without
+        contacts.
+        """
         from studio.core.solver.standing.support_polygon import (  # as above
             mass_path,
             standing_mask,
@@ -259,27 +263,27 @@ class CurveQuery:
 
 
 def plotted_constraint(shown: RowContext) -> str | None:
-    """The selected constraint, else the first one."""
+    """Id of the selected constraint, else of the first one; None without constraints."""
     own = shown.project.constraints_of(shown.subject.motion_id)
     selected = [key for key in shown.document.selection.of("constraints") if key in own]
     return next(iter((*reversed(selected), *own)), None)
 
 
 def error_measure(shown: RowContext) -> Measure:
-    """Measure, with its unit, of the plotted residual."""
+    """Unit and scale of the plotted constraint errors."""
     constraint_id = plotted_constraint(shown)
     return measure_of(shown.project.constraints[constraint_id]) if constraint_id else LENGTH_MEASURE
 
 
 def displayed_curve(curve: Curve, axis: TimeAxis) -> tuple[FloatArray, FloatArray]:
-    """Times and values of a curve in the visible range, with one frame more on each side.
+    """Times and values of a curve in the visible range, plus one frame on each side.
 
-    If a pixel has many frames, as in a capture of an hour, the least and the greatest represent them.
+    If a pixel has many frames, as in an hour-long capture, they are represented by their minimum and maximum.
     """
     first, last = np.searchsorted(curve.times, [axis.time_at(axis.left), axis.time_at(axis.right + AXIS_MARGIN)])
     seen = slice(max(int(first) - 1, 0), int(last) + 1)
     times, values = curve.times[seen], curve.values[seen]
-    size = int(len(times) / (PIECES * axis.width)) if axis.width else 0
+    size = int(len(times) / (BINS_PER_PIXEL * axis.width)) if axis.width else 0
     if size < 2:
         return times, values
     pieces = len(times) // size

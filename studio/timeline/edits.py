@@ -1,4 +1,4 @@
-"""Edits without the mouse: add a contact or label, delete the selection, move a handle by whole frames."""
+"""Edits by keyboard and actions: add a contact or label, delete the selection, move a handle by whole frames."""
 
 from dataclasses import replace
 from typing import Any
@@ -18,14 +18,16 @@ from studio.timeline.clip_actions import nudged_clip
 from studio.timeline.gestures.activation import time_of, with_time
 from studio.timeline.gestures.begin import name_of
 from studio.timeline.gestures.contact import gap_between_contacts, new_contact
-from studio.timeline.shown import EDGES, HANDLES, ItemPart, RowContext
+from studio.timeline.shown import EDGE_PARTS, HANDLE_PARTS, ItemPart, RowContext
 from studio.timeline.tracks.keys import growth_fields, keys_between, sheet_fields, stage_times
 
-DELETABLE = ("constraints", "contacts", "clips", "labels", "corrections", "sounds", "footage")
+DELETABLE_COLLECTIONS = ("constraints", "contacts", "clips", "labels", "corrections", "sounds", "footage")
 
 
 def add_contact(shown: RowContext, point: ContactPoint | Touch, frame: int) -> str | None:
-    """Add and select a contact about a frame of the motion; its id, or None if there is one already."""
+    """Add and select a contact around a frame of the motion. Returns its id, or None if there is a contact at that
+    frame.
+    """
     contact = new_contact(shown, point, frame)
     if contact is None:
         return None
@@ -35,7 +37,7 @@ def add_contact(shown: RowContext, point: ContactPoint | Touch, frame: int) -> s
 
 
 def add_label(shown: RowContext, frame: int) -> str:
-    """Add and select a label at a frame of the motion, 0 to its last; its id."""
+    """Add and select a label at a frame of the motion, clamped to its range. Returns the id."""
     taken = {each.name for each in shown.project.labels_of(shown.subject.motion_id).values()}
     frame = min(max(frame, 0), shown.subject.last_frame)
     label = Label(free_name("Label", taken), frame, frame, shown.subject.motion_id)
@@ -57,11 +59,13 @@ def go_to_label(shown: RowContext, direction: int) -> None:
 
 
 def delete_selected(shown: RowContext) -> bool:
-    """Delete the selected keys, or else constraints, contacts, labels and clips, as one step; true if any were."""
+    """Delete the selected keys, or if there are none the selected constraints, contacts, labels and clips, in one undo
+    step. Returns True if anything was deleted.
+    """
     document = shown.document
     if document.keys.items:
         return delete_keys(document)
-    items = [item for item in document.selection.items if item[0] in DELETABLE]
+    items = [item for item in document.selection.items if item[0] in DELETABLE_COLLECTIONS]
     if not items:
         return False
     text = f"Delete {_words(shown.project, *items[0])}" if len(items) == 1 else f"Delete {len(items)} items"
@@ -89,7 +93,7 @@ def go_to_key(shown: RowContext, direction: int) -> None:
     times = [
         shown.subject.to_stage(time)
         for each in shown.project.constraints_of(shown.subject.motion_id).values()
-        for time in (*(time_of(each.activation, part) for part in HANDLES), *key_times(each))
+        for time in (*(time_of(each.activation, part) for part in HANDLE_PARTS), *key_times(each))
     ] + [
         shown.subject.stage_time(frame)
         for each in shown.project.contacts_of(shown.subject.motion_id).values()
@@ -105,7 +109,7 @@ def go_to_key(shown: RowContext, direction: int) -> None:
 
 
 def select_all_keys(shown: RowContext) -> None:
-    """Select all keys of the selection, or else of the dope sheet."""
+    """Select all keys of the selected entities; without any, all keys in the dope sheet."""
     fields = sheet_fields(shown)
     shown.document.keys.set(
         KeyRef(field, place) for field, value in fields.items() for place in range(len(value.times))
@@ -113,23 +117,23 @@ def select_all_keys(shown: RowContext) -> None:
 
 
 def select_keys_at_playhead(shown: RowContext) -> None:
-    """Select the keys of the selection, or else all keys, at the playhead."""
+    """Select the keys at the playhead: of the selected entities, or of all without any."""
     time, close = shown.document.playhead.time, 0.5 / shown.document.playhead.frame_rate
     shown.document.keys.set(keys_between(shown, sheet_fields(shown), time - close, time + close))
 
 
 def handles_of(shown: RowContext) -> tuple[ItemPart, ...]:
-    """Parts of the selected entity that the keyboard can move."""
+    """Handles of the selected entity that can be moved by keyboard."""
     match shown.document.selection.current:
         case ("constraints", _):
-            return HANDLES
+            return HANDLE_PARTS
         case ("contacts" | "clips", _):
-            return EDGES
+            return EDGE_PARTS
     return ()
 
 
 def next_handle(shown: RowContext, forward: bool) -> ItemPart | None:
-    """Handle after the focused one; None after the last one."""
+    """Handle after, or before, the focused one; None past the last one."""
     ring = handles_of(shown) if forward else handles_of(shown)[::-1]
     if not ring:
         return None
@@ -140,7 +144,7 @@ def next_handle(shown: RowContext, forward: bool) -> ItemPart | None:
 
 
 def nudge_handle(shown: RowContext, frames: int) -> None:
-    """Move the focused handle by whole frames, of all selected entities of a kind: one undo step."""
+    """Move the focused handle by whole frames on all selected entities of the kind, as one undo step."""
     current = shown.document.selection.current
     if current is None or shown.handle is None:
         return
@@ -169,7 +173,7 @@ def _shifted(shown: RowContext, constraint: Constraint, handle: ItemPart, frames
 
 
 def handle_words(shown: RowContext) -> str:
-    """Description of the focused handle for screen readers: ``Kick target, full, 0.667 s · frame 20``."""
+    """Description of the focused handle for screen readers: ``Kick target, ease-in end, 0.667 s · frame 20``."""
     current = shown.document.selection.current
     entity = shown.project.get(*current) if current else None
     if entity is None or shown.handle is None:

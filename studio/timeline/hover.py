@@ -1,4 +1,4 @@
-"""Tooltips of the timeline: a sentence with units for each position."""
+"""Tooltips of the timeline: a sentence with units about the part under the mouse."""
 
 from PySide6.QtCore import QPointF
 
@@ -7,7 +7,7 @@ from studio.engine.residuals import unsolved_words
 from studio.timeline.gestures.activation import time_of
 from studio.timeline.gestures.begin import name_of
 from studio.timeline.sheet import TimelineLayout
-from studio.timeline.shown import EDGES, HANDLES, ROW_LABEL_WIDTH, Hit, ItemPart
+from studio.timeline.shown import EDGE_PARTS, HANDLE_PARTS, ROW_LABEL_WIDTH, Hit, ItemPart
 from studio.timeline.strip_states import StripState
 from studio.timeline.time_words import time_text
 from studio.timeline.tracks import clip, constraint, keys, remarks
@@ -17,7 +17,7 @@ from studio.timeline.tracks.plot import PlotPicture
 
 
 def hover_text(sheet: TimelineLayout, plot: PlotPicture, position: QPointF) -> str:
-    """Tooltip of a position; empty if there is none."""
+    """Tooltip for a position; empty if there is nothing to tell."""
     hit = sheet.part_under_playhead(position)
     if position.x() < ROW_LABEL_WIDTH:
         return _label_text(sheet, hit)
@@ -63,7 +63,7 @@ def hover_text(sheet: TimelineLayout, plot: PlotPicture, position: QPointF) -> s
 
 
 def shows_value(sheet: TimelineLayout, position: QPointF) -> bool:
-    """True if the position shows a measured value or a mark, whose tooltip appears at once."""
+    """True if a measured value or a mark is at the position, so that the tooltip appears without delay."""
     hit = sheet.part_under_playhead(position)
     return position.x() >= ROW_LABEL_WIDTH and (
         hit.kind in ("plot", "ruler") or (hit.kind == "constraints" and hit.part == ItemPart.EMPTY)
@@ -71,7 +71,9 @@ def shows_value(sheet: TimelineLayout, position: QPointF) -> bool:
 
 
 def strip_text(sheet: TimelineLayout, constraint_id: str, performer_id: str, frame: int) -> str:
-    """``Child: 42 mm at frame 23``; empty if the constraint is inactive."""
+    """Error of a constraint on a performer at a frame of the motion: ``Child: 42 mm at frame 23``; empty if the
+    constraint is inactive there.
+    """
     strip = sheet.context.strip(constraint_id, performer_id)
     name = sheet.context.project.performers[performer_id].name
     if strip is None:
@@ -111,7 +113,7 @@ def _clip_text(sheet: TimelineLayout, hit: Hit) -> str:
     players = len(players_of(shown.project, hit.id))
     shared = f", shared by {players} characters" if players > 1 else ""
     text = f"{clip.clip_text(shown, entity)}: frames {entity.first} to {entity.last}, {length:.3f} s{shared}"
-    if hit.part in EDGES:
+    if hit.part in EDGE_PARTS:
         text += "\nDrag to trim; Shift+drag changes the speed. Later clips move along"
     comes = clip_transition(shown, hit.performer_id, entity)
     return f"{text}\n{comes.words(entity)}" if comes else text
@@ -128,18 +130,18 @@ def _label_words(sheet: TimelineLayout, hit: Hit) -> str:
 
 
 def _correction_text(sheet: TimelineLayout, hit: Hit) -> str:
-    """``Left elbow: 0.750 s to 1.250 s, below the constraints``."""
+    """Tooltip of a correction: ``Left elbow: 0.750 s to 1.250 s, below the constraints``."""
     entity = sheet.context.project.corrections[hit.id]
     where = "above" if entity.above else "below"
     curve = entity.activation
-    if hit.part in HANDLES:
+    if hit.part in HANDLE_PARTS:
         time = time_of(curve, hit.part)
         return f"{entity.name}, {hit.part}: {time_text(time * sheet.context.axis.frame_rate, time)}"
     return f"{entity.name}: {curve.start:.3f} s to {curve.end:.3f} s, {where} the constraints"
 
 
 def _keys_text(sheet: TimelineLayout, hit: Hit) -> str:
-    """``Key of Kick target, target: 1.250 s · frame 75``."""
+    """Tooltip of keys: ``Key of Kick target, target: 1.250 s · frame 75``."""
     shown, count = sheet.context, len(hit.keys)
     key = hit.keys[0]
     time = float(keys.stage_times(shown, key.field)[key.place])
@@ -161,7 +163,7 @@ def _hold_text(sheet: TimelineLayout, hit: Hit, position: QPointF) -> str:
 def _constraint_text(sheet: TimelineLayout, hit: Hit, position: QPointF) -> str:
     entity = sheet.context.project.constraints[hit.id]
     rate = sheet.context.subject.frame_rate
-    if hit.part in HANDLES:
+    if hit.part in HANDLE_PARTS:
         time = time_of(entity.activation, hit.part)
         return f"{entity.name}, {hit.part}: {sheet.context.moment(time * rate)}"
     frame = round(sheet.context.frame_at(position.x()))

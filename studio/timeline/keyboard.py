@@ -1,4 +1,4 @@
-"""Keyboard of the timeline: frames, keys and contacts, handles, deletion, Esc."""
+"""Keys of the timeline: step by frames, keys and contacts, move handles, delete, cancel."""
 
 from typing import TYPE_CHECKING
 
@@ -13,18 +13,18 @@ if TYPE_CHECKING:
 
 Key, Modifier = Qt.Key, Qt.KeyboardModifier
 FRAME_STEPS = {Key.Key_Left: -1, Key.Key_Right: 1}
-FRAMING = (Key.Key_A, Key.Key_F)
-"""Keys that frame all curves, or the selected keys."""
-JUMPS = {Key.Key_Up: -1, Key.Key_Down: 1}
+FRAMING_KEYS = (Key.Key_A, Key.Key_F)
+"""Keys that frame all curves, or the selected keys, in the curve editor."""
+JUMP_DIRECTIONS = {Key.Key_Up: -1, Key.Key_Down: 1}
 
 
 def handles_key(canvas: "TrackCanvas", key: int, modifiers: Qt.KeyboardModifier) -> bool:
-    """True if the timeline uses a key, which is then no shortcut of the window."""
+    """True if the timeline uses a key, which is then not available as a shortcut of the window."""
     if key == Key.Key_Escape:
         return canvas.gesture is not None or canvas.handle is not None or bool(canvas.document.keys.items)
     if _moves_keys(key, modifiers) or _jumps_to_key(key, modifiers):
         return True
-    if canvas.editing and key in FRAMING and modifiers == Modifier.NoModifier:
+    if canvas.editing and key in FRAMING_KEYS and modifiers == Modifier.NoModifier:
         return True
     if (key, modifiers) == (Key.Key_A, Modifier.ControlModifier):
         return True
@@ -32,16 +32,16 @@ def handles_key(canvas: "TrackCanvas", key: int, modifiers: Qt.KeyboardModifier)
 
 
 def press_key(canvas: "TrackCanvas", key: Qt.Key, modifiers: Qt.KeyboardModifier) -> bool:
-    """Perform the function of a key; True if it has one."""
+    """Perform the function of a key; returns False if it has none."""
     shown = canvas.shown
     if shown is None:
         return False
     if _moves_keys(key, modifiers) and canvas.gesture is None:
         _move_keys(shown, key, modifiers)
     elif _jumps_to_key(key, modifiers):
-        edits.go_to_key(shown, JUMPS[key])
+        edits.go_to_key(shown, JUMP_DIRECTIONS[key])
         edits.select_keys_at_playhead(shown)
-    elif canvas.editing and key in FRAMING and modifiers == Modifier.NoModifier:
+    elif canvas.editing and key in FRAMING_KEYS and modifiers == Modifier.NoModifier:
         canvas.frame_curves(key == Key.Key_F)
     elif (key, modifiers) == (Key.Key_A, Modifier.ControlModifier):
         edits.select_all_keys(shown)
@@ -62,11 +62,11 @@ def _moves_keys(key: int, modifiers: Qt.KeyboardModifier) -> bool:
 
 
 def _jumps_to_key(key: int, modifiers: Qt.KeyboardModifier) -> bool:
-    return modifiers == Modifier.ControlModifier and key in JUMPS
+    return modifiers == Modifier.ControlModifier and key in JUMP_DIRECTIONS
 
 
 def _move_keys(shown: RowContext, key: Qt.Key, modifiers: Qt.KeyboardModifier) -> None:
-    """Move the selected keys by a frame, with Shift by ten; with Ctrl stretch them."""
+    """Move the selected keys by one frame, with Shift by ten; with Ctrl scale them instead."""
     if modifiers & Modifier.ControlModifier:
         stretch_keys(shown.document, FRAME_STEPS[key])
     else:
@@ -94,8 +94,8 @@ def _move_playhead(canvas: "TrackCanvas", key: Qt.Key, to_end: bool) -> bool:
         playhead.set_frame(playhead.last)
     elif key in FRAME_STEPS:
         playhead.step(FRAME_STEPS[key])
-    elif key in JUMPS and canvas.shown is not None:
-        edits.go_to_key(canvas.shown, JUMPS[key])
+    elif key in JUMP_DIRECTIONS and canvas.shown is not None:
+        edits.go_to_key(canvas.shown, JUMP_DIRECTIONS[key])
     else:
         return False
     return True

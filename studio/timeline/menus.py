@@ -1,4 +1,4 @@
-"""Menus of the timeline, by the part under the mouse."""
+"""Context menus of the timeline, by the part under the mouse."""
 
 from typing import TYPE_CHECKING
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
-    """Menu at a position, or None if there are no actions."""
+    """Context menu for a position; None if it would be empty."""
     if canvas.sheet is None:
         return None
     hit = canvas.hit(position)
@@ -46,7 +46,7 @@ def menu_at(canvas: "TrackCanvas", position: QPointF) -> QMenu | None:
         offer_motions(menu, canvas.sheet.context, hit.id, start)
     elif hit.kind in ("ruler", "labels") and not hit.id and hit.part in (ItemPart.TIME, ItemPart.EMPTY):
         _offer_label(menu, canvas, round(canvas.sheet.context.frame_at(position.x())))
-    elif hit.kind in edits.DELETABLE and hit.id and hit.part != ItemPart.EMPTY:
+    elif hit.kind in edits.DELETABLE_COLLECTIONS and hit.id and hit.part != ItemPart.EMPTY:
         canvas.document.selection.set((hit.kind, hit.id))
         if hit.kind == "labels":
             menu.addAction("Rename label").triggered.connect(lambda: canvas.rename_label(hit.id))
@@ -90,8 +90,8 @@ def _offer_key(menu: QMenu, canvas: "TrackCanvas", hit: Hit) -> None:
 
 
 def _offer_contacts(menu: QMenu, canvas: "TrackCanvas", hit: Hit, position: QPointF) -> None:
-    """Add entries for a contact of the line under the mouse, and of any other point there (at the playhead from a
-    name).
+    """Add entries that add a contact: of the point under the mouse, or of another point of the track. Over the track's
+    name it is added at the playhead.
     """
     shown = canvas.shown
     if shown is None:

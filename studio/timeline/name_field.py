@@ -1,4 +1,4 @@
-"""Field over the timeline in which a label is renamed."""
+"""Text field over the timeline for renaming a label."""
 
 from collections.abc import Callable
 
@@ -6,31 +6,31 @@ from PySide6.QtCore import QEvent, QRect, Qt
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QLineEdit, QWidget
 
-LEAST_WIDTH = 120
+MIN_NAME_FIELD_PX = 120
 
 
 class NameField(QLineEdit):
-    """Field that accepts by Enter or a click elsewhere, cancels by Esc, and then closes."""
+    """Text field that accepts with Enter or a click elsewhere, cancels with Esc, and then closes."""
 
     def __init__(self, parent: QWidget, area: QRect, name: str, take: Callable[[str], object]) -> None:
         super().__init__(name, parent)
         self._name, self._take = name, take
         self.setAccessibleName("Name of the label")
-        self.setGeometry(area.adjusted(0, -3, max(LEAST_WIDTH - area.width(), 0), 3))
+        self.setGeometry(area.adjusted(0, -3, max(MIN_NAME_FIELD_PX - area.width(), 0), 3))
         self.selectAll()
         self.editingFinished.connect(self._finish)
         self.show()
         self.setFocus()
 
     def event(self, event: QEvent) -> bool:
-        """Reserve Esc and the letters from the window's shortcuts."""
+        """Reserve Esc and letters from the window's shortcuts."""
         if event.type() == QEvent.Type.ShortcutOverride:
             event.accept()
             return True
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Restore the old name by Esc."""
+        """Restore the old name on Esc."""
         if event.key() == Qt.Key.Key_Escape:
             self.setText(self._name)
             self._finish()

@@ -1,4 +1,4 @@
-"""Picture: cached drawing of the rows. Only changed rows are drawn again; the playhead is drawn over it."""
+"""Cached image of the timeline. Only changed tracks are painted again; the playhead is painted over it."""
 
 from PySide6.QtCore import QPoint, QRect, QSize
 from PySide6.QtGui import QColor, QPainter, QPixmap
@@ -24,14 +24,14 @@ from studio.timeline.tracks.brush import time_area, translucent
 from studio.timeline.tracks.plot import FOLDED_PLOT_HEIGHT, PlotPicture
 from studio.timeline.tracks.value_curves import ValueCurves
 
-PLOT = ("plot", "")
+PLOT_ROW = ("plot", "")
 REFERENCE_CURVE_OPACITY = 0.3
-"""Opacity of measured curves behind those that are edited."""
-RULER = ("ruler", "")
+"""Opacity of measured curves behind the animation curves in the curve editor."""
+RULER_ROW = ("ruler", "")
 
 
 class TimelineImage:
-    """Pixmap of the timeline, and its outdated rows."""
+    """Cached image of the timeline, and the set of its outdated tracks."""
 
     def __init__(self, parent: QWidget) -> None:
         self.plot = PlotPicture(parent)
@@ -42,20 +42,20 @@ class TimelineImage:
         self._all_stale = True
 
     def close(self) -> None:
-        """Release the resources for drawing."""
+        """Release the graphics resources."""
         self.plot.close()
 
     def invalidate(self, *rows: tuple[str, str]) -> None:
-        """Mark these rows, or all, to be drawn again."""
+        """Mark tracks, or all without arguments, to be painted again."""
         self._stale.update(rows)
         self._all_stale |= not rows
 
     def invalidate_rows(self, *rows: tuple[str, str]) -> None:
-        """Mark only the content of rows over time; their labels are kept."""
+        """Mark tracks to be painted again except for their names."""
         self._stale_lanes.update(rows)
 
     def refresh(self, sheet: TimelineLayout, scale: float) -> None:
-        """Draw outdated rows, on a screen of ``scale`` pixels a unit."""
+        """Paint outdated tracks, at ``scale`` device pixels per logical pixel."""
         size = QSize(round(sheet.size.width() * scale), round(sheet.size.height() * scale))
         if self.pixmap.size() != size:
             self.pixmap = QPixmap(size)
@@ -73,7 +73,7 @@ class TimelineImage:
         if self._all_stale:
             painter.fillRect(QRect(QPoint(), sheet.size), QColor(colours.PANEL))
             _paint_ground(painter, sheet.viewport, sheet.context)
-        if self._is_stale(RULER):
+        if self._is_stale(RULER_ROW):
             shown = sheet.context
             ruler.paint_ruler(painter, sheet.ruler, shown.axis, shown.document.playhead, shown.live.play.running)
             remarks.paint_remarks(painter, sheet.ruler, sheet.context)
@@ -81,7 +81,7 @@ class TimelineImage:
             labelled = self._is_stale((row.kind, row.id))
             if labelled or (row.kind, row.id) in self._stale_lanes:
                 _paint_row(painter, sheet, row, labelled)
-        if self._is_stale(PLOT):
+        if self._is_stale(PLOT_ROW):
             self._paint_plot(painter, sheet)
 
     def _is_stale(self, row: tuple[str, str]) -> bool:
@@ -104,7 +104,7 @@ class TimelineImage:
 
 
 def _paint_row(painter: QPainter, sheet: TimelineLayout, row: TimelineRow, labelled: bool) -> None:
-    """Draw all of a row, or all but its label."""
+    """Paint a track, with its name only if ``labelled``."""
     area = sheet.rect(row)
     lane = time_area(area)
     drawn = (area if labelled else lane).intersected(sheet.viewport)
@@ -124,7 +124,7 @@ def _paint_row(painter: QPainter, sheet: TimelineLayout, row: TimelineRow, label
 
 
 def _paint_ground(painter: QPainter, area: QRect, shown: RowContext) -> None:
-    """Draw the panel grey, with a faint line at each number of the ruler."""
+    """Paint the background with a faint line at each number of the ruler."""
     painter.fillRect(area, QColor(colours.PANEL))
     line = translucent(colours.EDGE, 0.6)
     for frame in ruler.major_frames(shown.axis):

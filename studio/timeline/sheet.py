@@ -1,4 +1,4 @@
-"""Sheet: layout of the rows from the clips down to the plot, and hit tests."""
+"""Layout of the tracks, from the clips down to the graph, and hit tests."""
 
 from dataclasses import dataclass
 
@@ -19,17 +19,17 @@ from studio.timeline.tracks import (
     ruler,
 )
 
-PLAYHEAD_REACH = 4.0
+PLAYHEAD_GRAB_PIXELS = 4.0
 RIGHT_MARGIN = 12
-CURVE_EDITOR_PART, CURVE_EDITOR_LEAST_PX = 0.55, 150
-"""Least height of the curve editor, in parts of the timeline's and in pixels."""
+MIN_CURVE_EDITOR_FRACTION, MIN_CURVE_EDITOR_PX = 0.55, 150
+"""Minimum height of the curve editor, as a fraction of the timeline's height and in pixels."""
 FOLDED_ROW_KINDS = ("constraints", "lane")
-"""Kinds of rows of which each can be folded by itself."""
+"""Kinds of tracks that can be collapsed individually."""
 
 
 def rows_of(shown: RowContext) -> tuple[TimelineRow, ...]:
-    """Rows for sounds, labels, clips, layers, corrections, growth, props, contacts, and constraints by priority; or
-    those of the dope sheet.
+    """Tracks in order: media, labels, clips, layers, corrections, proportions, props, contacts, and constraints by
+    priority; or those of the dope sheet.
     """
     return _stacked(keys.rows_of(shown) if shown.shows_dope_sheet else _heights(shown))
 
@@ -43,7 +43,7 @@ def _stacked(heights: list[tuple[str, str, int]]) -> tuple[TimelineRow, ...]:
 
 
 def _heights(shown: RowContext) -> list[tuple[str, str, int]]:
-    """Kind, id and height of each row except those of the dope sheet."""
+    """Kind, id and height in pixels of each track outside of the dope sheet."""
     visible = [key for key, each in shown.project.performers.items() if each.visible]
     players = visible if shown.rows_per_performer else (shown.subject.performer_id,)
     constraints = shown.project.constraints_for(shown.subject.performer_id, shown.subject.clip)
@@ -82,7 +82,7 @@ def _heights(shown: RowContext) -> list[tuple[str, str, int]]:
 
 @dataclass(frozen=True, eq=False)
 class TimelineLayout:
-    """Rows in a widget of ``size``, scrolled down by ``scroll`` pixels."""
+    """Layout of tracks in a widget of ``size``, scrolled down by ``scroll`` pixels."""
 
     context: RowContext
     rows: tuple[TimelineRow, ...]
@@ -91,55 +91,57 @@ class TimelineLayout:
 
     @property
     def ruler(self) -> QRect:
-        """Rectangle of the ruler, at the top."""
+        """Rectangle of the ruler at the top."""
         return QRect(0, 0, self.size.width(), ruler.RULER_HEIGHT)
 
     @property
     def content_height(self) -> int:
-        """Height of all rows between the ruler and the plot, pixels."""
+        """Height in pixels of all tracks between the ruler and the graph."""
         return self.rows[-1].y + self.rows[-1].height
 
     @property
     def plot(self) -> QRect:
-        """Rectangle of the plot, at the bottom; it fills the space below the rows."""
+        """Rectangle of the graph at the bottom, which fills the space below the tracks."""
         if ("plot", "") in self.context.folded:
             return QRect(0, self.size.height() - plot.FOLDED_PLOT_HEIGHT, self.size.width(), plot.FOLDED_PLOT_HEIGHT)
         if self.context.curves:
             most = self.size.height() - ruler.RULER_HEIGHT
-            height = max(round(CURVE_EDITOR_PART * most), min(CURVE_EDITOR_LEAST_PX, most), most - self.content_height)
+            height = max(
+                round(MIN_CURVE_EDITOR_FRACTION * most), min(MIN_CURVE_EDITOR_PX, most), most - self.content_height
+            )
             return QRect(0, self.size.height() - height, self.size.width(), height)
         spare = self.size.height() - ruler.RULER_HEIGHT - self.content_height
-        height = min(max(spare, plot.LEAST_HEIGHT), plot.MOST_HEIGHT)
+        height = min(max(spare, plot.MIN_PLOT_HEIGHT_PX), plot.MAX_PLOT_HEIGHT_PX)
         return QRect(0, self.size.height() - height, self.size.width(), height)
 
     @property
     def viewport(self) -> QRect:
-        """Rectangle available to the rows."""
+        """Rectangle in which tracks are visible."""
         return QRect(0, ruler.RULER_HEIGHT, self.size.width(), max(self.plot.top() - ruler.RULER_HEIGHT, 0))
 
     def rect(self, row: TimelineRow) -> QRect:
-        """Rectangle of a row, possibly outside the viewport."""
+        """Rectangle of a track, which may be outside of the viewport."""
         return QRect(0, ruler.RULER_HEIGHT + row.y - self.scroll, self.size.width(), row.height)
 
     def find(self, kind: str, row_id: str) -> TimelineRow | None:
-        """Row of that kind and id."""
+        """Track of a kind and id; None if there is none."""
         return next((row for row in self.rows if (row.kind, row.id) == (kind, row_id)), None)
 
     def row_at(self, point: QPoint) -> TimelineRow | None:
-        """Row under a point of the viewport."""
+        """Track at a point of the viewport; None if there is none."""
         if not self.viewport.contains(point):
             return None
         return next((row for row in self.rows if self.rect(row).contains(point)), None)
 
     def hit(self, position: QPointF) -> Hit:
-        """Part under the mouse: entities first, then the playhead's line, then empty places."""
+        """Part under the mouse: entities first, then the line of the playhead, then empty space."""
         hit = self.part_under_playhead(position)
         line = self.context.axis.x_of_time(self.context.document.playhead.time)
-        over_line = position.x() >= ROW_LABEL_WIDTH and abs(position.x() - line) <= PLAYHEAD_REACH
+        over_line = position.x() >= ROW_LABEL_WIDTH and abs(position.x() - line) <= PLAYHEAD_GRAB_PIXELS
         return Hit("playhead", "", ItemPart.TIME) if hit.part == ItemPart.EMPTY and over_line else hit
 
     def part_under_playhead(self, position: QPointF) -> Hit:
-        """Part under the playhead's line, if the line is there."""
+        """Part under the mouse, behind the line of the playhead."""
         point = position.toPoint()
         if self.ruler.contains(point):
             return Hit("ruler", "", ItemPart.TIME if point.x() >= ROW_LABEL_WIDTH else ItemPart.EMPTY)

@@ -1,4 +1,4 @@
-"""Shown: everything that the rows need for drawing and hit tests."""
+"""Context of the tracks: the data for painting and hit tests."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -23,11 +23,11 @@ FloatArray = NDArray[np.float64]
 
 ROW_LABEL_WIDTH = 196
 FOLD_WIDTH = 14
-"""Pixels at the left of a label that fold its row."""
+"""Width in pixels of the area at the left of a track's name that collapses the track."""
 
 
 class ItemPart(StrEnum):
-    """Part of an entity that is under the mouse or has the keyboard focus."""
+    """Part of an entity under the mouse or with the keyboard focus."""
 
     BODY = "body"
     START = "start"
@@ -43,16 +43,17 @@ class ItemPart(StrEnum):
     TIME = "time"
 
 
-HANDLES = (ItemPart.START, ItemPart.FULL, ItemPart.FULL_END, ItemPart.END)
-EDGES = (ItemPart.FIRST, ItemPart.LAST)
+HANDLE_PARTS = (ItemPart.START, ItemPart.FULL, ItemPart.FULL_END, ItemPart.END)
+EDGE_PARTS = (ItemPart.FIRST, ItemPart.LAST)
 
 
 @dataclass(frozen=True)
 class TimelineRow:
-    """Row: its kind, its id, and its offset below the first row in pixels.
+    """Track of the timeline: its kind and id, and its offset ``y`` below the first track and its height in pixels.
 
-    Kinds are labels, constraints, clip, layer, corrections, growth, props and lane; summary and sheet are those of the
-    dope sheet. A row of clips or of growth has its performer's id, one of layers that and the region.
+    Kinds are labels, constraints, clip, layer, corrections, growth, props and lane, and in the dope sheet summary and
+    sheet. The id of a clip or growth track is that of the performer; that of a layer track names performer and body
+    region.
     """
 
     kind: str
@@ -68,9 +69,9 @@ class TimelineRow:
 
 @dataclass(frozen=True)
 class Hit:
-    """Part under a point: its kind, its id (an empty place of a line has its contact point), its part.
+    """Part under the mouse: kind, id and part. In the empty space of a contact lane, the id is the contact point.
 
-    A clip is in the row of ``performer_id``; a diamond is all ``keys`` at one time.
+    ``performer_id`` is that of the track of a clip; ``keys`` are all keys of a diamond, at one time.
     """
 
     kind: str
@@ -82,7 +83,7 @@ class Hit:
 
 @dataclass(frozen=True, eq=False)
 class RowContext:
-    """Document, motion, axis and results of the timeline, and the focused handle."""
+    """Document, active motion, axis and results that the tracks show, and the focused handle."""
 
     document: Document
     live: Live
@@ -90,19 +91,19 @@ class RowContext:
     subject: ActiveMotion
     handle: ItemPart | None = None
     folded: frozenset[tuple[str, str]] = frozenset()
-    """Kind and id of the rows that are only a line high."""
+    """Kind and id of the collapsed tracks."""
     rows_per_performer: bool = False
-    """True if every performer has its row of clips; else the active one's stands for all."""
+    """True if every performer has a clip track; otherwise one track stands for all."""
     remarks: tuple[Remark, ...] = ()
-    """Remarks on the capture of the motion."""
+    """Remarks on the capture of the motion, for the ruler."""
     shows_dope_sheet: bool = False
-    """True if the rows are those of the dope sheet."""
+    """True if the tracks are those of the dope sheet."""
     curves: bool = False
-    """True if the plot is the curve editor."""
+    """True if the graph is the curve editor."""
 
     @property
     def project(self) -> Project:
-        """Project as the active clip shows it."""
+        """Project, mirrored if the active clip is."""
         return self.document.shown_project
 
     @property
@@ -115,70 +116,70 @@ class RowContext:
         return (collection, entity_id) in self.document.selection
 
     def x_of_frame(self, frame: float) -> float:
-        """Pixel of a frame of the motion."""
+        """Pixel of a frame of the active motion."""
         return self.axis.x_of_time(self.subject.stage_time(frame))
 
     def frame_words(self, frame: float) -> str:
-        """``frame 1809 (178 of the clip)``: the frame of the stage for a frame of the motion."""
+        """Stage frame for a frame of the active motion: ``frame 1809 (178 of the clip)``."""
         stage = self.subject.stage_time(frame)
         return frame_words(stage * self.axis.frame_rate, self.subject.looped_frame(stage))
 
     def moment(self, frame: float) -> str:
-        """``30.151 s · frame 1809 (178 of the clip)``, of a frame of the motion."""
+        """Stage time and frame for a frame of the active motion: ``30.151 s · frame 1809 (178 of the clip)``."""
         return f"{self.subject.stage_time(frame):.3f} s · {self.frame_words(frame)}"
 
     def xs_of_frames(self, frames: FloatArray) -> FloatArray:
-        """Pixels of frames of the motion, of any shape."""
+        """Pixels of frames of the active motion, of the same shape."""
         seconds = self.subject.to_stage(frames / self.subject.frame_rate)
         return self.axis.left + (seconds - self.axis.start) * self.axis.scale
 
     def frame_at(self, x: float) -> float:
-        """Frame of the motion at a pixel, with a fraction."""
+        """Frame of the active motion at a pixel, as a fractional number."""
         return self.subject.motion_frame(self.axis.time_at(x))
 
     def x_of_motion_time(self, seconds: float) -> float:
-        """Pixel of a time of the motion."""
+        """Pixel of a time of the active motion in seconds."""
         return self.axis.x_of_time(self.subject.to_stage(seconds))
 
     @property
     def later_repeats(self) -> range:
-        """Visible repeats of the clip after its first one."""
+        """Indices of the visible loops of the clip after the first one."""
         clip, rate, axis = self.subject.clip, self.subject.frame_rate, self.axis
         left, right = (clip.repeat_at(axis.time_at(x), rate) for x in (axis.left, axis.right))
         return range(max(left, 1), right + 1)
 
     def result(self, performer_id: str) -> AdaptedMotion | None:
-        """Newest adapted motion of a body."""
+        """Newest adapted motion of a performer; None if it has none."""
         return self.live.result(performer_id)
 
     def strip(self, constraint_id: str, performer_id: str) -> ErrorStrip | None:
-        """Strip of a constraint on a body; None while it is unknown or the constraint is inactive."""
+        """Error strip of a constraint on a performer; None if it is unknown or the constraint is inactive."""
         return strip_of(self.project, performer_id, self.live.reported_motion(performer_id), constraint_id)
 
     def applies_to(self, constraint_id: str, performer_id: str) -> bool:
-        """True if a constraint applies to a body."""
+        """True if a constraint applies to a performer."""
         return applies_to(self.project, performer_id, constraint_id)
 
     def residual(self, constraint_id: str, performer_id: str) -> Residual | None:
-        """Worst residual of a constraint on a body."""
+        """Worst residual of a constraint on a performer; None if it is unknown or the constraint is inactive."""
         return worst_residual(self.project, performer_id, self.live.reported_motion(performer_id), constraint_id)
 
     def inactivity(self, constraint_id: str, performer_id: str) -> Inactive:
-        """Reason why a constraint without a residual is inactive on a body."""
+        """Reason why a constraint without a residual is inactive on a performer."""
         return inactivity(self.project, performer_id, self.live.reported_motion(performer_id), constraint_id)
 
 
 def frame_words(stage: float, own: float) -> str:
-    """``frame 1809 (178 of the clip)``, of frames of the stage and of the motion."""
+    """Frame as text, ``frame 1809 (178 of the clip)``, from the frame of the stage and of the active motion."""
     of_clip = f" ({number_text(own)} of the clip)" if abs(stage - own) >= 0.005 else ""
     return f"frame {number_text(stage)}{of_clip}"
 
 
 def clipped_span(point: QPointF, x: float, y: float, reach: float) -> bool:
-    """True if a point is within ``reach`` pixels of another, horizontally and vertically."""
+    """True if ``point`` is within ``reach`` pixels of (x, y), horizontally and vertically."""
     return abs(point.x() - x) <= reach and abs(point.y() - y) <= reach
 
 
 def label_area(row: QRect) -> QRect:
-    """Rectangle of a row's label."""
+    """Rectangle of the name of a track."""
     return QRect(0, row.top(), ROW_LABEL_WIDTH, row.height())

@@ -1,4 +1,4 @@
-"""Snapping of dragged times: to frames, and to near magnets: the playhead, ends of contacts, keys, and beats."""
+"""Snapping of dragged times to frames and to magnets: the playhead, ends of contacts, keys, and beats."""
 
 from dataclasses import dataclass
 
@@ -14,14 +14,14 @@ MAGNET_PIXELS = 6.0
 
 @dataclass(frozen=True)
 class Snapped:
-    """Time of the stage, and the magnet to which it snapped, if any."""
+    """Stage time in seconds, and the magnet to which it snapped, if any."""
 
     time: float
     magnet: float | None = None
 
 
 def snapped_time(axis: TimeAxis, time: float, magnets: tuple[float, ...], free: bool = False) -> Snapped:
-    """Nearest magnet within six pixels, else the nearest frame; ``free`` keeps the time."""
+    """Nearest magnet within ``MAGNET_PIXELS``, else the nearest frame; ``free`` returns the time unchanged."""
     if free:
         return Snapped(time)
     near = min(magnets, key=lambda magnet: abs(magnet - time), default=None)
@@ -31,19 +31,19 @@ def snapped_time(axis: TimeAxis, time: float, magnets: tuple[float, ...], free: 
 
 
 def magnets_of(contacts: dict[str, tuple[float, float]], playhead: float, *without: str) -> tuple[float, ...]:
-    """Magnets: the playhead and both ends of all contacts, except those in ``without``."""
+    """Stage times of the playhead and of both ends of all contacts, except those in ``without``."""
     edges = (time for key, ends in contacts.items() if key not in without for time in ends)
     return (playhead, *edges)
 
 
 def beat_times(project: Project) -> tuple[float, ...]:
-    """Times of all beats of sounds, seconds."""
+    """Stage times in seconds of all beats of sound tracks."""
     return tuple(beat for sound in project.sounds.values() for beat in sound.stage_beats)
 
 
 def key_magnets(shown: RowContext, scaling: bool) -> tuple[float, ...]:
-    """Magnets for dragged keys: the playhead unless they are scaled about it, contacts, beats, other keys; only visible
-    ones.
+    """Visible stage times that dragged keys snap to: contacts, beats, other keys and, unless keys are scaled about it,
+    the playhead.
     """
     project, axis, selected = shown.project, shown.axis, shown.document.keys.by_field()
     contacts = project.contacts_of(shown.subject.motion_id).values()

@@ -1,4 +1,4 @@
-"""Strip of a constraint on one body, frame by frame: met, partly met or missed."""
+"""Error strip of a constraint on one performer: the state of each frame, from held to not reached."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -15,7 +15,7 @@ from studio.engine.residuals import residuals_on
 
 
 class StripState(StrEnum):
-    """State of a strip in a frame; during fades relative to the faded target."""
+    """State of an error strip in a frame, with its label."""
 
     INACTIVE = "not active"
     YIELDING = "overridden by contact"
@@ -27,38 +27,39 @@ class StripState(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class ErrorStrip:
-    """Residuals (F,) in metres or radians and activation (F,), of the frames of a body's row.
+    """Residuals (F,), in metres or radians, and activation (F,) of a constraint in the frames of a performer's
+    track.
 
-    A residual is NaN where the constraint is inactive; if the activation is positive there, a foot's constraint yields
-    to that foot's contact.
+    A residual is NaN where the constraint is inactive; if the activation is positive there, the constraint of a foot is
+    overridden by that foot's contact.
     """
 
     timing: Timing
-    """Frames of the row on the stage."""
+    """Stage times of the frames."""
     errors: NDArray[np.float64]
     activation: NDArray[np.float64]
     measure: Measure = LENGTH_MEASURE
 
     def frames_at(self, seconds: ArrayLike) -> NDArray[np.int64]:
-        """Frames of the row at times of the stage, before its begin and after its end too."""
+        """Indices of the frames at stage times in seconds, also before the first and after the last one."""
         since = np.asarray(seconds, dtype=np.float64) - self.timing.begin
         return np.rint(since * self.timing.frame_rate).astype(np.int64)
 
     def error_at(self, seconds: float) -> float:
-        """Residual at a time of the stage; NaN outside."""
+        """Residual at a stage time in seconds; NaN outside of the track."""
         frame = int(self.frames_at(seconds))
         return float(self.errors[frame]) if 0 <= frame < len(self.errors) else float("nan")
 
     def state_at(self, seconds: float) -> StripState:
-        """State of the strip at a time of the stage."""
+        """State at a stage time in seconds."""
         frame = int(self.frames_at(seconds))
         if not 0 <= frame < len(self.errors):
             return StripState.INACTIVE
-        return STATES[int(self.state_indices[frame])]
+        return STRIP_STATES[int(self.state_indices[frame])]
 
     @property
     def span(self) -> tuple[float, float] | None:
-        """Seconds of the stage of the first and last frame in which the constraint is active; None if in none."""
+        """Stage times in seconds of the first and last frame in which the constraint is active; None if it never is."""
         active = np.flatnonzero(self.state_indices)
         if not len(active):
             return None
@@ -66,7 +67,7 @@ class ErrorStrip:
 
     @cached_property
     def state_indices(self) -> NDArray[np.int64]:
-        """(F,) state of each frame as its index in ``STATES``."""
+        """(F,) index in ``STRIP_STATES`` of the state of each frame."""
         return np.select(
             [
                 self.activation <= 0.0,
@@ -80,22 +81,24 @@ class ErrorStrip:
 
     @property
     def misses(self) -> bool:
-        """True if it is missed in any frame, fades included."""
-        return bool((self.state_indices >= STATES.index(StripState.PARTLY)).any())
+        """True if the target is not reached in any frame, fades included."""
+        return bool((self.state_indices >= STRIP_STATES.index(StripState.PARTLY)).any())
 
     @property
     def yields(self) -> bool:
-        """True if it yields to a contact in some frame."""
+        """True if the constraint is overridden by a contact in any frame."""
         return bool((self.state_indices == 1).any())
 
 
-STATES = tuple(StripState)
+STRIP_STATES = tuple(StripState)
 
 
 def strip_of(
     project: Project, performer_id: str, result: AdaptedMotion | None, constraint_id: str
 ) -> ErrorStrip | None:
-    """Strip of a constraint in a body's newest result; None without one, or if it does not apply."""
+    """Error strip of a constraint in a performer's newest result; None if there is no result or the constraint does not
+    apply.
+    """
     missed = residuals_on(project, performer_id, result, constraint_id)
     if missed is None:
         return None
@@ -105,7 +108,7 @@ def strip_of(
 
 
 def strip_heights(errors: NDArray[np.float64], most: int, measure: Measure = LENGTH_MEASURE) -> NDArray[np.int64]:
-    """Heights in pixels for residuals: 1 for met ones, growing with the logarithm to ``most``."""
+    """Heights in pixels for residuals: 1 if held, growing with the logarithm to ``most``."""
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.log(errors / measure.held_below) / np.log(measure.worst_shown / measure.held_below)
     heights: NDArray[np.int64] = 1 + np.rint(np.clip(np.nan_to_num(share), 0.0, 1.0) * (most - 1)).astype(np.int64)

@@ -1,4 +1,4 @@
-"""Subject: the motion of the timeline, its bodies, and the mapping of its frames to the stage."""
+"""Motion shown by the timeline, the performers that play it, and the mapping of its frames to the stage."""
 
 from dataclasses import dataclass
 from typing import TypeVar
@@ -17,7 +17,7 @@ Seconds = TypeVar("Seconds", float, NDArray[np.float64])
 
 @dataclass(frozen=True)
 class BodyOnTimeline:
-    """Visible performer of the motion, with its identifying name and colour."""
+    """Visible performer of the active motion, with its name and colour."""
 
     performer_id: str
     name: str
@@ -26,7 +26,7 @@ class BodyOnTimeline:
 
 @dataclass(frozen=True)
 class ActiveMotion:
-    """Motion of the active performer's clip; constraints and contacts are in its own time."""
+    """Motion of the active performer's clip; constraints and contacts count in its own time."""
 
     performer_id: str
     clip: Clip
@@ -46,13 +46,13 @@ class ActiveMotion:
         return self.frame_count - 1
 
     def to_stage(self, seconds: Seconds) -> Seconds:
-        """Seconds on the stage at which seconds of the motion, one number or many, play first."""
+        """Stage times in seconds at which times of the motion, a number or an array, first play."""
         if not isinstance(self.clip.speed, KeyedNumber):  # thousands of times a picture
             return self.clip.start + (seconds - self.clip.first / self.frame_rate) / self.clip.speed
         return self._like(seconds, self.clip.stage_seconds(seconds, self.frame_rate))
 
     def to_motion(self, seconds: Seconds) -> Seconds:
-        """Seconds of the motion at times of the stage, before and after the clip too."""
+        """Times of the motion in seconds at stage times, extrapolated beyond the ends of the clip."""
         if not isinstance(self.clip.speed, KeyedNumber):
             return (seconds - self.clip.start) * self.clip.speed + self.clip.first / self.frame_rate
         return self._like(seconds, self.clip.motion_seconds(seconds, self.frame_rate))
@@ -62,25 +62,25 @@ class ActiveMotion:
         return found if isinstance(asked, np.ndarray) else float(found)
 
     def stage_time(self, frame: float) -> float:
-        """Seconds on the stage at which a frame of the motion is played."""
+        """Stage time in seconds at which a frame of the motion first plays."""
         return float(self.to_stage(frame / self.frame_rate))
 
     def motion_frame(self, seconds: float) -> float:
-        """Frame of the motion, with a fraction, at a time of the stage."""
+        """Frame of the motion at a stage time in seconds, as a fractional number."""
         return float(self.to_motion(seconds) * self.frame_rate)
 
     @property
     def repeat_seconds(self) -> float:
-        """Duration on the stage of one repeat of the clip."""
+        """Duration on the stage of one loop of the clip, in seconds."""
         return self.clip.length(self.frame_rate) / self.clip.repeats
 
     def looped_frame(self, seconds: float) -> float:
-        """Frame of the motion, with a fraction, that the clip's repeats play at a time of the stage."""
+        """Frame of the motion that plays at a stage time in seconds, loops included, as a fractional number."""
         return self.motion_frame(seconds - self.clip.repeat_at(seconds, self.frame_rate) * self.repeat_seconds)
 
 
 def subject_of(document: Document) -> ActiveMotion | None:
-    """Content of the rows; None when no performer plays a motion."""
+    """Motion that the timeline shows; None if no performer plays one."""
     project = document.project
     performer = project.performers.get(document.active_performer_id or "")
     if performer is None or not performer.clips:
@@ -103,13 +103,13 @@ def subject_of(document: Document) -> ActiveMotion | None:
 
 
 def stage_extent(project: Project) -> float:
-    """End of the last clip on the stage in seconds; 1 without clips."""
+    """End in seconds of the last clip on the stage; 1 without clips."""
     ends = [timing_of(project, performer).end for performer in project.performers.values() if performer.clips]
     return max(ends, default=1.0)
 
 
 def play_different_rows(project: Project) -> bool:
-    """True if visible performers play different clips, so that they need separate rows."""
+    """True if visible performers play different clips, so that each needs a clip track."""
     return len({(each.clips, each.layers) for each in project.performers.values() if each.visible}) > 1
 
 

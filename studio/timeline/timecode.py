@@ -3,13 +3,13 @@
 import re
 
 DROP_RATES = (30, 60)
-"""Nominal rates whose NTSC rate, 1000/1001 of it, skips numbers to keep step with the clock."""
-NTSC = 1000.0 / 1001.0
+"""Nominal frame rates whose NTSC variant, 1000/1001 of them, drops frame numbers to stay in step with the clock."""
+NTSC_FACTOR = 1000.0 / 1001.0
 TIMECODE = re.compile(r"\d+(?:[:;.]\d+){0,3}")
 
 
 def timecode(frame: int, frame_rate: float) -> str:
-    """``01:02:03:04`` of a frame from 0 on; ``01:02:03;04`` with skipped numbers at 29.97 and 59.94 Hz."""
+    """Timecode of a frame, 0 or later: ``01:02:03:04``, or drop-frame ``01:02:03;04`` at 29.97 and 59.94 Hz."""
     nominal, dropped = _counting(frame_rate)
     if dropped:  # the first numbers of every minute but the tenth are skipped
         minute = 60 * nominal - dropped
@@ -22,7 +22,7 @@ def timecode(frame: int, frame_rate: float) -> str:
 
 
 def frame_of_timecode(text: str, frame_rate: float) -> int:
-    """Frame at a timecode; parts left out on the left are 0. Raises ValueError for other text."""
+    """Frame at a timecode; parts omitted at the left are 0. Raises ValueError for any other text."""
     if not TIMECODE.fullmatch(text):
         raise ValueError(f"'{text}' is not a timecode. Write hours:minutes:seconds:frames.")
     nominal, dropped = _counting(frame_rate)
@@ -32,7 +32,7 @@ def frame_of_timecode(text: str, frame_rate: float) -> int:
 
 
 def _counting(frame_rate: float) -> tuple[int, int]:
-    """Frames that are counted in a second, and numbers that are skipped in a minute."""
+    """Frame numbers per second, and dropped numbers per minute."""
     nominal = max(1, round(frame_rate))
-    is_drop = nominal in DROP_RATES and abs(frame_rate - nominal * NTSC) < 0.005
+    is_drop = nominal in DROP_RATES and abs(frame_rate - nominal * NTSC_FACTOR) < 0.005
     return nominal, nominal // 15 if is_drop else 0

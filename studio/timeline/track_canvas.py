@@ -1,4 +1,4 @@
-"""TrackCanvas: interaction with the rows by mouse, wheel, menus and keys."""
+"""Interaction with the tracks by mouse, wheel, context menu and keyboard."""
 
 from dataclasses import replace
 from functools import partial
@@ -18,7 +18,7 @@ from PySide6.QtWidgets import QToolTip, QWidget
 
 from studio.core.captures.contacts import contact_point
 from studio.document.document import Document
-from studio.document.dragging import STRIKE, capture_in, row_in
+from studio.document.dragging import STRIKE_MIME, capture_in, row_in
 from studio.engine.live_interface import Live
 from studio.timeline import edits
 from studio.timeline.clip_actions import add_clip, try_edit
@@ -38,18 +38,18 @@ from studio.timeline.track_view import TrackView
 from studio.timeline.tracks.labels import flags
 from studio.timeline.tracks.value_curves import HandleRef, plot_area
 
-DRAG_BEGINS = 3
+TRACK_DRAG_START_PIXELS = 3
 ZOOM_PER_DEGREE = 1.0125
 SCROLL_PER_DEGREE = 3.2
 Modifier = Qt.KeyboardModifier
 
 
 class TrackCanvas(TrackView):
-    """Interactive rows; ``told`` is emitted with a text about the part under the mouse."""
+    """Interactive tracks; ``message_posted`` is emitted with a text about the part under the mouse."""
 
     message_posted = Signal(str)
     strike_dropped = Signal(int, str, float)
-    """Place in the list of strikes, performer, seconds of the stage."""
+    """Emitted with the index of a dropped strike in its list, the performer's id, and the stage time in seconds."""
 
     def __init__(self, document: Document, live: Live, parent: QWidget | None = None) -> None:
         super().__init__(document, live, parent)
@@ -66,7 +66,7 @@ class TrackCanvas(TrackView):
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
 
     def leave(self) -> None:
-        """Also end the current drag."""
+        """End a drag, and disconnect from the document."""
         if self.gesture is not None:
             self.gesture.cancel()
             self.gesture = None
@@ -76,7 +76,7 @@ class TrackCanvas(TrackView):
         super().leave()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Select, and begin a drag of the part under the mouse."""
+        """Select, and start a drag of, the part under the mouse."""
         if self.sheet is None or self.gesture is not None:
             return
         self.mouse = event.position()
@@ -108,13 +108,13 @@ class TrackCanvas(TrackView):
                 self._pending = (hit, event.position())
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Drag, or describe the part under the mouse."""
+        """Continue the drag, or describe the part under the mouse."""
         if self.sheet is None:
             return
         self.mouse = event.position()
         if self._pending is not None:
             hit, press = self._pending
-            if (event.position() - press).manhattanLength() >= DRAG_BEGINS:
+            if (event.position() - press).manhattanLength() >= TRACK_DRAG_START_PIXELS:
                 self._pending = None
                 self.gesture = self._gesture_at(hit, press, event.modifiers())
                 if hit.part == ItemPart.BODY:
@@ -125,7 +125,7 @@ class TrackCanvas(TrackView):
             self._hover(event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Finish the drag, once no button is down any more."""
+        """Finish the drag once no button is pressed."""
         if event.buttons():
             return
         pending, self._pending = self._pending, None
@@ -139,7 +139,7 @@ class TrackCanvas(TrackView):
             self.document.selection.set(*items_of(pending[0]))  # a click, not a drag
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Add a contact or a label at an empty place of a line; rename a label."""
+        """Add a contact or label in empty space, or rename a label."""
         hit = self.hit(event.position()) if self.sheet else None
         if self.sheet and hit and hit.kind == "lane" and hit.part == ItemPart.EMPTY:
             frame = round(self.sheet.context.frame_at(event.position().x()))
@@ -153,12 +153,12 @@ class TrackCanvas(TrackView):
             self.mousePressEvent(event)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
-        """Show the menu at a position."""
+        """Show the context menu of the part under the mouse."""
         if self.gesture is None:
             self._show_menu(QPointF(event.pos()), event.globalPos())
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom about the mouse with Ctrl, scroll in time with Shift, else scroll the rows."""
+        """Zoom about the mouse with Ctrl, scroll in time with Shift, else scroll the tracks."""
         step = event.angleDelta() / 8
         degrees = step.y() or step.x()
         if event.modifiers() & Modifier.ControlModifier:
@@ -174,12 +174,12 @@ class TrackCanvas(TrackView):
         event.accept()
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        """Accept captures of the library, and strikes; files are left to the window."""
-        event.setAccepted(self._dropped(event) is not None or row_in(STRIKE, event.mimeData()) is not None)
+        """Accept dragged captures and strikes; files are left to the window."""
+        event.setAccepted(self._dropped(event) is not None or row_in(STRIKE_MIME, event.mimeData()) is not None)
 
     def dragMoveEvent(self, event: QDragMoveEvent) -> None:
-        """Accept as on entering, strikes only over rows of clips; the start of the clip is shown."""
-        motion_id, strike = self._dropped(event), row_in(STRIKE, event.mimeData()) is not None
+        """Accept captures everywhere and strikes over clip tracks, and show the start time of the new clip."""
+        motion_id, strike = self._dropped(event), row_in(STRIKE_MIME, event.mimeData()) is not None
         event.setAccepted(self._clip_row(event) is not None if strike else motion_id is not None)
         if event.isAccepted() and self.sheet is not None:
             time = self._dropped_at(event)
@@ -187,8 +187,10 @@ class TrackCanvas(TrackView):
             self.message_posted.emit(f"{name} from {time_text(time * self.axis.frame_rate, time)}")
 
     def dropEvent(self, event: QDropEvent) -> None:
-        """Add a clip from there on, in the row under the mouse; outside all rows, at the end of the active one."""
-        motion_id, strike, row = self._dropped(event), row_in(STRIKE, event.mimeData()), self._clip_row(event)
+        """Add the dropped motion to the track under the mouse, from that time on; outside of tracks, at the end of the
+        active one.
+        """
+        motion_id, strike, row = self._dropped(event), row_in(STRIKE_MIME, event.mimeData()), self._clip_row(event)
         event.setAccepted(motion_id is not None or (strike is not None and row is not None))
         self.message_posted.emit("")
         if strike is not None and row is not None:
@@ -203,19 +205,19 @@ class TrackCanvas(TrackView):
         try_edit(shown, add)
 
     def _clip_row(self, event: QDropEvent) -> str | None:
-        """Performer whose row of clips is under the mouse."""
+        """Id of the performer whose clip track is under the mouse; None if there is none."""
         if self.sheet is None or event.position().x() < ROW_LABEL_WIDTH:
             return None
         row = self.sheet.row_at(event.position().toPoint())
         return row.id if row is not None and row.kind == "clip" else None
 
     def _dropped_at(self, event: QDropEvent) -> float:
-        """Seconds of the stage under the mouse, snapped to frames and the playhead."""
+        """Stage time in seconds under the mouse, snapped to frames and the playhead."""
         time = self.axis.time_at(event.position().x())
         return snapped_time(self.axis, time, (self.document.playhead.time,)).time
 
     def _dropped(self, event: QDropEvent) -> str | None:
-        """Motion of the dragged capture."""
+        """Id of a motion of the dragged capture; None if nothing usable is dragged."""
         capture_id = capture_in(event.mimeData())
         motions = self.document.project.motions.items()
         return next((key for key, motion in motions if motion.capture_id == capture_id), None)
@@ -233,7 +235,7 @@ class TrackCanvas(TrackView):
             selection.set(*items)
 
     def hit(self, position: QPointF) -> Hit:
-        """Part under the mouse; keys and handles of the curve editor come before the playhead's line."""
+        """Part under the mouse; keys and handles of the curve editor come before the line of the playhead."""
         sheet = self.sheet
         assert sheet is not None
         under: Hit = sheet.part_under_playhead(position)
@@ -242,7 +244,7 @@ class TrackCanvas(TrackView):
         return sheet.hit(position)
 
     def _press_curves(self, position: QPointF, add: bool) -> None:
-        """Begin a drag of a handle or a key of the curve editor, or of a box."""
+        """Start a drag of a handle or key in the curve editor, or of a selection box."""
         curves, keys = self.picture.curves, self.document.keys
         assert self.sheet is not None
         grip = self._grip = curves.hit(self.sheet.context, plot_area(self.sheet.plot), position)
@@ -258,7 +260,9 @@ class TrackCanvas(TrackView):
         self._redraw_all()
 
     def select_keys(self, hit: Hit, add: bool) -> None:
-        """Select the keys of a diamond, with ``add`` in addition; a press on a selected one keeps the selection."""
+        """Select the keys of a diamond, with ``add`` in addition to others; pressing a selected key keeps the
+        selection.
+        """
         keys, items = self.document.keys, items_of(hit)
         if not set(items) <= set(self.document.selection.items):
             self.document.selection.set(*(self.document.selection.items if add else ()), *items)
@@ -268,7 +272,7 @@ class TrackCanvas(TrackView):
             keys.set(hit.keys)
 
     def _gesture_at(self, hit: Hit, press: QPointF, modifiers: Modifier) -> TimelineGesture | None:
-        """Drag that begins there: of keys, of an entity, or a box."""
+        """Drag that a press on ``hit`` starts: of keys, an entity, or a selection box. None if it starts none."""
         if self.sheet is None:
             return None
         shown, add = self.sheet.context, bool(modifiers & Modifier.ControlModifier)
@@ -315,7 +319,7 @@ class TrackCanvas(TrackView):
             self.end_gesture()
 
     def end_gesture(self) -> None:
-        """End the drag, finished or cancelled."""
+        """Clean up after a drag that was finished or cancelled."""
         self.gesture = None
         self.message_posted.emit("")
         self._set_cursor(self.mouse)
@@ -337,7 +341,7 @@ class TrackCanvas(TrackView):
             QToolTip.hideText()
 
     def _show_tooltip(self, point: QPoint, text: str) -> None:
-        """Show a text below the row at ``point``, or beside the mouse outside rows."""
+        """Show a tooltip below the track at ``point``, or beside the mouse outside of tracks."""
         row = self.sheet.row_at(point) if self.sheet else None
         place = point + QPoint(4, -2)
         if self.sheet is not None and row is not None:
@@ -345,7 +349,7 @@ class TrackCanvas(TrackView):
         QToolTip.showText(self.mapToGlobal(place), text, self)
 
     def _hover_again(self) -> None:
-        """Update the part under the mouse, which may have changed or be gone, and its tooltip."""
+        """Update highlight and tooltip, because the part under the mouse may have changed."""
         if not self._hovered or self.gesture is not None:
             return
         text = hover_text(self.sheet, self.picture.plot, self.mouse) if self.sheet and self.underMouse() else ""
@@ -363,7 +367,7 @@ class TrackCanvas(TrackView):
         super().leaveEvent(event)
 
     def rename_label(self, label_id: str) -> None:
-        """Open a field over a label to edit its name."""
+        """Show a text field over a label for editing its name."""
         label, row = self.document.project.labels.get(label_id), self.sheet and self.sheet.find("labels", "")
         if label is None or self.sheet is None or not row:
             return
@@ -382,7 +386,7 @@ class TrackCanvas(TrackView):
             menu.popup(place)
 
     def event(self, event: QEvent) -> bool:
-        """Reserve the keys of the timeline from the window's shortcuts."""
+        """Reserve the keys of the timeline from shortcuts."""
         if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
             if handles_key(self, event.key(), event.modifiers()):
                 event.accept()
@@ -398,7 +402,7 @@ class TrackCanvas(TrackView):
             super().keyPressEvent(event)
 
     def focusNextPrevChild(self, forward: bool) -> bool:
-        """Move the focus through the handles of the selected entity by Tab before it leaves."""
+        """Move the focus with Tab through the handles of the selected entity before it leaves the widget."""
         handle = edits.next_handle(self.shown, forward) if self.shown else None
         if handle is None:
             self.set_handle(None)

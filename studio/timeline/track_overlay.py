@@ -1,4 +1,4 @@
-"""Overlay of the rows: the playhead, the snapped time of a drag, and its text."""
+"""Painting over the tracks: the playhead, the snapped time of a drag, and its hint."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPolygonF
@@ -14,13 +14,13 @@ PLAYHEAD_HALF_WIDTH = 6.0
 
 
 def playhead_area(shown: RowContext, height: int) -> QRect:
-    """Rectangle covered by the playhead."""
+    """Rectangle that the playhead covers."""
     x = round(shown.axis.x_of_time(shown.document.playhead.time))
     return QRect(x - 8, 0, 17, height)
 
 
 def paint_playhead(painter: QPainter, shown: RowContext, height: int) -> None:
-    """Draw the playhead: a thin line below a head."""
+    """Paint the playhead: a head on the ruler with a thin line below."""
     x = round(shown.axis.x_of_time(shown.document.playhead.time))
     if x < ROW_LABEL_WIDTH:
         return
@@ -41,7 +41,7 @@ def paint_playhead(painter: QPainter, shown: RowContext, height: int) -> None:
 
 
 def paint_mark(painter: QPainter, shown: RowContext, mark: DragHint, mouse: QPointF, area: QRect) -> None:
-    """Draw the line of the snapped time, and the text of the drag beside its handle."""
+    """Paint a line at the snapped time of a drag, and its hint beside the mouse."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
     if mark.magnet is not None:
         x = round(shown.axis.x_of_time(mark.magnet))
@@ -60,7 +60,7 @@ def paint_mark(painter: QPainter, shown: RowContext, mark: DragHint, mouse: QPoi
 
 
 def paint_box(painter: QPainter, box: QRectF) -> None:
-    """Draw the selection box for keys."""
+    """Paint the selection box for keys."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
     painter.setPen(hairline(colours.SELECTED_HANDLE))
     painter.setBrush(translucent(colours.SELECTED_HANDLE, 0.15))
@@ -68,7 +68,7 @@ def paint_box(painter: QPainter, box: QRectF) -> None:
 
 
 def paint_focus(painter: QPainter, area: QRect) -> None:
-    """A thin edge: the keys are meant for the rows."""
+    """Paint a thin frame that shows the keyboard focus."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
     painter.setPen(hairline(colours.SELECTED_CONTROL))
     painter.setBrush(Qt.BrushStyle.NoBrush)
@@ -76,7 +76,7 @@ def paint_focus(painter: QPainter, area: QRect) -> None:
 
 
 def paint_prompt(painter: QPainter, area: QRect, text: str, share: float | None = None) -> None:
-    """Draw the hint over an empty timeline: what to do next, or the running task with its progress."""
+    """Paint a text on an empty timeline: what to do next, or the running task with its progress ``share`` (0 to 1)."""
     painter.fillRect(area, QColor(colours.PANEL))
     painter.setFont(font(13))
     painter.setPen(QColor(colours.TEXT_SECOND))
@@ -87,6 +87,6 @@ def paint_prompt(painter: QPainter, area: QRect, text: str, share: float | None 
         paint_bar(
             painter,
             QRectF(bar.topLeft(), QSizeF(PROGRESS_BAR_WIDTH * share, 4.0)),
-            QColor(colours.KINDS["position"]),
+            QColor(colours.KIND_COLOURS["position"]),
             2,
         )

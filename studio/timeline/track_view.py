@@ -1,4 +1,4 @@
-"""TrackView: widget that shows the rows over time and follows the document."""
+"""Widget that shows the tracks and follows the document."""
 
 from functools import partial
 
@@ -20,20 +20,20 @@ from studio.timeline.curves import Plotted
 from studio.timeline.gestures.gesture import TimelineGesture
 from studio.timeline.gestures.keys import BoxSelect
 from studio.timeline.gestures.value_curves import BoxSelectCurves
-from studio.timeline.picture import PLOT, TimelineImage
+from studio.timeline.picture import PLOT_ROW, TimelineImage
 from studio.timeline.sheet import FOLDED_ROW_KINDS, RIGHT_MARGIN, TimelineLayout, rows_of
 from studio.timeline.shown import ROW_LABEL_WIDTH, ItemPart, RowContext
 from studio.timeline.subject import play_different_rows, stage_extent, subject_of
 from studio.timeline.tracks.constraint import activation_look
-from studio.timeline.tracks.keys import SHEET, SUMMARY, sheet_id
+from studio.timeline.tracks.keys import SHEET_KIND, SUMMARY_KIND, sheet_id
 
 UNSOLVED_ROWS = ("characters", "grounds", "props")
-"""Collections whose change, while dragged and until it is solved, only rows of ``ROWS_WHILE_DRAGGED`` show."""
+"""Collections whose changes during a drag appear only in the tracks ``ROWS_WHILE_DRAGGED`` until they are solved."""
 ROWS_WHILE_DRAGGED = ("growth", "props", "summary", "sheet")
 
 
 class TrackView(QWidget):
-    """Ruler, rows and plot; only changed parts are drawn again."""
+    """Ruler, tracks and graph; only changed parts are painted again."""
 
     def __init__(self, document: Document, live: Live, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -77,11 +77,11 @@ class TrackView(QWidget):
         self.live.reported_changed.connect(self._show_results)
         self.live.play.running_changed.connect(self._redraw_all)
         self.axis.changed.connect(self._redraw_all)
-        self.picture.plot.arrived.connect(partial(self._redraw, PLOT))
+        self.picture.plot.arrived.connect(partial(self._redraw, PLOT_ROW))
         self.scroll_bar.valueChanged.connect(self.lay_out)
 
     def leave(self) -> None:
-        """Stop following the document and the results."""
+        """Disconnect from the document and the results."""
         document, playhead = self.document, self.document.playhead
         document.entity_changed.disconnect(self._show_change)
         document.project_opened.disconnect(self._show_project)
@@ -95,22 +95,22 @@ class TrackView(QWidget):
 
     @property
     def shown(self) -> RowContext | None:
-        """Content of the rows; None without a performer."""
+        """Context of the tracks; None if there is no motion to show."""
         return self.sheet.context if self.sheet else None
 
     @property
     def prompt(self) -> str:
-        """Sentence without content: the running task, or the next step."""
+        """Text on an empty timeline: the running task, or what to do next."""
         return self._progress[0] or empty_words(self.document.project)
 
     def show_progress(self, words: str, share: float) -> None:
-        """Show the progress of a task, from 0 to 1; empty words when nothing runs."""
+        """Show the text and progress (0 to 1) of a task; an empty text if none runs."""
         self._progress = (words, share)
         if self.sheet is None:
             self.update()
 
     def lay_out(self) -> None:
-        """Update the list of rows, lay them out, and draw everything again."""
+        """Update the list of tracks and their layout, and paint everything again."""
         subject = subject_of(self.document)
         if subject is None:
             self.sheet = None
@@ -152,7 +152,7 @@ class TrackView(QWidget):
         self._redraw_all()
 
     def _remarks_on(self, capture: Capture) -> tuple[Remark, ...]:
-        """Remarks on the capture, cached, because rows are laid out again with every edit."""
+        """Remarks on the capture, cached, since tracks are laid out again with every edit."""
         if self._remarked is None or self._remarked[0] is not capture:
             self._remarked = capture, remarks_on(capture)
         return self._remarked[1]
@@ -164,7 +164,7 @@ class TrackView(QWidget):
         self.update()
 
     def _redraw(self, *rows: tuple[str, str]) -> None:
-        """Draw only these rows again."""
+        """Paint the given tracks again."""
         if not rows or self.sheet is None:
             return
         self.picture.invalidate(*rows)
@@ -173,7 +173,7 @@ class TrackView(QWidget):
 
     def _update_row(self, row: tuple[str, str]) -> None:
         found = self.sheet.find(*row) if self.sheet else None
-        if self.sheet is not None and (row == PLOT or found is not None):
+        if self.sheet is not None and (row == PLOT_ROW or found is not None):
             self.update(self.sheet.rect(found) if found is not None else self.sheet.plot)
 
     def _show_project(self) -> None:
@@ -191,33 +191,33 @@ class TrackView(QWidget):
             self.scroll_bar.setValue(max(min(self.scroll_bar.value(), high), low))
 
     def set_editing(self, editing: bool) -> None:
-        """Switch the plot to the curve editor, or back."""
+        """Show the curve editor in place of the graph, or the graph again."""
         if self.editing != editing:
             self.editing = editing
-            self.folded -= {PLOT}
+            self.folded -= {PLOT_ROW}
             self.lay_out()
 
     def frame_curves(self, selected: bool) -> None:
-        """Fit all values of the curve editor, or those of the selected keys."""
+        """Fit all values of the curve editor into view, or those of the selected keys."""
         if self.shown is not None:
             if not selected:
                 self.axis.fit()
             self.picture.curves.frame(self.shown, selected)
-            self._redraw(PLOT)
+            self._redraw(PLOT_ROW)
 
     def set_normalized(self, normalized: bool) -> None:
-        """Show each curve of the curve editor over the whole height, or again those of a unit in one range."""
+        """Scale each curve of the curve editor to the full height, or show curves of the same unit on one scale."""
         self.picture.curves.set_normalized(normalized)
-        self._redraw(PLOT)
+        self._redraw(PLOT_ROW)
 
     def set_dope(self, dope: bool) -> None:
-        """Show the rows of the dope sheet, or the usual ones."""
+        """Show the dope sheet, or the usual tracks."""
         if self.dope != dope:
             self.dope = dope
             self.lay_out()
 
     def fold(self, kind: str, row_id: str = "") -> None:
-        """Fold a row of ``FOLDED_ROW_KINDS``, or the plot, to a line, or unfold it; rows of performers one, or all."""
+        """Collapse or expand a track of ``FOLDED_ROW_KINDS``, the clip tracks, or the graph."""
         if kind == "clip":
             self.apart = not (self.shown and self.shown.rows_per_performer)
         else:
@@ -225,24 +225,24 @@ class TrackView(QWidget):
         self.lay_out()
 
     def fold_all(self) -> None:
-        """Fold every row that can be folded; unfold them if all are."""
+        """Collapse every track that can be; expand them if all are collapsed."""
         rows = self.sheet.rows if self.sheet else ()
-        foldable = frozenset({PLOT} | {(row.kind, row.id) for row in rows if row.kind in FOLDED_ROW_KINDS})
+        foldable = frozenset({PLOT_ROW} | {(row.kind, row.id) for row in rows if row.kind in FOLDED_ROW_KINDS})
         self.folded = frozenset() if foldable <= self.folded else foldable
         self.lay_out()
 
     def _show_change(self, collection: str, entity_id: str) -> None:
-        """Draw the row of a changed constraint or contact; other changes may change the list of rows."""
+        """Paint the track of a changed constraint or contact again; after other changes, lay out all tracks."""
         if collection == "behaviours":
             return
         if self.editing and collection in KEYED_COLLECTIONS:
-            self._redraw(PLOT)
+            self._redraw(PLOT_ROW)
             self.fields.show_keys(self.shown)
         if self.dope and collection == "constraints" and self.sheet and entity_id:
             own = [row.key for row in self.sheet.rows if row.id.startswith(f"{collection}/{entity_id}/")]
             fields = fields_of(collection, entity_id, self.document.project.get(collection, entity_id))
-            if own == [(SHEET, sheet_id(field)) for field in fields]:
-                self._redraw((SUMMARY, ""), *own)
+            if own == [(SHEET_KIND, sheet_id(field)) for field in fields]:
+                self._redraw((SUMMARY_KIND, ""), *own)
                 return
         if self.live.interactive and collection in UNSOLVED_ROWS:
             rows = self.sheet.rows if self.sheet else ()
@@ -268,18 +268,18 @@ class TrackView(QWidget):
                 self._redraw(row)
 
     def _show_results(self) -> None:
-        """Draw rows that show results again; during a drag, only those of the dragged entity."""
+        """Paint tracks that show results again; during a drag, only those of the dragged entity."""
         all_rows = self.sheet.rows if self.sheet else ()
         rows = [(row.kind, row.id) for row in all_rows if row.kind in ("constraints", "clip")]
         if self.live.interactive:
             selection = self.document.selection
             rows = [row for row in rows if row in selection or (row[0] == "clip" and selection.of("clips"))]
         else:
-            rows.append(PLOT)
+            rows.append(PLOT_ROW)
         self._redraw(*rows)
 
     def _move_playhead(self) -> None:
-        """Draw only the pixels of the old and the new playhead."""
+        """Paint only the pixels of the old and the new playhead."""
         if self.shown is None:
             return
         if self.document.playhead.playing:
@@ -288,9 +288,9 @@ class TrackView(QWidget):
         self.update(track_overlay.playhead_area(self.shown, self.height()))
 
     def set_quantity(self, quantity: Plotted) -> None:
-        """Plot another quantity."""
+        """Plot another quantity in the graph."""
         self.picture.plot.quantity = quantity
-        self._redraw(PLOT)
+        self._redraw(PLOT_ROW)
 
     def set_handle(self, handle: ItemPart | None) -> None:
         """Focus a handle of the selected entity."""
@@ -301,7 +301,7 @@ class TrackView(QWidget):
                 self.setAccessibleName(edits.handle_words(self.shown))
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the picture, then the overlay."""
+        """Paint the cached image, and over it playhead and drag."""
         with QPainter(self) as painter:  # an error inside must not leave a painter on a widget that goes on
             if self.sheet is None:
                 track_overlay.paint_prompt(
@@ -330,5 +330,5 @@ class TrackView(QWidget):
         self.lay_out()
 
     def sizeHint(self) -> QSize:
-        """Third of a large window."""
+        """Height of a third of a large window."""
         return QSize(1200, 318)

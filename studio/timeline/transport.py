@@ -1,4 +1,4 @@
-"""Transport row: play, step, loop, speed, the playhead's time, and the range."""
+"""Transport bar: playback, step, loop, speed, time and frame of the playhead, and the play range."""
 
 from collections.abc import Callable
 
@@ -16,17 +16,17 @@ from studio.timeline.time_words import rate_text
 from studio.timeline.timecode import TIMECODE, frame_of_timecode, timecode
 
 TRANSPORT_HEIGHT = 32
-SPEEDS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
-LAST_FRAME = 9_999_999
+PLAYBACK_SPEEDS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0)
+MAX_FRAME = 9_999_999
 
 
 class Transport(QWidget):
-    """Controls of the document's playhead and of live play; ``wanted`` is emitted with ids of actions."""
+    """Controls of playback and of live play; ``action_requested`` is emitted with the id of an action."""
 
     action_requested = Signal(str)
 
     def __init__(self, document: Document, play: LivePlay, parent: QWidget | None = None) -> None:
-        """``play`` as ``Live.play``."""
+        """``play`` is the live play of the document."""
         super().__init__(parent)
         self.playhead, self._play = document.playhead, play
         self.setFixedHeight(TRANSPORT_HEIGHT)
@@ -46,7 +46,7 @@ class Transport(QWidget):
         self._show_range()
 
     def leave(self) -> None:
-        """Stop following the playhead."""
+        """Disconnect from the playhead."""
         self.playhead.changed.disconnect(self._show_time)
         self.playhead.playing_changed.disconnect(self._show_playing)
         self.playhead.range_changed.disconnect(self._show_range)
@@ -87,9 +87,9 @@ class Transport(QWidget):
         self.speed.setAccessibleName("Playback speed")
         self.speed.setToolTip("Playback speed")
         self.speed.setFocusPolicy(Qt.FocusPolicy.TabFocus)  # a click leaves Space to the playback
-        for speed in SPEEDS:
+        for speed in PLAYBACK_SPEEDS:
             self.speed.addItem(f"{speed:g}×", speed)
-        self.speed.setCurrentIndex(SPEEDS.index(1.0))
+        self.speed.setCurrentIndex(PLAYBACK_SPEEDS.index(1.0))
         self.speed.currentIndexChanged.connect(self._set_speed)
         self.first = _frame_field("First frame of the range", lambda frame: self._set_range())
         self.last = _frame_field("Last frame of the range", lambda frame: self._set_range())
@@ -121,7 +121,7 @@ class Transport(QWidget):
         self._optional = (self.timecode, self.rate, self.seconds, speed, self.speed)
 
     def minimumSizeHint(self) -> QSize:
-        """Size without the parts that a narrow row hides."""
+        """Size without the fields that a narrow bar hides."""
         shown = [each for each in self._optional if not each.isHidden()]
         spare = sum(
             each.minimumSizeHint().expandedTo(each.minimumSize()).width() + self._row.spacing() for each in shown
@@ -129,7 +129,7 @@ class Transport(QWidget):
         return QSize(self._row.minimumSize().width() - spare, TRANSPORT_HEIGHT)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Hide parts of a narrow row, the least important first: the status line or keys have them as well."""
+        """Hide fields of a narrow bar, the least important first; the status line and shortcuts have them as well."""
         super().resizeEvent(event)
         for each in self._optional:
             each.show()
@@ -160,7 +160,7 @@ class Transport(QWidget):
         self.clock.setText(f"{words} {self._play.seconds:.1f} s" if running else "")
 
     def _show_manner(self) -> None:
-        """Show speed and loop, which keys may have set; a speed outside the list is shown too."""
+        """Show speed and loop, which shortcuts may have changed; a speed outside of the list is added."""
         with QSignalBlocker(self.speed):
             self.speed.setPlaceholderText(f"{self.playhead.speed:g}×")
             self.speed.setCurrentIndex(self.speed.findData(self.playhead.speed))
@@ -188,15 +188,15 @@ class Transport(QWidget):
 
 
 class TimecodeField(QSpinBox):
-    """Field for a frame as SMPTE timecode."""
+    """Number field for a frame, displayed as SMPTE timecode."""
 
     def __init__(self) -> None:
         self._frame_rate = INITIAL_PLAYHEAD.frame_rate
-        super().__init__(maximum=LAST_FRAME)
+        super().__init__(maximum=MAX_FRAME)
         _dress(self, "SMPTE timecode (hours:minutes:seconds:frames)", 92)
 
     def show_frame(self, frame: int, frame_rate: float) -> None:
-        """Show a frame at a rate."""
+        """Show a frame at a frame rate in Hz."""
         is_same = frame == self.value()
         self._frame_rate = frame_rate
         self.setValue(frame)
@@ -242,7 +242,7 @@ def _button(icon: str, text: str, action: Callable[[], object]) -> QToolButton:
 
 
 def _frame_field(text: str, action: Callable[[int], None]) -> QSpinBox:
-    field = QSpinBox(maximum=LAST_FRAME)
+    field = QSpinBox(maximum=MAX_FRAME)
     _dress(field, text, 56)
     field.valueChanged.connect(action)
     return field

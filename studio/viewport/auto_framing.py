@@ -1,17 +1,19 @@
-"""New performers: the camera moves so that one outside of the view becomes visible."""
+"""Automatic framing: the camera moves when new performers would be outside of the view."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.opening import clear_of_overlays
 
 Size = tuple[float, float]
 FRAMING_MARGIN = 0.06
-"""Part of the picture's width and height along its edges in which nothing is seen well."""
+"""Margin along the edges of the image, as a fraction of its width and height, in which bodies count as badly
+visible.
+"""
 
 
 @dataclass(frozen=True)
@@ -24,22 +26,22 @@ class CameraStep:
 
 
 class AutoFraming:
-    """Known performers; undoing an import moves the camera back, unless the user has moved it."""
+    """Memory of the known performers; when an import is undone, the camera moves back unless the user has moved it."""
 
     def __init__(self) -> None:
         self._known = frozenset[str]()
         self._step: CameraStep | None = None
 
     def note_performers(self, bodies: Collection[str]) -> None:
-        """Store the performers when the stage is shown first."""
+        """Record the performers when a stage is first shown."""
         self._known, self._step = frozenset(bodies), None
 
     def camera_for(
         self, performers: Collection[str], bodies: Mapping[str, PosedPerformer], camera: OrbitCamera, size: Size
     ) -> OrbitCamera:
-        """Camera moved so that bodies that are new since the last call are visible, never nearer than before.
+        """Camera moved so that performers that are new since the last call are visible, never closer than before.
 
-        It is unchanged if all of them are visible; bodies that were mostly visible stay so.
+        It is unchanged if all new ones are visible; bodies that were mostly visible stay visible.
         """
         before, self._known = self._known, (self._known | bodies.keys()) & frozenset(performers)
         step = self._step
@@ -60,12 +62,12 @@ class AutoFraming:
 
 
 def is_in_picture(body: PosedPerformer, camera: OrbitCamera, size: Size) -> bool:
-    """True if all of a body is in the picture, and not at its edge."""
+    """True if a whole body is in the image, and not in the margin along its edges."""
     return visible_fraction(body, camera, size, FRAMING_MARGIN) == 1.0
 
 
 def visible_fraction(body: PosedPerformer, camera: OrbitCamera, size: Size, edge: float) -> float:
-    """Fraction of a body's points in the picture, without an ``edge`` in fractions of its width and height."""
+    """Fraction of a body's points in the image without a margin ``edge``, a fraction of its width and height."""
     pixels, depth = camera.project(body.points, size)
     place = pixels / size
     return float(((depth > 0.0) & (place >= edge).all(axis=1) & (place <= 1.0 - edge).all(axis=1)).mean())

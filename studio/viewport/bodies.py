@@ -1,4 +1,4 @@
-"""Bodies on the stage: a performer's skin or its bones."""
+"""Characters in the 3D view: the skin or the bones of a performer."""
 
 import math
 from concurrent.futures import Future
@@ -14,12 +14,12 @@ from studio.core.mesh.character import Character
 from studio.core.mesh.skin import SkinnedMesh, skin_vertices, with_grip
 from studio.core.rigs.driven_fingers import bound_hands
 from studio.core.stage.placement import Placement
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.viewport.bone_figure import BoneFigure
 from studio.viewport.character_materials import material_actors
 from studio.viewport.coarse import coarse_skin_beside
 from studio.viewport.live_mesh import LiveMesh
-from studio.viewport.seams import FIELD, draw_seams, panel_field
+from studio.viewport.seams import PANEL_FIELD, draw_seams, panel_field
 
 
 def make_actor(mesh: LiveMesh, colour: str) -> pv.Actor:
@@ -32,7 +32,7 @@ def make_actor(mesh: LiveMesh, colour: str) -> pv.Actor:
 
 
 def set_actor_placement(actor: pv.Actor, placement: Placement) -> None:
-    """Set the stage placement of an actor in motion space."""
+    """Set the placement on the stage of an actor whose mesh is in motion space."""
     actor.SetPosition(placement.position[0], placement.position[1], 0.0)
     actor.SetOrientation(0.0, 0.0, math.degrees(placement.heading))
 
@@ -44,7 +44,7 @@ def pose_skin(
     vertices: NDArray[np.float32] | None = None,
     normals: NDArray[np.float32] | None = None,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Vertices and normals (V, 3) of ``skin``, one of ``character``, in a pose with its fingers, in motion space.
+    """Vertices and normals (V, 3) in motion space of ``skin``, a skin of ``character``, in a pose with its fingers.
 
     They are written in place if arrays are given.
     """
@@ -59,7 +59,7 @@ def pose_skin(
 
 
 class DrawnSkin(NamedTuple):
-    """Skin and the mesh that draws it."""
+    """Skin, and the mesh that draws it."""
 
     mesh: LiveMesh
     skin: SkinnedMesh
@@ -71,7 +71,7 @@ class DrawnSkin(NamedTuple):
 
 
 class BodyVisual:
-    """Character as skin and as bones; only one of the two is posed and visible at a time."""
+    """VTK objects of a character, as skin and as bones; only one of the two is posed and visible at a time."""
 
     def __init__(self, character: Character) -> None:
         self._character = character
@@ -91,9 +91,10 @@ class BodyVisual:
         """Pose and motion that were drawn last; the same ones again cost nothing."""
 
     def coarsen(self, coarse: bool) -> None:
-        """Draw the next poses with fewer vertices, or with all; a skin with materials is always drawn in full.
+        """Draw the next poses with fewer vertices (``coarse``) or with all; a skin with materials is always drawn in
+        full.
 
-        The coarse skin is computed in the background; until then, the full one is drawn.
+        The coarse skin is computed in the background, and the full one is drawn until then.
         """
         if self._character.skin.appearance is not None:
             return
@@ -112,15 +113,15 @@ class BodyVisual:
 
     def _give_panels(self, drawn: DrawnSkin) -> None:
         data = drawn.mesh.polydata.point_data
-        data[FIELD] = panel_field(drawn.skin, self._character.build.layout)
-        data.active_scalars_name = FIELD
+        data[PANEL_FIELD] = panel_field(drawn.skin, self._character.build.layout)
+        data.active_scalars_name = PANEL_FIELD
 
     def can_show(self, character: Character) -> bool:
-        """True if this mesh can show ``character``: proportions and colour may differ, the skin may not."""
+        """True if these objects can show ``character``: its proportions and colour may differ, but not its skin."""
         return character.skin is self._character.skin and character.build is self._character.build
 
     def take_skin(self, character: Character) -> None:
-        """Show a changed version of the same character; one with materials keeps their colours."""
+        """Show a changed version of the same character; materials keep their colours."""
         if character.colour != self._character.colour:
             if character.skin.appearance is None:
                 draw_seams(self.skin_actors[0], character.colour)
@@ -139,7 +140,7 @@ class BodyVisual:
         return self.bones_actor
 
     def pose(self, posed: PosedPerformer, bones: bool) -> None:
-        """Apply a pose and its placement on the stage."""
+        """Show a pose at its placement on the stage, as ``bones`` or as skin."""
         motion, row = posed.motion, posed.row
         for actor in self.skin_actors:
             actor.SetVisibility(not bones)

@@ -1,4 +1,4 @@
-"""Points of a body that can be picked and constrained, and a sensible chain for each."""
+"""Points of a body that can be picked and constrained, each with a default IK chain."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.constraints.base import BodyPoint, Chain, Vector
 from studio.core.solver.request import AdaptedMotion
-from studio.engine.performance import PosedPerformer
 from studio.engine.point_names import POINT_NAMES
+from studio.engine.posed_performer import PosedPerformer
 
 _ARM = Chain(limb=1.0, clavicle=1.0, trunk=0.4, root=0.2)
 _HAND_END = Chain(limb=1.0, end_segment=0.5, clavicle=1.0, trunk=0.4, root=0.2)
@@ -27,7 +27,7 @@ _CHAINS = {
 
 @dataclass(frozen=True)
 class BodyJoint:
-    """Pickable joint: canonical index, name, point fixed to the body, chain."""
+    """Pickable joint: index in the canonical skeleton, name, point fixed to the body, and default IK chain."""
 
     index: int
     name: str
@@ -37,7 +37,7 @@ class BodyJoint:
 
 @lru_cache
 def body_joints(layout: BodyLayout) -> tuple[BodyJoint, ...]:
-    """Every joint of a body that can be constrained; the waist is picked by the chest."""
+    """Joints of a body that can be constrained; instead of the waist, the chest is picked."""
     near, far = layout.proximal_points(), layout.distal_points()
     joints = []
     for (part, at_end), name in POINT_NAMES.items():
@@ -49,14 +49,16 @@ def body_joints(layout: BodyLayout) -> tuple[BodyJoint, ...]:
 
 
 def skin_point(layout: BodyLayout, part: BodyPart, offset: Vector, at_end: bool) -> BodyJoint:
-    """Point on the skin of a segment, at an ``offset`` from its origin or its far end."""
+    """Point on the skin of a segment, at ``offset`` in metres from the segment's origin or, with ``at_end``, from its
+    far end.
+    """
     ends = layout.distal_points() if at_end else layout.proximal_points()
     point = BodyPoint(part, offset, at_end)
     return BodyJoint(int(ends[layout.segment_of_part(part)]), f"{part.label.lower()} skin", point, _chain(part, at_end))
 
 
 def place_of_joint(pose: PosedPerformer, joint: BodyJoint) -> NDArray[np.float64]:
-    """(3,) stage position of a picked joint or point."""
+    """(3,) position of a picked joint or point on the stage."""
     return pose.placement.to_stage(point_path(pose.motion, joint.point, slice(pose.row, pose.row + 1))[0])
 
 
@@ -68,7 +70,7 @@ def _chain(part: BodyPart, at_end: bool) -> Chain:
 def point_path(
     motion: AdaptedMotion, point: BodyPoint, rows: slice | NDArray[np.intp] = slice(None)
 ) -> NDArray[np.float64]:
-    """(F, 3) positions of ``point`` in the motion's space in each of ``rows``."""
+    """(F, 3) positions of ``point`` in the frames ``rows``, in motion space."""
     layout = motion.morphology.layout
     segment = layout.segment_of_part(point.part)
     origin = (layout.distal_points() if point.at_end else layout.proximal_points())[segment]

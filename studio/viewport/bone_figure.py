@@ -1,4 +1,4 @@
-"""Figure of bones: one slender octahedron for each segment, for the bones shading."""
+"""Bones shading: one slender octahedron for each segment."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +11,11 @@ THICKEST_AT = 0.18
 THICKNESS = 0.11
 _WAIST = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 _FACETS = np.array([[0, 2, 1], [0, 3, 2], [0, 4, 3], [0, 1, 4], [5, 1, 2], [5, 2, 3], [5, 3, 4], [5, 4, 1]])
-"""Corners of each facet, counter-clockwise from outside: 0 begin, 1 to 4 waist, 5 end."""
+"""Vertices of each facet, counter-clockwise from outside: 0 start, 1 to 4 waist, 5 end."""
 
 
 class BoneFigure:
-    """Live mesh of octahedra between the points of a body."""
+    """Mesh of octahedra between the points of a body."""
 
     def __init__(self, layout: BodyLayout) -> None:
         self._pairs = bone_pairs(layout)
@@ -24,7 +24,7 @@ class BoneFigure:
         self.mesh = LiveMesh(corners, np.arange(corners).reshape(-1, 3))
 
     def pose(self, positions: NDArray[np.float64]) -> None:
-        """Set the points ``positions`` (N, 3)."""
+        """Move the octahedra to the body points ``positions`` (N, 3)."""
         begin, end = positions[self._pairs[:, 0]], positions[self._pairs[:, 1]]
         along = end - begin
         length = np.linalg.norm(along, axis=1, keepdims=True)

@@ -1,4 +1,4 @@
-"""Camera as a value: its placement, and projection between stage and picture."""
+"""Orbit camera as an immutable value, and projection between stage and image."""
 
 import math
 from dataclasses import dataclass, fields, replace
@@ -13,58 +13,62 @@ FloatArray = NDArray[np.float64]
 
 MOST_CAMERA_PITCH = math.pi / 2
 LEAST_CAMERA_DISTANCE, MOST_CAMERA_DISTANCE = 0.15, 150.0
-VIEWS: dict[str, tuple[float, float]] = {
+NAMED_VIEWS: dict[str, tuple[float, float]] = {
     "perspective": (CAMERA_AZIMUTH, CAMERA_ELEVATION),
     "front": (0.0, 0.0),
     "side": (-math.pi / 2, 0.0),
     "top": (-math.pi / 2, math.pi / 2),
 }
-"""Azimuth and elevation (radians) of the named views; performers face X, to the right in the side view."""
+"""Azimuth and elevation in radians of the named views; performers face X, which points right in the side view."""
 
 
 @dataclass(frozen=True)
 class OrbitCamera(CameraPlacement):
-    """Placement that moves with the mouse, and projects between stage and picture."""
+    """Camera placement that orbits a target, and projects between stage and image."""
 
     @classmethod
     def at(cls, placement: CameraPlacement) -> Self:
-        """Camera of a placement."""
+        """Camera at a placement."""
         return cls(*(getattr(placement, each.name) for each in fields(CameraPlacement)))
 
     @property
     def placement(self) -> CameraPlacement:
-        """Its placement, to be saved."""
+        """Placement of the camera, to be saved."""
         return CameraPlacement(*(getattr(self, each.name) for each in fields(CameraPlacement)))
 
     def orbited(self, azimuth: float, elevation: float) -> Self:
-        """Camera rotated about its target by angles in radians, limited at the top and bottom."""
+        """Camera orbited about its target by angles in radians, limited at top and bottom."""
         steep = min(max(self.elevation + elevation, -0.12), MOST_CAMERA_PITCH)
         return replace(self, azimuth=self.azimuth + azimuth, elevation=steep)
 
     def panned(self, right: float, up: float) -> Self:
-        """Camera moved sideways by metres at the depth of its target."""
+        """Camera moved right and up by metres, measured at the depth of its target."""
         moved = np.asarray(self.target) + right * self.axes[0] + up * self.axes[1]
         return replace(self, target=tuple(moved.tolist()))
 
     def zoomed(self, factor: float) -> Self:
-        """Camera ``factor`` times nearer to its target."""
+        """Camera at 1 / ``factor`` of its distance from the target."""
         return replace(self, distance=min(max(self.distance / factor, LEAST_CAMERA_DISTANCE), MOST_CAMERA_DISTANCE))
 
     def zoomed_at(self, factor: float, x: float, y: float, size: tuple[float, float]) -> Self:
-        """Camera ``factor`` times nearer to its target, with a fixed point at pixel (x, y) at the target's depth."""
+        """Camera at 1 / ``factor`` of its distance from the target, keeping the point at pixel (x, y) and the target's
+        depth in place.
+        """
         nearer = self.zoomed(factor)
         gain = self.metres_per_pixel(size[1]) - nearer.metres_per_pixel(size[1])
         return nearer.panned((x - size[0] / 2) * gain, (size[1] / 2 - y) * gain)
 
     def metres_per_pixel(self, height: float, depth: float | None = None) -> float:
-        """Metres of one pixel at ``depth`` metres before the eye, in a picture ``height`` pixels high."""
+        """Size of a pixel in metres at ``depth`` metres in front of the eye, by default at the target, in an image
+        ``height`` pixels high.
+        """
         reach = self.distance if depth is None or self.parallel else max(depth, 1e-6)
         return 2.0 * reach * math.tan(VIEW_ANGLE / 2) / height
 
     def project(self, points: ArrayLike, size: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
-        """Pixels (N, 2), y down, and depths (N,) in metres from the eye of stage ``points`` (N, 3).
+        """Pixels (N, 2), y down, and depths (N,) in metres of stage ``points`` (N, 3).
 
-        ``size`` is the picture's width and height; a point behind the eye has a depth of zero or less.
+        ``size`` is width and height of the image; a point behind the eye has a depth of zero or less.
         """
         local = (np.asarray(points, dtype=np.float64).reshape(-1, 3) - self.eye) @ self.axes.T
         depth = -local[:, 2]
@@ -73,11 +77,11 @@ class OrbitCamera(CameraPlacement):
         return np.stack([size[0] / 2 + local[:, 0] * scale, size[1] / 2 - local[:, 1] * scale], axis=1), depth
 
     def height(self, points: ArrayLike, size: tuple[float, float]) -> float:
-        """Height in pixels of stage ``points`` (N, 3) in a picture of ``size``."""
+        """Height in pixels of stage ``points`` (N, 3) in an image of ``size``."""
         return float(np.ptp(self.project(points, size)[0][:, 1]))
 
     def ray(self, x: float, y: float, size: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
-        """Origin and unit direction (stage space) of the view ray through pixel (x, y)."""
+        """Origin and unit direction, in stage space, of the view ray through pixel (x, y)."""
         step = 2.0 * math.tan(VIEW_ANGLE / 2) / size[1]
         right, up = (x - size[0] / 2) * step, (size[1] / 2 - y) * step
         if self.parallel:
@@ -86,7 +90,7 @@ class OrbitCamera(CameraPlacement):
         return self.eye, sight / np.linalg.norm(sight)
 
     def framing(self, points: ArrayLike, size: tuple[float, float], margin: float = 1.25) -> Self:
-        """Camera with the same direction, moved so that all stage ``points`` (N, 3) are visible with a margin."""
+        """Camera with the same direction, moved so that all stage ``points`` (N, 3) are in view with a margin."""
         places = np.asarray(points, dtype=np.float64).reshape(-1, 3)
         local = places @ self.axes.T
         tangent = math.tan(VIEW_ANGLE / 2) / margin
@@ -110,7 +114,7 @@ class OrbitCamera(CameraPlacement):
         )
 
     def towards(self, other: "OrbitCamera", share: float) -> "OrbitCamera":
-        """Interpolation by ``share`` (0 to 1) to ``other``, rotating along the shorter arc."""
+        """Camera interpolated to ``other`` by ``share`` (0 to 1), rotating along the shorter arc."""
         turn = (other.azimuth - self.azimuth + math.pi) % (2 * math.pi) - math.pi
         target = np.asarray(self.target) * (1 - share) + np.asarray(other.target) * share
         return replace(

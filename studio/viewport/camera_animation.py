@@ -1,4 +1,4 @@
-"""Short camera animation from one view to another."""
+"""Short animation of the camera from one view to another."""
 
 from collections.abc import Callable
 
@@ -6,25 +6,25 @@ from PySide6.QtCore import QEasingCurve, QObject, QVariantAnimation
 
 from studio.viewport.camera import OrbitCamera
 
-MILLISECONDS = 120
+ANIMATION_MILLISECONDS = 120
 
 
 class CameraAnimation(QObject):
-    """Animation of 120 ms; a new one replaces one under way."""
+    """Animation of ``ANIMATION_MILLISECONDS``; starting a new one replaces it."""
 
     def __init__(self, show: Callable[[OrbitCamera], None], parent: QObject) -> None:
         super().__init__(parent)
         self._show = show
         self._begin = self._end = OrbitCamera()
         self._animation = QVariantAnimation(self)
-        self._animation.setDuration(MILLISECONDS)
+        self._animation.setDuration(ANIMATION_MILLISECONDS)
         self._animation.setEasingCurve(QEasingCurve.Type.OutCubic)
         self._animation.setStartValue(0.0)
         self._animation.setEndValue(1.0)
         self._animation.valueChanged.connect(self._step)
 
     def start(self, begin: OrbitCamera, end: OrbitCamera) -> None:
-        """Animate from ``begin`` to ``end``; equal views change nothing, and an animation under way continues."""
+        """Animate the camera from ``begin`` to ``end``; does nothing if they are equal."""
         if begin == end:
             return
         self._animation.stop()

@@ -1,4 +1,4 @@
-"""Canvas: a plain widget that paints off-screen pictures of VTK, at most once in a turn of the event loop."""
+"""Widget that paints off-screen images rendered by VTK, at most once per event loop iteration."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ if TYPE_CHECKING:
     from studio.viewport.stills import AveragedPicture
 
 SMOOTHING_MILLISECONDS = 160
-"""Seconds without a move after which the picture is made smooth."""
-GATHER_MILLISECONDS = 5
+"""Milliseconds without motion after which the image is anti-aliased."""
+REDRAW_DELAY_MILLISECONDS = 5
 
 
 class Canvas(QWidget):
-    """View of a scene with a camera. VTK is loaded and started only after the widget has been shown."""
+    """Widget that shows a scene through a camera. VTK is loaded and started only after the widget was shown."""
 
     started = Signal()
-    """The scene has been drawn for the first time with all that is on it."""
+    """Emitted when the scene was rendered for the first time with its whole content."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -64,19 +64,19 @@ class Canvas(QWidget):
 
     @property
     def moving(self) -> bool:
-        """True if the next picture will soon replace this one, so that anti-aliasing is wasted."""
+        """True if the next image will soon replace this one, so that anti-aliasing is not worthwhile."""
         return False
 
     @property
     def is_interacting(self) -> bool:
-        """True while the user drags and waits for each picture."""
+        """True during a drag, in which the user waits for each image."""
         return False
 
     def start(self) -> None:
-        """Start VTK, if it is neither running nor stopped for good.
+        """Start VTK, unless it runs or was stopped.
 
-        The next two turns of the event loop draw the empty stage, then its content; together with their shaders they
-        would freeze the window.
+        The next two event loop iterations render the empty stage, then its content; compiling all shaders at once would
+        freeze the window.
         """
         if self._scene is None and not self._stopped:
             from studio.viewport.stage_picture import StageScene  # heavy: the window is shown before it
@@ -85,7 +85,7 @@ class Canvas(QWidget):
             self._frame_timer.start(0)
 
     def stop(self) -> None:
-        """Free VTK; nothing is drawn from now on. May be called twice."""
+        """Release VTK; nothing is rendered from now on. May be called twice."""
         self._stopped = True
         self._frame_timer.stop()
         self._rest_timer.stop()
@@ -95,15 +95,15 @@ class Canvas(QWidget):
             self._scene = None
 
     def redraw(self, *_: object) -> None:
-        """Update scene and picture, once in this turn of the event loop."""
+        """Update scene and image, once in this event loop iteration."""
         self._stale = True
         self._frame_timer.start(0)
 
     def schedule_redraw(self) -> None:
-        """As ``redraw``, but after a short delay that collects further changes."""
+        """Update scene and image after a short delay, in which further changes are collected."""
         self._stale = True
         if not self._frame_timer.isActive():
-            self._frame_timer.start(GATHER_MILLISECONDS)
+            self._frame_timer.start(REDRAW_DELAY_MILLISECONDS)
 
     def set_camera(self, camera: OrbitCamera) -> None:
         """Set the camera."""
@@ -112,18 +112,18 @@ class Canvas(QWidget):
             self._frame_timer.start(0)
 
     def set_stereo_view(self, sight: StereoView) -> None:
-        """Set one or two eyes, and the head's position."""
+        """Set one or two eyes, and the position of the head."""
         if sight != self.stereo_view:
             self.stereo_view = sight
             self._frame_timer.start(0)
 
     @property
     def drawn_image(self) -> QImage:
-        """Stage as drawn last, without handles and chips; null before the first time."""
+        """Stage as last rendered, without handles and chips; null before the first time."""
         return self._image
 
     def grab_image(self) -> QImage:
-        """Stage alone as an anti-aliased picture, without handles and chips."""
+        """Anti-aliased image of the stage, without handles and chips."""
         self.start()
         if self._image.isNull():
             self._draw()
@@ -134,23 +134,23 @@ class Canvas(QWidget):
         return self._image.copy()
 
     def bring_up_to_date(self, scene: StageScene) -> None:
-        """Update the scene; for the subclass."""
+        """Update the scene; to be overridden."""
 
     def paint_over(self, painter: QPainter) -> None:
-        """Paint over the picture in logical pixels; for the subclass."""
+        """Paint over the image in logical pixels; to be overridden."""
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Stop VTK."""
+        """Release VTK."""
         self.stop()
         super().closeEvent(event)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Draw in the new size."""
+        """Render in the new size."""
         super().resizeEvent(event)
         self._frame_timer.start(0)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Paint the picture and the overlay."""
+        """Paint the image and what lies over it."""
         with QPainter(self) as painter:
             if self._image.isNull():
                 self._paint_waiting(painter)
@@ -167,7 +167,7 @@ class Canvas(QWidget):
                     painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
 
     def sizeHint(self) -> QSize:
-        """Smallest useful size."""
+        """Minimum useful size."""
         return QSize(960, 600)
 
     def _paint_waiting(self, painter: QPainter) -> None:
@@ -207,7 +207,7 @@ class Canvas(QWidget):
             self.started.emit()
 
     def _render(self, scene: StageScene) -> Pixels:
-        """Draw the view, in a lower resolution while it moves and drawing is slow."""
+        """Render the view; in a lower resolution while it moves and rendering is slow."""
         if not self.moving:
             return self.stereo_view.render(scene, self.camera, self._device_size())
         sharpness = self._sharp_in_hand if self.is_interacting else self._sharp_at_play
@@ -227,7 +227,7 @@ class Canvas(QWidget):
             self.update()
 
     def _refine(self) -> None:
-        """Add one sample of anti-aliasing in each turn while nothing moves."""
+        """Add one anti-aliasing sample per event loop iteration while nothing moves."""
         if self._scene is None or self.moving:
             return
         if self._still is not None and self._still.complete:

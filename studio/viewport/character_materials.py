@@ -1,4 +1,4 @@
-"""Materials of a character: an actor for each, with its base colour and texture."""
+"""Actors for the materials of a character, with base colour and texture."""
 
 import numpy as np
 import pyvista as pv
@@ -14,7 +14,7 @@ _HOLES = """//VTK::TCoord::Impl
 
 
 def material_actors(mesh: LiveMesh, triangles: NDArray[np.int32], look: Appearance) -> list[pv.Actor]:
-    """Actor for every material that some triangles of ``mesh`` have."""
+    """One VTK actor for each material that is used by triangles of ``mesh``."""
     pictures: dict[tuple[int, bool], pv.Texture | None] = {}
     actors = []
     for index in np.unique(look.triangle_materials):

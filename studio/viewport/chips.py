@@ -1,4 +1,4 @@
-"""Chips: small labels over the picture that show a state; clickable ones are buttons."""
+"""Chips: small buttons and labels over the 3D view that show and toggle display options."""
 
 from collections.abc import Callable, Mapping
 
@@ -9,9 +9,9 @@ from studio.document import colours
 from studio.document.mnemonics import escaped_mnemonics
 
 CHIP_MARGIN = 8
-"""Pixels between a chip and the view's edge."""
-PROBLEM_FRAME = 60
-"""Pixels of a view's width that the problem's words may not take."""
+"""Pixels between a chip and the edge of the view."""
+PROBLEM_MARGIN_PX = 60
+"""Pixels of the view's width that the text of the problem chip must leave free."""
 _SHAPE = "border-radius: 11px; padding: 3px 10px; font-size: 12px; border: 1px solid transparent;"
 _BUTTON = f"""
 QPushButton {{ background: rgba(22, 25, 29, 205); color: {colours.STAGE_TEXT_SECOND}; {_SHAPE} }}
@@ -24,7 +24,7 @@ _CALL_TO_ACTION_STYLE = f"QPushButton {{ background: {colours.STAGE_SELECTED_CON
 
 
 class Chip(QPushButton):
-    """Clickable label."""
+    """Small button over the 3D view."""
 
     def __init__(self, text: str, name: str, clicked: Callable[[], object], parent: QWidget, extra: str = "") -> None:
         super().__init__(escaped_mnemonics(text), parent)
@@ -38,7 +38,7 @@ class Chip(QPushButton):
         self.clicked.connect(lambda: clicked())
 
     def stand_at(self, position: QPoint) -> None:
-        """Move to a position of the view, or as near to it as the chip fits."""
+        """Move to a position of the view, or as near to it as the view allows."""
         view = self.parentWidget()
         assert view is not None
         room = view.rect().adjusted(CHIP_MARGIN, CHIP_MARGIN, -CHIP_MARGIN - self.width(), -CHIP_MARGIN - self.height())
@@ -52,7 +52,7 @@ class Chip(QPushButton):
 
 
 class ToggleChip(Chip):
-    """Label that is on, with a full dot before it, or off, with an empty one."""
+    """Chip of an option: a full dot before its text if it is on, an empty dot if off."""
 
     def __init__(self, text: str, name: str, on: bool, toggled: Callable[[], object], parent: QWidget) -> None:
         super().__init__(text, name, toggled, parent)
@@ -67,11 +67,13 @@ class ToggleChip(Chip):
 
 
 class Chips:
-    """Chips of a viewport: display options top left, statistics top right, problems bottom left."""
+    """Chips of a 3D view: display options at the top left, statistics at the top right, the worst problem at the bottom
+    left.
+    """
 
     def __init__(self, parent: QWidget, clicked: Mapping[str, Callable[[], object]]) -> None:
-        """``clicked``: functions of view, shading, space, correct, ghost, onion, trails, follow, markers, problem and
-        constrain.
+        """``clicked`` has the functions of the chips view, shading, space, correct, ghost, onion, trails, follow,
+        markers, problem and constrain.
         """
         self.view = Chip("Perspective", "Perspective or orthographic view", clicked["view"], parent)
         self.shading = Chip("Skin", "Skin or bones", clicked["shading"], parent)
@@ -117,7 +119,7 @@ class Chips:
         grid.addLayout(bottom, 2, 0)
 
     def fit(self, width: int) -> None:
-        """Hide chips for which a narrow view has no space, the least important first."""
+        """Hide the chips that do not fit in ``width`` pixels, the least important first."""
         self.space.setVisible(self._space_used and width >= 340)
         more = 100 if self._recorded else 0  # markers come before what can be switched by keys as well
         for chip, needed in (
@@ -133,7 +135,7 @@ class Chips:
         self.work.setVisible(self._wide and bool(self.work.text()))
 
     def make_room(self, gizmo: QRect) -> None:
-        """Hide the chips over the gizmo's pixels, so that it is visible and gets the mouse."""
+        """Hide the chips over the gizmo's rectangle, so that the gizmo is visible and can be dragged."""
         for chip in (*self._top, self.work, self.problem):
             covers = gizmo.intersects(chip.geometry())
             if covers == chip.testAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents):
@@ -145,34 +147,34 @@ class Chips:
             chip.setGraphicsEffect(effect)  # type: ignore[arg-type]
 
     def show_parallel(self, parallel: bool) -> None:
-        """Show if the projection is parallel."""
+        """Show if the projection is orthographic (``parallel``) or perspective."""
         self.view.set_text("Orthographic" if parallel else "Perspective")
 
     def show_gizmo_space(self, space: str, used: bool) -> None:
-        """Show the space of the gizmo's axes, while it uses one."""
+        """Show the orientation of the gizmo; hide its chip if the gizmo does not use one."""
         self.space.set_text(f"{space.capitalize()} axes")
         self._space_used = used
         self.fit(self._view.width())
 
     def show_recorded(self, recorded: bool) -> None:
-        """Show the chip for markers if there are some."""
+        """Show the markers chip if there are recorded markers."""
         if recorded != self._recorded:
             self._recorded = recorded
             self.fit(self._view.width())
 
     def show_work(self, bodies: int, pace: str, eased: bool) -> None:
-        """Show the number of visible bodies and, during motion, the frame rate, and if they are smoothed."""
+        """Show the number of visible characters and, during motion, the frame rate and if the image is anti-aliased."""
         text = f"{bodies} character{'' if bodies == 1 else 's'}"
         if pace:
-            text += f" · {pace}" + ("" if eased else " · smoothing when idle")
+            text += f" · {pace}" + ("" if eased else " · anti-aliased when idle")
         if text != self.work.text():
             self.work.setText(text)
         self.work.setVisible(bodies > 0 and self._wide)
 
     def show_problem(self, sentence: str | None) -> None:
-        """Show the most important problem, elided if it does not fit, or nothing."""
+        """Show a sentence about the worst problem, elided if it does not fit; None hides the chip."""
         words = sentence or ""
-        room = self._view.width() - PROBLEM_FRAME
+        room = self._view.width() - PROBLEM_MARGIN_PX
         self.problem.ensurePolished()
         self.problem.set_text(self.problem.fontMetrics().elidedText(words, Qt.TextElideMode.ElideRight, room))
         self.problem.setToolTip(words)

@@ -1,4 +1,4 @@
-"""Coarse skin with some of the vertices of another one, for pictures that are soon replaced."""
+"""Coarse skins with fewer vertices, for images during motion."""
 
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
@@ -11,9 +11,11 @@ from studio.core.mesh.skin import SkinnedMesh
 from studio.core.project_cache import project_cache
 
 COARSE_TRIANGLES = 2000
-"""Triangles of a mesh that is coarse already."""
+"""Number of triangles up to which a mesh is not simplified."""
 CLUSTER_EDGES = 2.8
-"""Edges of a mesh that are as long as a cell, whose vertices become one: a quarter of the triangles is left."""
+"""Edge length of a grid cell, whose vertices become one, in mean edges of the mesh; a quarter of the triangles
+remains.
+"""
 
 _beside = ThreadPoolExecutor(1, thread_name_prefix="coarse skins")
 
@@ -25,7 +27,9 @@ def coarse_skin_beside(mesh: SkinnedMesh) -> Future[SkinnedMesh]:
 
 @project_cache(maxsize=64)
 def coarse_skin(mesh: SkinnedMesh) -> SkinnedMesh:
-    """``mesh`` with ``coarse_triangles`` and only their vertices; a skin with materials is unchanged."""
+    """``mesh`` with the triangles of ``coarse_triangles`` and only their vertices; a skin with materials is
+    unchanged.
+    """
     triangles = coarse_triangles(mesh)
     if mesh.appearance is not None or triangles is mesh.triangles:
         return mesh
@@ -43,10 +47,10 @@ def coarse_skin(mesh: SkinnedMesh) -> SkinnedMesh:
 
 
 def coarse_triangles(mesh: SkinnedMesh) -> NDArray[np.int32]:
-    """(T, 3) triangles between some of the vertices of ``mesh``; all of its own if it has few.
+    """(T, 3) triangles between a subset of the vertices of ``mesh``; its own triangles if it has few.
 
-    Vertices of one grid cell with the same segment and a similar normal are merged into the one nearest to their mean,
-    which is invisible on a moving body of a few hundred pixels.
+    Vertices in one grid cell with the same segment and a similar normal are merged into the one nearest to their mean,
+    which is invisible on a moving body a few hundred pixels high.
     """
     if len(mesh.triangles) < COARSE_TRIANGLES:
         return mesh.triangles

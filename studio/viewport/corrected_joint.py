@@ -1,4 +1,6 @@
-"""Joint posed by the gizmo: rotated by E, or pulled by W, as a manual correction."""
+"""Pose correction of a picked joint by the gizmo: rotated (E), or moved by two-bone or spine IK (W), on a correction
+layer.
+"""
 
 from collections.abc import Mapping
 
@@ -11,7 +13,7 @@ from studio.core.rotations import from_matrix, to_rotation_vector
 from studio.core.stage.correction import STILL, PoseOffsets
 from studio.document.correction_edits import correction_at, set_pose
 from studio.document.document import Document
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.viewport.body_points import BodyJoint
 from studio.viewport.camera import FloatArray
 from studio.viewport.movables import Movable
@@ -21,7 +23,7 @@ HIPS = (BodyPart.PELVIS,)
 
 
 class CorrectedJoint(Movable):
-    """Picked joint at the playhead; its rotation and position edit a correction of the pose."""
+    """Picked joint at the playhead; rotating and moving it edits a correction layer."""
 
     rotates = True
 
@@ -41,12 +43,12 @@ class CorrectedJoint(Movable):
 
     @property
     def words(self) -> str:
-        """Name of the posed joint: ``left elbow``."""
+        """Name of the joint or body part: ``left elbow``."""
         return self._joint.name
 
     @property
     def place(self) -> FloatArray:
-        """(3,) position in the space of the motion: the end of the limb for a hand or foot, else the joint."""
+        """(3,) position in motion space: the end of the limb for a hand or foot, else the joint."""
         layout = self._pose.motion.morphology.layout
         index = self._joint.index
         if self._upper is not None:
@@ -55,18 +57,18 @@ class CorrectedJoint(Movable):
 
     @property
     def pivot(self) -> FloatArray:
-        """(3,) stage point about which the segment rotates."""
+        """(3,) stage position about which the segment rotates."""
         layout = self._pose.motion.morphology.layout
         return np.asarray(self._pose.points[layout.proximal_points()[layout.segment_of_part(self._part)]])
 
     @property
     def own_axes(self) -> FloatArray:
-        """(3, 3) axes of the segment."""
+        """(3, 3) axes of the segment as columns, stage space."""
         return self._axes(self._segment)
 
     @property
     def parent_axes(self) -> FloatArray:
-        """(3, 3) axes of the parent segment, else of the motion's space."""
+        """(3, 3) axes of the parent segment as columns, stage space; of motion space without a parent."""
         parent = self._pose.motion.morphology.layout.parent_segments()[self._segment]
         return self._axes(parent) if parent >= 0 else self.placement.rotation
 
@@ -78,12 +80,12 @@ class CorrectedJoint(Movable):
         return np.asarray(self.placement.rotation @ self._pose.motion.rotations[self._pose.row, segment])
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
-        """Rotate the segment by ``rotation`` (3, 3) of the stage from its shown pose."""
+        """Rotate the segment by ``rotation`` (3, 3), stage space, from its displayed pose."""
         own = self.own_axes
         self._set({self._part: to_rotation_vector(from_matrix(own.T @ rotation @ own))}, None, gesture)
 
     def move(self, position: FloatArray, gesture: int) -> None:
-        """Pull the joint to ``position``: a limb bends, trunk and neck lean, or the hips move."""
+        """Move the joint to ``position`` (3,): a limb bends, trunk and neck lean, or the hips move."""
         from studio.core.solver.posing import head_turns, limb_turns  # here: it loads kernels
 
         motion, row = self._pose.motion, self._pose.row
@@ -97,7 +99,7 @@ class CorrectedJoint(Movable):
             self._set(head_turns(*posed, posed[1][posed[0].head_joint] + further), None, gesture)
 
     def restore(self, gesture: int) -> None:
-        """Restore the correction; a new one is removed."""
+        """Restore the correction; one that was new is removed."""
         document = self._document
         with document.group(f"Correct {self.words}", gesture):
             if self._id is not None and self._id in document.project.corrections:
@@ -108,7 +110,9 @@ class CorrectedJoint(Movable):
         document.selection.set(*(item for item in self._selected if document.project.get(*item) is not None))
 
     def _set(self, turns: Mapping[BodyPart, FloatArray], displacement: FloatArray | None, gesture: int) -> None:
-        """Key rotations, and a displacement (3,) of the hips in metres, relative to the shown pose."""
+        """Key rotations (3, 3) of parts, and a displacement (3,) of the hips in metres, relative to the displayed
+        pose.
+        """
         from studio.core.solver.posing import composed_rotations  # here: it loads kernels
 
         before, weight = self._offsets
@@ -122,13 +126,15 @@ class CorrectedJoint(Movable):
 
     @property
     def _offsets(self) -> tuple[PoseOffsets, float]:
-        """Offsets of a key at the playhead that leaves the pose unchanged, and the weight of the correction there."""
+        """Offsets of a key at the playhead that would leave the pose unchanged, and the weight of the correction
+        there.
+        """
         if self._before is None:
             return PoseOffsets(), 1.0
         return self._before.pose_at(self._time), self._before.weight or 1.0
 
     def _along_body(self, displacement: FloatArray) -> FloatArray:
-        """A displacement in the motion's space, in leg lengths along the body's heading."""
+        """Displacement (3,) in leg lengths along the body's heading, from one in motion space in metres."""
         motion = self._pose.motion
         channels = motion.composite.motion.channels if motion.composite else None
         yaw = 0.0 if channels is None else float(channels[min(self._pose.frame, len(channels) - 1), at.YAW])

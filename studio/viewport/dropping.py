@@ -1,4 +1,4 @@
-"""Drop of a strike or a pose on the 3D view: the body under the mouse is selected, and gets it on release."""
+"""Drops of strikes and poses on the 3D view: the character under the mouse is selected, and receives the drop."""
 
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class BodyDrops(QObject):
-    """Event filter for one kind of drag; ``dropped`` is emitted with the index in the list and the performer."""
+    """Event filter for drags of one kind; ``dropped`` is emitted with the index in the list and the performer's id."""
 
     dropped = Signal(int, str)
 
@@ -25,7 +25,7 @@ class BodyDrops(QObject):
         viewport.installEventFilter(self)
 
     def eventFilter(self, _: QObject, event: QEvent) -> bool:
-        """Accept drags of this kind, and leave others to other filters."""
+        """Accept drags of this kind, and leave all others to other filters."""
         place = row_in(self._kind, event.mimeData()) if isinstance(event, QDropEvent) else None  # so are moves
         if place is None or not isinstance(event, QDropEvent):
             return False

@@ -1,6 +1,6 @@
-"""Stereo and head tracking: the position of each eye, and the combination of their pictures.
+"""Stereo and head tracking: the position of each eye, and the combination of the images of both.
 
-The screen is a window at the camera's target: points there are in the same place for every eye.
+The screen is a window at the distance of the camera's target: points there have no parallax.
 """
 
 from dataclasses import dataclass, replace
@@ -14,17 +14,17 @@ from studio.viewport.camera import OrbitCamera
 
 Pixels = NDArray[np.uint8]
 
-EYE_SEPARATION = 1 / 30
-"""Distance of the eyes, in parts of that to the screen: more than that tires."""
-SCREEN = 0.34
-"""Metres of a usual screen's height: as the head moves before it, so does the eye before the stage's window."""
-NEAREST = 0.3
-"""Least distance of a head, in parts of the camera's."""
+EYE_SEPARATION_FRACTION = 1 / 30
+"""Distance of the eyes as a fraction of the distance to the screen; a larger one tires."""
+SCREEN_HEIGHT_METRES = 0.34
+"""Assumed height of the screen in metres, which relates head motion to camera motion."""
+MIN_HEAD_DISTANCE_FRACTION = 0.3
+"""Minimum distance of a head from the screen, as a fraction of the camera's distance."""
 _GREY = np.array([0.299, 0.587, 0.114])
 
 
 class Stereo(StrEnum):
-    """Combination of the pictures of two eyes."""
+    """Stereo mode, the combination of the images of both eyes."""
 
     OFF = "off"
     SIDE_BY_SIDE = "side by side"
@@ -33,7 +33,7 @@ class Stereo(StrEnum):
 
 @dataclass(frozen=True)
 class EyePosition:
-    """Position of an eye, in metres from the camera: to the right, up, away from the stage."""
+    """Offset of an eye from the camera in metres: right, up, and back from the stage."""
 
     right: float = 0.0
     up: float = 0.0
@@ -53,25 +53,25 @@ class RenderableScene(Protocol):
         offset: tuple[float, float] = (0.0, 0.0),
         eye: EyePosition = CENTRE_EYE,
     ) -> Pixels:
-        """(height, width, 4) RGBA; ``offset`` shifts it by fractions of a pixel."""
+        """Image (height, width, 4), RGBA, shifted by the fractions of a pixel ``offset``."""
 
 
 @dataclass(frozen=True)
 class StereoView:
-    """Eyes of the view: one or two, and the position of the ``head``, in metres before the screen."""
+    """Stereo mode of a view, and the position of the ``head`` in metres in front of the screen."""
 
     stereo: Stereo = Stereo.OFF
     head: EyePosition = CENTRE_EYE
 
     @property
     def is_plain(self) -> bool:
-        """True if the projection depends on the camera alone: one eye, no tracked head."""
+        """True if the image depends only on the camera: one eye, no tracked head."""
         return self == ONE_EYE
 
     def with_camera(self, camera: OrbitCamera, tall: float) -> EyePosition:
-        """Eye midway between both, of a head before a window ``tall`` metres high."""
-        scale = tall / SCREEN
-        back = max(scale * self.head.back, (NEAREST - 1.0) * camera.distance)
+        """Position midway between both eyes, for a head in front of a window ``tall`` metres high."""
+        scale = tall / SCREEN_HEIGHT_METRES
+        back = max(scale * self.head.back, (MIN_HEAD_DISTANCE_FRACTION - 1.0) * camera.distance)
         return EyePosition(scale * self.head.right, scale * self.head.up, back)
 
     def render(
@@ -81,11 +81,11 @@ class StereoView:
         size: tuple[int, int],
         offset: tuple[float, float] = (0.0, 0.0),
     ) -> Pixels:
-        """Picture of a scene."""
+        """Image (height, width, 4), RGBA, of a scene."""
         middle = self.with_camera(camera, camera.metres_per_pixel(1.0))
         if self.stereo is Stereo.OFF:
             return scene.render(camera, size, offset, middle)
-        half = 0.5 * EYE_SEPARATION * (camera.distance + middle.back)
+        half = 0.5 * EYE_SEPARATION_FRACTION * (camera.distance + middle.back)
         own = (max(size[0] // 2, 1), max(size[1] // 2, 1)) if self.stereo is Stereo.SIDE_BY_SIDE else size
         left, right = (
             np.array(scene.render(camera, own, offset, replace(middle, right=middle.right + way)))
@@ -99,7 +99,7 @@ ONE_EYE = StereoView()
 
 @dataclass(frozen=True, eq=False)
 class StereoScene:
-    """Scene for a stereo view; it renders like the scene itself."""
+    """Scene seen through a stereo view; it renders like a plain scene."""
 
     scene: RenderableScene
     sight: StereoView
@@ -111,12 +111,12 @@ class StereoScene:
         offset: tuple[float, float] = (0.0, 0.0),
         _: EyePosition = CENTRE_EYE,
     ) -> Pixels:
-        """As ``RenderableScene.render``."""
+        """Image (height, width, 4), RGBA, shifted by the fractions of a pixel ``offset``."""
         return self.sight.render(self.scene, camera, size, offset)
 
 
 def side_by_side(left: Pixels, right: Pixels, size: tuple[int, int]) -> Pixels:
-    """Both pictures side by side in the middle of one of ``size`` (width, height), with black borders."""
+    """Both images side by side, centred in an image of ``size`` (width, height), with black borders."""
     height, width = left.shape[:2]
     made = np.zeros((size[1], size[0], 4), dtype=np.uint8)
     above = (size[1] - height) // 2
@@ -126,7 +126,7 @@ def side_by_side(left: Pixels, right: Pixels, size: tuple[int, int]) -> Pixels:
 
 
 def anaglyph(left: Pixels, right: Pixels) -> Pixels:
-    """Picture for red and cyan glasses: the left eye's luminance in red, the right eye's own green and blue."""
+    """Image for red and cyan glasses: luminance of the left eye in red, green and blue of the right eye."""
     made = np.array(right)
     made[..., 0] = (left[..., :3] @ _GREY).astype(np.uint8)
     return made

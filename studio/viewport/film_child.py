@@ -1,7 +1,7 @@
-"""Child process that draws a film: ``python -m studio.viewport.film_child``, with ``Shots`` on standard input.
+"""Child process that renders a video: ``python -m studio.viewport.film_child``, with ``Shots`` on standard input.
 
-VTK holds Python's lock while it draws, and graphics drivers crash: neither may affect the window. Frames go to standard
-output, or as pictures into a folder; progress goes to standard error, a JSON record in each line.
+VTK holds Python's global lock while it renders, and graphics drivers may crash: neither affects the window. Frames go
+to standard output, or as images into a folder; progress goes to standard error, one JSON record per line.
 """
 
 import json
@@ -14,7 +14,7 @@ from studio.startup.process import prepare_process
 
 
 def main() -> None:
-    """Draw the requested shots; an error is reported before the process ends."""
+    """Render the requested shots; an error is reported before the process ends."""
     frames_out = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # whatever else is said must not get between the frames
     prepare_process()
@@ -40,7 +40,7 @@ def main() -> None:
 
 
 def write_record(**record: object) -> None:
-    """Write one record for the parent process."""
+    """Write one JSON record for the parent process."""
     print(json.dumps(record), file=sys.stderr, flush=True)
 
 

@@ -1,4 +1,4 @@
-"""Pictures of the stage over a range of time, drawn without a window: see ``film_child``."""
+"""Images of the stage over a time range, rendered without a window."""
 
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import replace
@@ -10,7 +10,7 @@ from studio.core.errors import StudioError
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
 from studio.engine.live_adaptation import as_recorded
-from studio.engine.performance import PosedPerformer, pose_of, posed_performers, resting_performers
+from studio.engine.posed_performer import PosedPerformer, pose_of, posed_performers, resting_performers
 from studio.engine.prop_places import props_at
 from studio.jobs.performances import stage_performances
 from studio.viewport.camera import FloatArray, OrbitCamera
@@ -23,7 +23,9 @@ from studio.viewport.stills import FILM_PICTURE_SAMPLES, smooth_picture
 
 
 def render_shots(shots: Shots) -> Generator[Pixels, None, None]:
-    """Draw the stage at each of the times, with all performers adapted again. Raises StudioError."""
+    """Images of the stage at each of the times, with all performers adapted again. Raises StudioError if no character
+    has a clip.
+    """
     project, view = shots.project, shots.view
     made = stage_performances(project).performances
     if not made:
@@ -54,7 +56,7 @@ def render_shots(shots: Shots) -> Generator[Pixels, None, None]:
 
 
 def _cameras(project: Project, results: Mapping[str, AdaptedMotion], view: View) -> Callable[[float], OrbitCamera]:
-    """Function from a time in seconds to the camera, which follows the performer of the view."""
+    """Function from stage time in seconds to the camera, which follows a performer if the view does."""
     motion = results.get(view.followed or "")
     if motion is None:
         return lambda time: view.camera
@@ -67,7 +69,7 @@ def _cameras(project: Project, results: Mapping[str, AdaptedMotion], view: View)
 
 
 def _paint_ghost(picture: Pixels, ghost: PosedPerformer, view: View) -> None:
-    """Paint the ghost like the viewport, with lines of the same width relative to the bodies."""
+    """Paint the ghost of the source, with lines of the same relative width as in the 3D view."""
     height, width = picture.shape[:2]
     scale = height / view.height
     image = QImage(picture.data, width, height, 4 * width, QImage.Format.Format_RGBX8888)  # these very bytes

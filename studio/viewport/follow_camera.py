@@ -1,24 +1,24 @@
-"""Camera that follows a character, by its root's smoothed path over the ground."""
+"""Camera that follows a performer along the smoothed path of its root over the ground."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.viewport.camera import FloatArray, OrbitCamera
 
-SECONDS = 0.6
-"""The way is smoothed over so long on either side."""
+FOLLOW_SMOOTHING_SECONDS = 0.6
+"""Half of the smoothing window in seconds."""
 
 
 class FollowCamera:
-    """Moves a camera by the followed character's displacement since the last picture."""
+    """Moves a camera by the followed performer's displacement since the last image."""
 
     def __init__(self) -> None:
         self._last: tuple[str, FloatArray] | None = None
 
     def moved(self, camera: OrbitCamera, performer_id: str, pose: PosedPerformer | None) -> OrbitCamera:
-        """``camera`` moved along with a performer, or moved in front of a newly followed one; unchanged without a
+        """``camera`` moved along with a performer, or in front of a newly followed one; unchanged without a
         ``pose``.
         """
         if pose is None:
@@ -31,18 +31,17 @@ class FollowCamera:
 
 
 def translated_camera(camera: OrbitCamera, way: FloatArray) -> OrbitCamera:
-    """``camera`` moved by a displacement (2,) over the ground."""
+    """``camera`` moved by a horizontal displacement ``way`` (2,) in metres."""
     x, y, z = camera.target
     return replace(camera, target=(x + float(way[0]), y + float(way[1]), z))
 
 
 def smoothed_root(pose: PosedPerformer) -> FloatArray:
-    """(2,) position on the stage of a performer's smoothed root path.
+    """(2,) smoothed position of a performer's root on the stage.
 
-    A performer that is driven live is displaced from its clips, which are known over time: the smoothing is theirs, the
-    position its own.
+    A performer driven by live input has only its current position; the smoothing offset is taken from its clips.
     """
-    roots, reach = pose.over_time.positions[:, 0], round(SECONDS * pose.motion.frame_rate)
+    roots, reach = pose.over_time.positions[:, 0], round(FOLLOW_SMOOTHING_SECONDS * pose.motion.frame_rate)
     here = pose.frame - pose.over_time.first_frame
     here, *rows = np.clip([here, *range(here - reach, here + reach + 1)], 0, len(roots) - 1)
     root = pose.motion.positions[pose.row, 0] + roots[rows].mean(axis=0) - roots[here]

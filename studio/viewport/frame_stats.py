@@ -1,4 +1,4 @@
-"""Frame rate of recent pictures, and latency from the mouse to the shown pose."""
+"""Frame rate of recent images, and latency from the mouse to the displayed pose."""
 
 import math
 import time
@@ -6,13 +6,13 @@ from collections import deque
 from collections.abc import Callable
 
 PACE_SECONDS = 1.0
-"""Seconds over which pictures are counted."""
-SAID_EVERY = 0.25
-"""Seconds between one figure and the next."""
+"""Length in seconds of the window over which images are counted."""
+STATS_UPDATE_SECONDS = 0.25
+"""Seconds between two updates of the displayed figures."""
 
 
 class FrameStats:
-    """Statistics of every picture during motion."""
+    """Statistics of the images during motion."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
@@ -24,17 +24,19 @@ class FrameStats:
         self._words, self._said_at = "", -math.inf
 
     def note_rest(self) -> None:
-        """Note that nothing moves any more."""
+        """Record that nothing moves any more."""
         self._pictures.clear()
         self._begun = self._asked_at = self._behind = None
         self._words, self._said_at = "", -math.inf
 
     def note_posed(self, asked_at: float | None) -> None:
-        """Note that a picture is about to be made; ``asked_at`` as in ``note_picture``."""
+        """Record that an image is about to be rendered; ``asked_at`` is the clock time of the request that its pose
+        answers, None for playback.
+        """
         self._posed = (asked_at,)
 
     def note_painted(self, moving: bool) -> None:
-        """Note that the picture is painted; repeated paints count once, with the pose's present age."""
+        """Record that the image is painted, with the age of its pose; repeated paints count once."""
         if not moving:
             self.note_rest()
         elif self._posed is not None:
@@ -42,8 +44,10 @@ class FrameStats:
         self._posed = None
 
     def note_picture(self, asked_at: float | None) -> None:
-        """Note that a picture is made; ``asked_at`` (by the clock) is the time of the request that its pose answers,
-        None for playback. A pose for a request before the motion began is not late: nothing newer was requested.
+        """Record that an image is rendered; ``asked_at`` is the clock time of the request that its pose answers, None
+        for playback.
+
+        A pose for a request before the motion began does not count as late, since nothing newer was requested.
         """
         now = self._clock()
         self._begun = now if self._begun is None else self._begun
@@ -58,9 +62,9 @@ class FrameStats:
 
     @property
     def text(self) -> str:
-        """``12 pictures/s · 85 ms latency``, updated some times a second; empty at rest."""
+        """Statistics as text, ``12 fps · latency 85 ms``, updated a few times a second; empty at rest."""
         now = self._clock()
-        if not self._words or now - self._said_at >= SAID_EVERY:
+        if not self._words or now - self._said_at >= STATS_UPDATE_SECONDS:
             self._words, self._said_at = self._now, now
         return self._words
 

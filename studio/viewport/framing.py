@@ -1,24 +1,24 @@
-"""Points that are framed for the selection."""
+"""Points that the camera frames for the selection."""
 
 from collections.abc import Iterable, Mapping
 
 import numpy as np
 
 from studio.document.document import Document
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.engine.prop_places import PropPose
 from studio.viewport.camera import FloatArray
 from studio.viewport.handles import Handle
 
-ROOM_AROUND_TARGET = 0.6
-"""Metres shown round a framed constraint or prop."""
+FRAMED_MARGIN_METRES = 0.6
+"""Metres shown around a framed constraint or prop."""
 
 
 def selected_points(
     document: Document, posed: Mapping[str, PosedPerformer], props: Mapping[str, PropPose], handles: Iterable[Handle]
 ) -> list[FloatArray]:
-    """Points (N, 3) of the stage round the selected constraints and props, else of the selected bodies."""
-    around = ROOM_AROUND_TARGET * np.concatenate([np.eye(3), -np.eye(3)])
+    """Stage points (N, 3) around the selected constraints and props; without any, of the selected performers."""
+    around = FRAMED_MARGIN_METRES * np.concatenate([np.eye(3), -np.eye(3)])
     selection = document.selection
     chosen = [one for one in handles if one.is_primary and one.constraint_id in selection.of("constraints")]
     things = [one.extent for one in chosen]

@@ -1,4 +1,4 @@
-"""Translucent bodies, in one colour each: onion skins and kept moments."""
+"""Translucent characters in one colour: onion skins and added ghosts."""
 
 from collections.abc import Callable, Sequence
 
@@ -24,7 +24,7 @@ class GhostBody:
         self._posing: tuple[object, ...] = ()
 
     def show(self, ghost: Ghost, character: Character) -> None:
-        """Set the pose, colour and opacity of a ghost of a character with the same skin."""
+        """Show a ghost of a character that has the same skin as before."""
         posed, self.character = ghost.pose, character
         motion, row = posed.motion, posed.row
         self.actor.prop.color, self.actor.prop.opacity = ghost.colour, ghost.opacity
@@ -46,7 +46,7 @@ class GhostBodies:
         self._bodies: list[GhostBody] = []
 
     def sync(self, project: Project, ghosts: Sequence[Ghost]) -> None:
-        """Show these ghosts and no others."""
+        """Show exactly these ghosts."""
         for number, ghost in enumerate(ghosts):
             character = project.characters[ghost.pose.performer.character_id]
             self._body(number, character).show(ghost, character)

@@ -1,4 +1,4 @@
-"""Painting of gizmos: arrows, rings, boxes, and the change during a drag."""
+"""Painting of gizmos: arrows, rings, boxes, and the amount of a drag."""
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
@@ -6,31 +6,31 @@ from PySide6.QtGui import QBrush, QColor, QPainter, QPen
 
 from studio.document import colours
 from studio.viewport.camera import FloatArray
-from studio.viewport.gizmo import BALL_HANDLE, GIZMO_AXES, PLANES, Gizmo, GizmoFrame
+from studio.viewport.gizmo import BALL_HANDLE, GIZMO_AXES, PLANE_NORMAL_AXES, Gizmo, GizmoFrame
 from studio.viewport.mouse_gestures import EditDrag, RotateDrag, ViewportGesture
 from studio.viewport.rotate_gizmo import SCREEN_PART, TRACKBALL, RotateGizmo
 from studio.viewport.scale_gizmo import ScaleGizmo
 from studio.viewport.strokes import STROKE_SHADOW, draw_disc, draw_line, polygon
 
 AXIS_COLOURS = {"x": "#e8675f", "y": "#7cc47a", "z": "#5f9fe8"}
-HOVERED, MIDDLE = "#ffe08a", "#f4f7fb"
+HOVERED_COLOUR, MIDDLE_COLOUR = "#ffe08a", "#f4f7fb"
 ARROW_LENGTH, ARROW_WIDTH = 13.0, 5.5
-HALF_BOX = 5.0
-"""Pixels from the middle of a box to its sides."""
-HIDDEN_STRENGTH = 0.16
-"""Strength of the half of a ring that is behind."""
+HALF_BOX_PIXELS = 5.0
+"""Half of the side of a box in pixels."""
+HIDDEN_RING_OPACITY = 0.16
+"""Opacity of the rear half of a ring."""
 WORDS_HEIGHT = 22.0
 
 
 class GizmoPainter:
-    """Paints gizmos with one painter; ``hot`` is the part under the mouse or dragged."""
+    """Painter of gizmos; ``hot`` is the part under the mouse or being dragged."""
 
     def __init__(self, painter: QPainter) -> None:
         self._painter = painter
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
 
     def paint(self, gizmo: GizmoFrame, hot: str | None, gesture: ViewportGesture | None) -> None:
-        """Paint a gizmo, and beside it the change by a drag."""
+        """Paint a gizmo, and beside it the amount of a drag."""
         match gizmo:
             case RotateGizmo():
                 self._rotate(gizmo, hot, gesture if isinstance(gesture, RotateDrag) else None)
@@ -42,38 +42,38 @@ class GizmoPainter:
             self._words(gizmo, gesture.words)
 
     def _move(self, gizmo: Gizmo, hot: str | None) -> None:
-        """Planes, arrows and ball."""
-        for name, across in PLANES.items():
+        """Paint planes, arrows and ball."""
+        for name, across in PLANE_NORMAL_AXES.items():
             if gizmo.usable(name):
                 self._square(gizmo.squares[name], AXIS_COLOURS[GIZMO_AXES[across]], name == hot)
         for axis, tip in _back_to_front(gizmo):
             if gizmo.usable(axis):
-                self._arrow(gizmo.centre, tip, HOVERED if axis == hot else AXIS_COLOURS[axis])
-        draw_disc(self._painter, gizmo.centre, 6.0, QColor(HOVERED if hot == BALL_HANDLE else MIDDLE))
+                self._arrow(gizmo.centre, tip, HOVERED_COLOUR if axis == hot else AXIS_COLOURS[axis])
+        draw_disc(self._painter, gizmo.centre, 6.0, QColor(HOVERED_COLOUR if hot == BALL_HANDLE else MIDDLE_COLOUR))
 
     def _scale(self, gizmo: ScaleGizmo, hot: str | None) -> None:
-        """Lines that end in boxes, and the box in the middle."""
+        """Paint lines that end in boxes, and the box in the middle."""
         for axis, tip in _back_to_front(gizmo):
             if gizmo.usable(axis):
-                colour = HOVERED if axis == hot else AXIS_COLOURS[axis]
+                colour = HOVERED_COLOUR if axis == hot else AXIS_COLOURS[axis]
                 draw_line(self._painter, gizmo.centre, tip, colour, 2.2)
                 self._box(tip, QColor(colour))
-        self._box(gizmo.centre, QColor(HOVERED if hot == BALL_HANDLE else MIDDLE))
+        self._box(gizmo.centre, QColor(HOVERED_COLOUR if hot == BALL_HANDLE else MIDDLE_COLOUR))
 
     def _rotate(self, gizmo: RotateGizmo, hot: str | None, drag: RotateDrag | None) -> None:
-        """Paint rings, with faint rear halves; during a drag, only that ring and the angle."""
+        """Paint rings with faint rear halves; during a drag, only the dragged ring and the angle."""
         if drag is not None and drag.part != TRACKBALL:
             self._sector(gizmo, drag)
             return
         if not gizmo.heading_only:
             self._globe(gizmo, hot == TRACKBALL)
         for part in gizmo.parts:
-            colour = QColor(HOVERED if part == hot else AXIS_COLOURS.get(part, MIDDLE))
+            colour = QColor(HOVERED_COLOUR if part == hot else AXIS_COLOURS.get(part, MIDDLE_COLOUR))
             self._ring(gizmo, part, colour, 2.4 if part == hot else 1.2 if part == SCREEN_PART else 1.8)
-        draw_disc(self._painter, gizmo.centre, 2.5, QColor(MIDDLE))
+        draw_disc(self._painter, gizmo.centre, 2.5, QColor(MIDDLE_COLOUR))
 
     def _globe(self, gizmo: RotateGizmo, hot: bool) -> None:
-        fill = QColor(HOVERED if hot else MIDDLE)
+        fill = QColor(HOVERED_COLOUR if hot else MIDDLE_COLOUR)
         fill.setAlphaF(0.10 if hot else 0.04)
         self._painter.setPen(Qt.PenStyle.NoPen)
         self._painter.setBrush(fill)
@@ -81,7 +81,7 @@ class GizmoPainter:
 
     def _ring(self, gizmo: RotateGizmo, part: str, colour: QColor, width: float) -> None:
         corners, front = gizmo.ring(part), gizmo.in_front(part)
-        for strength, chosen in ((HIDDEN_STRENGTH, ~front), (1.0, front)):
+        for strength, chosen in ((HIDDEN_RING_OPACITY, ~front), (1.0, front)):
             for begin, end in _runs(chosen.tolist()):
                 self._polyline(corners[np.arange(begin, end + 1) % len(front)], colour, width, strength)
 
@@ -95,9 +95,9 @@ class GizmoPainter:
             self._painter.drawPolyline(line)
 
     def _sector(self, gizmo: RotateGizmo, drag: RotateDrag) -> None:
-        """Paint the dragged ring, with the sector from its grip."""
+        """Paint the dragged ring, with the sector of the rotation."""
         held = drag.gizmo
-        colour = QColor(AXIS_COLOURS.get(drag.part, MIDDLE))
+        colour = QColor(AXIS_COLOURS.get(drag.part, MIDDLE_COLOUR))
         shift = gizmo.centre - held.centre
         corners = held.sector(drag.part, drag.begin, drag.angle) + shift
         fill = QColor(colour)
@@ -106,9 +106,9 @@ class GizmoPainter:
         self._painter.setBrush(fill)
         self._painter.drawPolygon(polygon(corners))
         draw_line(self._painter, corners[0], corners[1], colour.name(), 1.2)
-        draw_line(self._painter, corners[0], corners[-1], HOVERED, 1.8)
-        self._polyline(held.ring(drag.part) + shift, QColor(HOVERED), 1.8)
-        draw_disc(self._painter, gizmo.centre, 2.5, QColor(MIDDLE))
+        draw_line(self._painter, corners[0], corners[-1], HOVERED_COLOUR, 1.8)
+        self._polyline(held.ring(drag.part) + shift, QColor(HOVERED_COLOUR), 1.8)
+        draw_disc(self._painter, gizmo.centre, 2.5, QColor(MIDDLE_COLOUR))
 
     def _words(self, gizmo: GizmoFrame, words: str) -> None:
         font = self._painter.font()
@@ -140,24 +140,31 @@ class GizmoPainter:
     def _box(self, position: FloatArray, colour: QColor) -> None:
         self._painter.setPen(QPen(STROKE_SHADOW, 1.5))
         self._painter.setBrush(QBrush(colour))
-        self._painter.drawRect(QRectF(position[0] - HALF_BOX, position[1] - HALF_BOX, 2.0 * HALF_BOX, 2.0 * HALF_BOX))
+        self._painter.drawRect(
+            QRectF(
+                position[0] - HALF_BOX_PIXELS,
+                position[1] - HALF_BOX_PIXELS,
+                2.0 * HALF_BOX_PIXELS,
+                2.0 * HALF_BOX_PIXELS,
+            )
+        )
 
     def _square(self, corners: FloatArray, colour: str, hot: bool) -> None:
-        fill = QColor(HOVERED if hot else colour)
+        fill = QColor(HOVERED_COLOUR if hot else colour)
         fill.setAlpha(190 if hot else 80)
-        self._painter.setPen(QPen(QColor(HOVERED if hot else colour), 1.2))
+        self._painter.setPen(QPen(QColor(HOVERED_COLOUR if hot else colour), 1.2))
         self._painter.setBrush(QBrush(fill))
         self._painter.drawPolygon(polygon(corners))
 
 
 def _back_to_front(gizmo: GizmoFrame) -> list[tuple[str, FloatArray]]:
-    """Axes and their tips, the farthest first."""
+    """Axes with their end pixels, the farthest first."""
     order = np.argsort(gizmo.axes @ gizmo.camera.axes[2])
     return [(GIZMO_AXES[place], gizmo.tips[place]) for place in order.tolist()]
 
 
 def _runs(chosen: list[bool]) -> list[tuple[int, int]]:
-    """Begin and end of each run of chosen sides of a closed line; an end may exceed the last side."""
+    """Start and end of each run of True sides of a closed line; an end may exceed the last side."""
     count = len(chosen)
     if all(chosen):
         return [(0, count)]

@@ -1,4 +1,4 @@
-"""Uneven ground: a shaded surface with metre lines, rebuilt only when it changes."""
+"""Uneven ground: a shaded surface with metre lines, rebuilt only when the ground changes."""
 
 import numpy as np
 import pyvista as pv
@@ -8,11 +8,11 @@ from studio.core.grounds import Steps, SurfaceMesh
 from studio.core.grounds.ground import Ground
 from studio.core.grounds.slope import direction_vector
 from studio.viewport.floor import (
-    FLOOR,
+    FLOOR_COLOUR,
     GRID_LINE_COLOUR,
-    GRID_REACH,
-    HORIZON,
-    LINE_LIFT,
+    GRID_REACH_METRES,
+    HORIZON_COLOUR,
+    LINE_LIFT_METRES,
     as_bytes,
     line_fade,
     line_tints,
@@ -22,22 +22,22 @@ from studio.viewport.live_mesh import flat_actor
 FloatArray = NDArray[np.float64]
 
 SURFACE_CELL = 0.125
-"""Metres between points of the surface; a metre line runs along points."""
+"""Distance in metres between points of the surface; metre lines run along points."""
 LINE_STEP = 0.02
-"""Metres between points of a line over edges."""
+"""Distance in metres between points of a line that crosses edges."""
 SURFACE_DISTANCES = np.array([18.0, 24.0, 34.0, 50.0, 80.0])
-LAMP = np.array([-0.45, 0.35, 0.82])
+LAMP_DIRECTION = np.array([-0.45, 0.35, 0.82])
 LAMP_STRENGTH = 0.75
-"""Factor of brightness, against the level floor, of a surface that faces the light or turns away."""
+"""Change in brightness, relative to the level floor, per unit of the cosine between normal and light."""
 
-DARKEST = 0.66
-"""Factor of the floor's grey on a riser that faces away from the light."""
+MIN_BRIGHTNESS = 0.66
+"""Brightness relative to the level floor of a riser that faces away from the light."""
 
-Faces = NDArray[np.int64]
+FaceArray = NDArray[np.int64]
 
 
 class GroundVisual:
-    """Surface and its lines. ``show`` updates both to a ground and returns True if anything was rebuilt."""
+    """VTK objects of a ground's surface and lines."""
 
     def __init__(self) -> None:
         self._surface, self._lines = pv.PolyData(), pv.PolyData()
@@ -47,7 +47,7 @@ class GroundVisual:
             actor.SetVisibility(False)
 
     def show(self, ground: Ground) -> bool:
-        """Draw ``ground``; nothing for a level one, which the floor draws. False if it is drawn already."""
+        """Show ``ground``; nothing for a level one, which the floor draws. Returns True if anything was rebuilt."""
         if ground == self._shown:
             return False
         self._shown = ground
@@ -67,16 +67,16 @@ class GroundVisual:
         return True
 
     def place_shadow(self, centre: FloatArray, reach: float) -> None:
-        """Place the surface's texture over ``centre`` (2,), ``reach`` metres to each side, projected from above."""
+        """Project the shadow texture from above onto the square of ``reach`` metres to each side of ``centre`` (2,)."""
         places = (np.asarray(self._surface.points)[:, :2] - centre) / (2 * reach) + 0.5
         self._surface.active_texture_coordinates = places.astype(np.float64)
 
 
-def surface_of(ground: Ground) -> tuple[FloatArray, FloatArray, Faces]:
-    """Points (V, 3), normals (V, 3) and quadrilaterals (Q, 5) or triangles of a ground, some 80 m round the middle."""
+def surface_of(ground: Ground) -> tuple[FloatArray, FloatArray, FaceArray]:
+    """Points (V, 3), normals (V, 3), and faces of a ground up to about 80 m from the centre."""
     if isinstance(ground, Steps):
         return _flight(ground)
-    near = np.arange(-GRID_REACH, GRID_REACH + SURFACE_CELL / 2, SURFACE_CELL)
+    near = np.arange(-GRID_REACH_METRES, GRID_REACH_METRES + SURFACE_CELL / 2, SURFACE_CELL)
     axis = np.concatenate([-SURFACE_DISTANCES[::-1], near, SURFACE_DISTANCES])
     xy = np.stack(np.meshgrid(axis, axis, indexing="ij"), axis=-1).reshape(-1, 2)
     faces = _quads(len(axis), len(axis))
@@ -97,17 +97,17 @@ def surface_of(ground: Ground) -> tuple[FloatArray, FloatArray, Faces]:
 
 
 def lighting_factors(points: FloatArray, normals: FloatArray) -> NDArray[np.uint8]:
-    """(V, 3) floor's grey, lit from one side, fading to the horizon's in the distance."""
-    light = np.maximum(1.0 + LAMP_STRENGTH * (normals @ LAMP - LAMP[2]), DARKEST)
+    """(V, 3) grey of the surface, lit from one side, fading to the colour of the horizon."""
+    light = np.maximum(1.0 + LAMP_STRENGTH * (normals @ LAMP_DIRECTION - LAMP_DIRECTION[2]), MIN_BRIGHTNESS)
     away = np.clip((np.linalg.norm(points[:, :2], axis=1) - 12.0) / 60.0, 0, 1)[:, None]
-    return as_bytes(np.clip(FLOOR * light[:, None], 0, 255) * (1 - away) + HORIZON * away)
+    return as_bytes(np.clip(FLOOR_COLOUR * light[:, None], 0, 255) * (1 - away) + HORIZON_COLOUR * away)
 
 
-def lines_of(ground: Ground) -> tuple[FloatArray, NDArray[np.uint8], Faces]:
-    """Metre lines over the ground: points (N, 3), colours (N, 3), and pairs of them (M, 2)."""
+def lines_of(ground: Ground) -> tuple[FloatArray, NDArray[np.uint8], FaceArray]:
+    """Metre lines over the ground: points (N, 3), colours (N, 3), and pairs of point indices (M, 2)."""
     spacing = LINE_STEP if isinstance(ground, Steps | SurfaceMesh) else SURFACE_CELL
-    along = np.linspace(-GRID_REACH, GRID_REACH, round(2 * GRID_REACH / spacing) + 1)
-    places = np.arange(-GRID_REACH, GRID_REACH + 1.0)
+    along = np.linspace(-GRID_REACH_METRES, GRID_REACH_METRES, round(2 * GRID_REACH_METRES / spacing) + 1)
+    places = np.arange(-GRID_REACH_METRES, GRID_REACH_METRES + 1.0)
     run, place = (grid.ravel() for grid in np.meshgrid(along, places, indexing="xy"))
     xy = np.concatenate([np.column_stack([run, place]), np.column_stack([place, run])])
     tints = np.concatenate([line_tints(run, place, 0), line_tints(run, place, 1)])
@@ -119,30 +119,36 @@ def lines_of(ground: Ground) -> tuple[FloatArray, NDArray[np.uint8], Faces]:
         pairs = np.concatenate([pairs, len(xy) + np.arange(len(edges)).reshape(-1, 2)])
         xy, heights = np.concatenate([xy, edges[:, :2]]), np.concatenate([heights, edges[:, 2]])
         tints = np.concatenate([tints, np.tile(GRID_LINE_COLOUR, (len(edges), 1))])
-    points = np.column_stack([xy, heights + LINE_LIFT])
+    points = np.column_stack([xy, heights + LINE_LIFT_METRES])
     fade = line_fade(xy)
     under = lighting_factors(points, ground.normal_at(xy)).astype(np.float64)
     return points, as_bytes(under * (1 - fade) + tints * fade), pairs
 
 
 def _edges(ground: Steps) -> FloatArray:
-    """(2 * pieces, 3) edges of the steps, in pieces of a metre that can fade."""
+    """(2 * pieces, 3) ends of pieces of the edges of steps, one metre long so that they can fade."""
     ahead, across = direction_vector(ground.direction), direction_vector(ground.direction + np.pi / 2)
     risers = np.arange(ground.count)
     heights = ground.height + ground.rise * (risers + (1 if ground.rise > 0 else 0))
-    begins = np.arange(-GRID_REACH, GRID_REACH)
+    begins = np.arange(-GRID_REACH_METRES, GRID_REACH_METRES)
     sides = np.stack([begins, begins + 1.0], axis=-1).ravel()
     xy = np.array(ground.start) + (risers[:, None] * ground.tread)[..., None] * ahead + sides[:, None] * across
     return np.column_stack([xy.reshape(-1, 2), np.repeat(heights, len(sides))])
 
 
-def _flight(ground: Steps) -> tuple[FloatArray, FloatArray, Faces]:
-    """Treads and risers with separate corners, so that edges are sharp, and the floor before and after."""
+def _flight(ground: Steps) -> tuple[FloatArray, FloatArray, FaceArray]:
+    """Treads and risers with separate vertices, so that edges are sharp, and the floor before and after them."""
     ahead, across = direction_vector(ground.direction), direction_vector(ground.direction + np.pi / 2)
     risers = np.arange(ground.count) * ground.tread
     end = risers[-1]
     along = np.concatenate(
-        [-SURFACE_DISTANCES[::-1], [-GRID_REACH], np.repeat(risers, 4), [end + GRID_REACH], end + SURFACE_DISTANCES]
+        [
+            -SURFACE_DISTANCES[::-1],
+            [-GRID_REACH_METRES],
+            np.repeat(risers, 4),
+            [end + GRID_REACH_METRES],
+            end + SURFACE_DISTANCES,
+        ]
     )
     level = np.concatenate(
         [
@@ -157,7 +163,9 @@ def _flight(ground: Steps) -> tuple[FloatArray, FloatArray, Faces]:
     upright[len(SURFACE_DISTANCES) + 1 : -len(SURFACE_DISTANCES) - 1] = np.tile(
         [False, True, True, False], ground.count
     )
-    sides = np.concatenate([-SURFACE_DISTANCES[::-1], np.arange(-GRID_REACH, GRID_REACH + 0.5, 2.0), SURFACE_DISTANCES])
+    sides = np.concatenate(
+        [-SURFACE_DISTANCES[::-1], np.arange(-GRID_REACH_METRES, GRID_REACH_METRES + 0.5, 2.0), SURFACE_DISTANCES]
+    )
     xy = np.array(ground.start) + along[:, None, None] * ahead + sides[:, None] * across
     heights = np.broadcast_to((ground.height + ground.rise * level)[:, None], xy.shape[:2])
     facing = np.append(-np.sign(ground.rise) * ahead, 0.0)
@@ -167,8 +175,8 @@ def _flight(ground: Steps) -> tuple[FloatArray, FloatArray, Faces]:
     return points, normals, _quads(len(along), len(sides))
 
 
-def _quads(rows: int, columns: int) -> Faces:
-    """(Q, 5) cells of a grid of points, in VTK's format."""
+def _quads(rows: int, columns: int) -> FaceArray:
+    """(Q, 5) quadrilaterals of a grid of points, in VTK's format."""
     index = np.arange(rows * columns).reshape(rows, columns)
     corners = [index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]]
     return np.column_stack([np.full((rows - 1) * (columns - 1), 4), *(corner.ravel() for corner in corners)])

@@ -1,4 +1,4 @@
-"""Figures of constraints beside their handles, by kind: view lines, wireframes, discs."""
+"""Figures drawn for constraints by kind: lines to the target, wireframes, discs."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -22,20 +22,20 @@ from studio.core.constraints.target import own_place_of
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.rotations import to_matrix
 from studio.core.stage.placement import Placement
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.engine.residual_measures import measure_of
 from studio.viewport.body_points import point_path
 from studio.viewport.camera import FloatArray
 from studio.viewport.solid_figures import capsule_lines, mesh_lines
 
-REACHED_COLOUR = 0.003
-"""Metres; nearer than this the point counts as on its target."""
+REACHED_METRES = 0.003
+"""Residual in metres below which a point is drawn as on its target."""
 DISC_RADIUS, BALANCE_RING_RADIUS = 0.05, 0.08
-"""Metres: the disc under a centre of mass, the ring where it is asked to be."""
-AXIS = 0.13
-"""Metres of each of the three axes by which a turn is drawn."""
-PATCH = 1.2
-"""Metres of the piece that is drawn of an endless plane."""
+"""Radii in metres of the disc under a centre of mass, and of the ring at its target."""
+AXIS_LENGTH_METRES = 0.13
+"""Length in metres of each of the three axes by which a rotation is drawn."""
+PLANE_PATCH_METRES = 1.2
+"""Side in metres of the square drawn for an endless plane."""
 _TURN = np.linspace(0.0, 2 * np.pi, 49)
 _CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN), np.zeros_like(_TURN)], axis=1)
 _SQUARE = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [-1, -1, 0]])
@@ -43,28 +43,28 @@ _SQUARE = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [-1, -1, 0
 
 @dataclass(frozen=True, eq=False)
 class HandleShape:
-    """Lines (N, 3) and filled faces in the motion's space; ``link`` (2, 3) leads from the present
-    state to the target.
+    """Figure of a constraint: lines (N, 3) and filled faces in motion space; ``link`` (2, 3) is the line from the
+    current state to the target.
     """
 
     lines: tuple[FloatArray, ...] = ()
     faces: tuple[FloatArray, ...] = ()
     link: FloatArray | None = None
     link_always: bool = False
-    """True if the link is drawn although nothing is missed; without a link, the lines show a miss."""
+    """True if the link is drawn even if the target is reached; without a link, the lines show the residual."""
     missed: bool = False
     only_chosen: bool = False
-    """True if it is drawn only while the constraint is selected: it would hide the body."""
+    """True if the figure is drawn only while the constraint is selected, because it would hide the body."""
 
     def placed(self, placement: Placement) -> "HandleShape":
-        """Figure on the stage."""
+        """Figure moved to a placement on the stage."""
         lines, faces = (tuple(placement.to_stage(each) for each in parts) for parts in (self.lines, self.faces))
         link = None if self.link is None else placement.to_stage(self.link)
         return replace(self, lines=lines, faces=faces, link=link)
 
 
 def figure_of(constraint: Constraint, pose: PosedPerformer, floor: float) -> HandleShape:
-    """Figure of ``constraint`` on a body at a moment, over a ground ``floor`` metres high."""
+    """Figure of ``constraint`` on a posed performer, over a ground ``floor`` metres high."""
     draw = CONSTRAINT_KINDS[constraint.kind].figure
     if draw is None:
         return HandleShape(lines=constraint.sketch(_point(pose, constraint.point), _turn(pose, constraint.point)))
@@ -75,8 +75,8 @@ def figure_of(constraint: Constraint, pose: PosedPerformer, floor: float) -> Han
 def figure_with_goal(
     constraint: Constraint, goal: tuple[float, ...], has_weight: bool, pose: PosedPerformer, floor: float
 ) -> HandleShape:
-    """Figure of a constraint that shares a ``goal`` with others: the residual to the goal, and while the constraint
-    has a weight a thin line from the goal to its own target, or the own axes of an orientation.
+    """Figure of a constraint whose target is blended with others to ``goal``: a link to the goal and, while the
+    constraint has a weight, a thin line from the goal to its own target, or the own axes of an orientation.
     """
     residual = figure_of(with_fields(constraint, target=goal), pose, floor)
     if constraint.kind == "orientation":
@@ -86,7 +86,7 @@ def figure_with_goal(
 
 
 def with_outline(figure: HandleShape, outline: FloatArray | None, floor: float) -> HandleShape:
-    """Figure with the outline (N, 2) of the support polygon."""
+    """Figure with the outline (N, 2) of the support polygon added."""
     if outline is None:
         return figure
     closed = np.column_stack([np.concatenate([outline, outline[:1]]), np.full(len(outline) + 1, floor)])
@@ -94,9 +94,9 @@ def with_outline(figure: HandleShape, outline: FloatArray | None, floor: float) 
 
 
 def with_path(figure: HandleShape, target: object, time: float, position: FloatArray, leg_length: float) -> HandleShape:
-    """Figure with the path of a ``target`` that is keyed or moves by a rule, round a ``time`` of its motion.
+    """Figure with the path of a keyed or procedural ``target`` around a ``time`` of its motion, in seconds.
 
-    A per-character path passes through ``position``, the target at that time.
+    A per-character path passes through ``position``, the target's position at that time.
     """
     if not isinstance(target, KeyedPlace | KeyedOwnPlace | ProceduralPlace):
         return figure
@@ -109,11 +109,11 @@ def with_path(figure: HandleShape, target: object, time: float, position: FloatA
 def position_figure(constraint: PositionConstraint, pose: PosedPerformer, floor: float) -> HandleShape:
     """Link from the point to its target."""
     link = np.stack([_point(pose, constraint.point), np.array(constraint.target)])
-    return HandleShape(link=link, missed=_length(link) > REACHED_COLOUR)
+    return HandleShape(link=link, missed=_length(link) > REACHED_METRES)
 
 
 def look_at_figure(constraint: LookAtConstraint, pose: PosedPerformer, floor: float) -> HandleShape:
-    """Link from the eyes to the target, drawn also while it is met."""
+    """Link from the eyes to the target, always drawn."""
     link = np.stack([_point(pose, constraint.point), np.array(constraint.target)])
     gaze, way = _turn(pose, constraint.point)[:, 0], link[1] - link[0]
     angle = float(np.arctan2(np.linalg.norm(np.cross(gaze, way)), gaze @ way))
@@ -126,14 +126,14 @@ def distance_figure(constraint: DistanceConstraint, pose: PosedPerformer, floor:
     end = _point(pose, other) if isinstance(other, BodyPoint) else np.array(other)
     link = np.stack([_point(pose, constraint.point), end])
     distance = float(np.array(constraint.distance))
-    return HandleShape(link=link, link_always=True, missed=abs(_length(link) - distance) > REACHED_COLOUR)
+    return HandleShape(link=link, link_always=True, missed=abs(_length(link) - distance) > REACHED_METRES)
 
 
 def orientation_figure(constraint: OrientationConstraint, pose: PosedPerformer, floor: float) -> HandleShape:
-    """Three axes of the target rotation, at the segment's origin."""
+    """Three axes of the target rotation, at the origin of the segment."""
     begin = _point(pose, constraint.point)
     asked, is_so = to_matrix(np.array(constraint.target)), _turn(pose, constraint.point)
-    lines = tuple(np.stack([begin, begin + AXIS * axis]) for axis in asked.T)
+    lines = tuple(np.stack([begin, begin + AXIS_LENGTH_METRES * axis]) for axis in asked.T)
     cosine = np.clip((np.trace(asked.T @ is_so) - 1.0) / 2.0, -1.0, 1.0)
     return HandleShape(lines=lines, missed=float(np.arccos(cosine)) > measure_of(constraint).held_below)
 
@@ -159,18 +159,18 @@ def balance_figure(constraint: BalanceConstraint, pose: PosedPerformer, floor: f
     asked = np.array([*constraint.place[:2], floor])
     link = np.stack([below, asked])
     return HandleShape(
-        (disc, asked + BALANCE_RING_RADIUS * _CIRCLE), (disc,), link, missed=_length(link) > REACHED_COLOUR
+        (disc, asked + BALANCE_RING_RADIUS * _CIRCLE), (disc,), link, missed=_length(link) > REACHED_METRES
     )
 
 
 def clear_figure(constraint: ClearConstraint, pose: PosedPerformer, floor: float) -> HandleShape:
-    """Capsules that the arms avoid."""
+    """Capsules of the body that the arms avoid."""
     lines = tuple(pose.points_in_clip(each) for each in capsule_lines(pose.motion, pose.row))
     return HandleShape(lines=lines, only_chosen=True)
 
 
 def area_figure(constraint: AreaConstraint, pose: PosedPerformer, floor: float) -> HandleShape:
-    """Lines and faces of the shape, and the link to the nearest allowed position."""
+    """Lines and faces of the volume, and a link to the nearest allowed position."""
     if constraint.mesh is not None and constraint.shape is AreaShape.MESH:
         lines, faces = mesh_lines(constraint.mesh)
     else:
@@ -181,44 +181,44 @@ def area_figure(constraint: AreaConstraint, pose: PosedPerformer, floor: float) 
         tuple(line @ turn.T + centre for line in lines),
         tuple(face @ turn.T + centre for face in faces),
         link,
-        missed=_length(link) > REACHED_COLOUR,
+        missed=_length(link) > REACHED_METRES,
     )
 
 
-Shape = tuple[list[FloatArray], list[FloatArray]]
+LinesAndFaces = tuple[list[FloatArray], list[FloatArray]]
 
 
-def _half_space(size: FloatArray) -> Shape:
-    """Piece of the plane, and its normal."""
+def _half_space(size: FloatArray) -> LinesAndFaces:
+    """Square piece of the plane, and its normal."""
     normal = size / np.linalg.norm(size)
     first = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
     first /= np.linalg.norm(first)
-    square = _SQUARE @ np.stack([first, np.cross(normal, first), normal]) * PATCH / 2
+    square = _SQUARE @ np.stack([first, np.cross(normal, first), normal]) * PLANE_PATCH_METRES / 2
     return [square, np.stack([np.zeros(3), 0.25 * normal])], [square]
 
 
-def _box(size: FloatArray) -> Shape:
+def _box(size: FloatArray) -> LinesAndFaces:
     bottom, top = (_SQUARE * [1.0, 1.0, 0.0] + [0.0, 0.0, z] for z in (-1.0, 1.0))
     upright = [np.stack([bottom[k], top[k]]) for k in range(4)]
     return [line * size / 2 for line in (bottom, top, *upright)], []
 
 
-def _table(size: FloatArray) -> Shape:
+def _table(size: FloatArray) -> LinesAndFaces:
     """Box with an emphasised top."""
     lines, _ = _box(size)
     return lines, [lines[1]]
 
 
-def _sphere(size: FloatArray) -> Shape:
+def _sphere(size: FloatArray) -> LinesAndFaces:
     return [size[0] / 2 * np.roll(_CIRCLE, shift, axis=1) for shift in range(3)], []
 
 
-def _cylinder(size: FloatArray) -> Shape:
+def _cylinder(size: FloatArray) -> LinesAndFaces:
     bottom, top = (_CIRCLE * size[0] / 2 + [0.0, 0.0, z * size[2] / 2] for z in (-1, 1))
     return [bottom, top, *(np.stack([bottom[k], top[k]]) for k in (0, 12, 24, 36))], []
 
 
-_SHAPES: dict[AreaShape, Callable[[FloatArray], Shape]] = {
+_SHAPES: dict[AreaShape, Callable[[FloatArray], LinesAndFaces]] = {
     AreaShape.HALF_SPACE: _half_space,
     AreaShape.BOX: _box,
     AreaShape.TABLE: _table,

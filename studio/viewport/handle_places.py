@@ -1,12 +1,13 @@
-"""Position of the handle by which a constraint is dragged, by its kind."""
+"""Position of the handle by which a constraint is dragged, by kind."""
 
 from studio.core.constraints.base import Constraint, Vector
 
 
 def handle_position(constraint: Constraint, floor: float = 0.0) -> Vector | None:
-    """Position (3,) of the handle, metres in the motion's space over a ground ``floor`` high; None if it has none.
+    """Position (3,) of a constraint's handle in motion space, metres, over a ground ``floor`` metres high; None if it
+    has no handle.
 
-    The constraint is that of one moment (``TargetContext.with_targets_fixed``).
+    The constraint's targets must be fixed (``TargetContext.with_targets_fixed``).
     """
     place = getattr(constraint, constraint.shown.held_by, None)
     if not isinstance(place, tuple):

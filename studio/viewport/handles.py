@@ -1,4 +1,4 @@
-"""Constraint handles: the targets of each performer, and which of them are missed."""
+"""Constraint handles: the targets of each performer, and which of them are not reached."""
 
 from collections.abc import Container, Mapping
 from dataclasses import dataclass
@@ -12,8 +12,8 @@ from studio.core.solver.asking.shared_goals import groups_with_shared_goal, weig
 from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.stage.held_grips import gripped_prop
 from studio.core.stage.project import Project
-from studio.engine.moments import TargetContext
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
+from studio.engine.target_context import TargetContext
 from studio.viewport.camera import FloatArray
 from studio.viewport.handle_figures import HandleShape, figure_of, figure_with_goal, with_outline, with_path
 from studio.viewport.handle_places import handle_position
@@ -21,7 +21,9 @@ from studio.viewport.handle_places import handle_position
 
 @dataclass(frozen=True, eq=False)
 class Handle:
-    """Constraint of one performer on the stage: its position (3,) if it has one, its figure, its present activation."""
+    """Handle of a constraint on one performer: stage position ``target`` (3,) if it has one, figure, and current
+    activation.
+    """
 
     constraint_id: str
     performer_id: str
@@ -30,16 +32,16 @@ class Handle:
     figure: HandleShape
     activation: float
     is_primary: bool
-    """Handles of the active performer: drawn in full."""
+    """True for handles of the active performer, which are drawn in full."""
 
     @property
     def is_missed(self) -> bool:
-        """True if the constraint is fully active now and not met."""
+        """True if the constraint is fully active and its target not reached."""
         return self.activation > 0.5 and self.figure.missed
 
     @property
     def extent(self) -> FloatArray:
-        """(N, 3) stage points of its drawing."""
+        """(N, 3) stage points of the figure."""
         own = [] if self.target is None else [self.target[None]]
         links = [] if self.figure.link is None else [self.figure.link]
         return np.concatenate([*own, *links, *self.figure.lines])
@@ -48,7 +50,9 @@ class Handle:
 def constraint_handles(
     project: Project, posed: Mapping[str, PosedPerformer], active: str | None, only: Container[str] | None = None
 ) -> list[Handle]:
-    """Handles of every posed performer, the active one's last, so that they are drawn on top; or ``only`` some."""
+    """Handles on every posed performer, those of the active one last so that they are painted on top; with ``only``, of
+    some constraints.
+    """
     handles = []
     for performer_id, pose in sorted(posed.items(), key=lambda item: item[0] == active):
         asked = project.constraints_for(performer_id, pose.clip) if pose.clip else {}
@@ -83,7 +87,9 @@ def constraint_handles(
 
 
 def _shared_goals(moment: TargetContext, asked: Mapping[str, Constraint]) -> dict[str, tuple[tuple[float, ...], bool]]:
-    """Present goals of active constraints whose weights blend them, and True for those with a weight above zero."""
+    """Blended goal of each active constraint that shares its point with others, and True if it has a weight above
+    zero.
+    """
     times = np.array([moment.pose.seconds])
     found: dict[str, tuple[tuple[float, ...], bool]] = {}
     enabled = [key for key, each in asked.items() if each.enabled]
@@ -106,7 +112,9 @@ def _shared_goals(moment: TargetContext, asked: Mapping[str, Constraint]) -> dic
 
 
 def _activation(project: Project, performer_id: str, pose: PosedPerformer, constraint_id: str) -> float:
-    """Present activation: of a grip on a prop that of the playing repeat, as it lasts no longer than the hold."""
+    """Current activation. Of a hand constraint on a carried prop it is that of the current loop, since the hold limits
+    it.
+    """
     constraint = project.constraints[constraint_id]
     if gripped_prop(constraint) is None or pose.played is None:
         return float(constraint.activation.at(pose.seconds))
@@ -119,5 +127,5 @@ def _activation(project: Project, performer_id: str, pose: PosedPerformer, const
 
 
 def floor_under(project: Project, pose: PosedPerformer) -> float:
-    """Height in metres of the ground under a body's root."""
+    """Height in metres of the ground under a performer's root."""
     return float(project.ground.height_at(pose.points[0]))

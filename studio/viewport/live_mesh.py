@@ -1,4 +1,4 @@
-"""Mesh whose points and normals are numpy arrays that VTK reads in place."""
+"""Meshes whose numpy arrays VTK reads in place."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -16,7 +16,7 @@ FloatBuffer = NDArray[np.float32]
 
 
 class LiveMesh:
-    """Polydata over ``points`` and ``normals`` (V, 3): write into them, then call ``touch``."""
+    """VTK mesh over the arrays ``points`` and ``normals`` (V, 3): write into them, then call ``touch``."""
 
     def __init__(self, vertex_count: int, triangles: NDArray[np.integer]) -> None:
         self.points: FloatBuffer = np.zeros((vertex_count, 3), dtype=np.float32)
@@ -28,7 +28,7 @@ class LiveMesh:
         self.polydata = self.part(triangles)
 
     def part(self, triangles: NDArray[np.integer]) -> pv.PolyData:
-        """Polydata over the same points, of these triangles alone."""
+        """VTK mesh over the same points, with only these triangles."""
         polydata = pv.PolyData()
         polydata.SetPoints(self._vtk_points)
         polydata.GetPointData().SetNormals(self._vtk_normals)
@@ -37,7 +37,7 @@ class LiveMesh:
         return polydata
 
     def touch(self) -> None:
-        """Notify VTK that the buffers have changed."""
+        """Notify VTK that the arrays have changed."""
         self._vtk_points.GetData().Modified()
         self._vtk_normals.Modified()
         self._vtk_points.Modified()
@@ -46,7 +46,7 @@ class LiveMesh:
 
 
 class LiveLines:
-    """Coloured paths in one polydata, replaced by each ``show_paths``."""
+    """Coloured lines in one VTK mesh."""
 
     def __init__(self, width: float = 2.0) -> None:
         self._polydata = pv.PolyData()
@@ -56,7 +56,7 @@ class LiveLines:
         self._colours = np.empty((0, 3), dtype=np.uint8)
 
     def show_paths(self, paths: Sequence[StagePath]) -> None:
-        """Draw these paths and no others."""
+        """Show exactly these paths."""
         self.actor.SetVisibility(bool(paths))
         if not paths:
             return
@@ -74,7 +74,7 @@ class LiveLines:
 
 
 def flat_actor(polydata: pv.PolyData) -> pv.Actor:
-    """Actor that draws a polydata in the colours of its points, without lighting."""
+    """Actor that draws a mesh in the colours of its points, without lighting."""
     mapper = pv.DataSetMapper(polydata)
     mapper.SetColorModeToDirectScalars()
     mapper.scalar_visibility = True

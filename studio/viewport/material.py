@@ -1,4 +1,4 @@
-"""Shading of surfaces: one light at the camera, and in the shader a sky and a soft rim."""
+"""Shading of surfaces: one light at the camera, and in the shader a sky and a soft rim light."""
 
 import pyvista as pv
 
@@ -12,20 +12,20 @@ _SHADED = """//VTK::Light::Impl
 
 
 def light_like_a_studio(plotter: pv.Plotter) -> None:
-    """Add one light that moves with the camera, above and to the left of it."""
+    """Add one light that moves with the camera, above it and to its left."""
     plotter.remove_all_lights()
     lamp = pv.Light(light_type="camera light", position=(-0.45, 0.75, 1.0), focal_point=(0, 0, 0), intensity=0.95)
     plotter.add_light(lamp)
 
 
 class SkyShading:
-    """Material of actors; ``turn`` updates the up direction in their shaders for the present camera."""
+    """Material of actors; ``turn`` updates the up direction in their shaders."""
 
     def __init__(self) -> None:
         self._actors: dict[int, pv.Actor] = {}
 
     def give(self, actor: pv.Actor) -> None:
-        """Add the material to an actor: smooth, slightly shiny."""
+        """Add the material to an actor: smooth and slightly shiny."""
         surface = actor.GetProperty()
         surface.SetAmbient(0.16)
         surface.SetDiffuse(0.80)
@@ -37,14 +37,14 @@ class SkyShading:
         self._actors[id(actor)] = actor
 
     def take(self, actor: pv.Actor) -> None:
-        """Remove an actor."""
+        """Forget an actor."""
         self._actors.pop(id(actor), None)
 
     def clear(self) -> None:
-        """Remove all actors."""
+        """Forget all actors."""
         self._actors.clear()
 
     def turn(self, up: tuple[float, float, float]) -> None:
-        """Set the stage's ``up`` in view coordinates (right, up, towards the viewer)."""
+        """Set the stage's ``up`` direction in view coordinates (right, up, towards the viewer)."""
         for actor in self._actors.values():
             actor.GetShaderProperty().GetFragmentCustomUniforms().SetUniform3f("skyVC", up)

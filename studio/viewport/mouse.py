@@ -1,4 +1,4 @@
-"""Mouse events: the gesture for a press, selection, and hovering."""
+"""Mouse events of the 3D view: drags, selection, and hovering."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ HANDLE_PICK_REACH = 11.0
 
 
 def begin_gesture(viewport: Viewport, document: Document, live: Live, event: QMouseEvent) -> None:
-    """Begin a gesture or select: the left button drags the gizmo, unless Alt is held; else the navigation says which
-    buttons move the camera, and the left one picks or selects.
+    """Start a drag or select: the left button drags the gizmo, unless Alt is held; otherwise the navigation settings
+    tell which buttons move the camera, and the left button picks or selects.
     """
     if viewport.gesture is not None:
         return
@@ -48,7 +48,7 @@ def begin_gesture(viewport: Viewport, document: Document, live: Live, event: QMo
 
 
 def update_hover(viewport: Viewport, event: QMouseEvent) -> None:
-    """Update the running drag, or the highlight under the mouse if there is none."""
+    """Continue the current drag, or update the highlight under the mouse."""
     x, y = event.position().x(), event.position().y()
     keys = event.modifiers()
     if viewport.gesture is not None:
@@ -76,9 +76,9 @@ def _grab_gizmo(viewport: Viewport, document: Document, live: Live, x: float, y:
 
 
 def _select(viewport: Viewport, document: Document, x: float, y: float) -> None:
-    """Select a target before a joint before a body before a prop; a click on nothing deselects.
+    """Select the target, joint, performer or prop under the mouse, in this order; a click on nothing deselects.
 
-    A met target is at a joint, which is picked with it, so that it can be constrained further.
+    A reached target coincides with its joint, which is picked too, so that it can be constrained further.
     """
     where = (viewport.camera, viewport.view_size, x, y)
     handles = {f"{one.performer_id} {one.constraint_id}": one for one in viewport.handles()}
@@ -111,7 +111,7 @@ def _select_body_or_prop(
 
 
 def _gizmo_part(viewport: Viewport, x: float, y: float) -> str | None:
-    """Part of the gizmo under the mouse; joints of a body's feet come before its handles."""
+    """Part of the gizmo under the mouse; joints at a performer's feet come before its gizmo. None if there is none."""
     gizmo, movable = viewport.gizmo(), viewport.movable()
     part = gizmo.part_at(x, y) if gizmo is not None else None
     if part is None or movable is None or not movable.gives_way_to_joints:

@@ -1,4 +1,4 @@
-"""Mouse gestures: each begins when it is created, follows the mouse, and is finished or cancelled."""
+"""Mouse drags in the 3D view: each starts when it is created, and is finished or cancelled."""
 
 import math
 from collections.abc import Callable
@@ -23,20 +23,20 @@ ZOOM_PER_PIXEL = 1.006
 
 
 class ViewportGesture(Protocol):
-    """A drag from press to release."""
+    """Drag from the press to the release of a button."""
 
     def update(self, x: float, y: float, fine: bool, snap: bool) -> None:
-        """Handle the mouse at pixel (x, y)."""
+        """Handle the mouse at pixel (x, y); ``fine`` slows the drag, ``snap`` uses steps."""
 
     def finish(self) -> None:
-        """Finish, after the button is released."""
+        """Finish the drag after the button is released."""
 
     def cancel(self) -> None:
-        """Restore the state before the gesture (Esc)."""
+        """Restore the state before the drag, after Esc."""
 
 
 class CameraDrag:
-    """Orbits, pans or zooms the camera; ``show`` is called with every new camera."""
+    """Drag that orbits, pans or zooms the camera; ``show`` is called with every new camera."""
 
     def __init__(
         self,
@@ -51,7 +51,7 @@ class CameraDrag:
         self._x, self._y = x, y
 
     def update(self, x: float, y: float, fine: bool, snap: bool) -> None:
-        """Orbit or move by the displacement since the press."""
+        """Move the camera by the displacement since the press."""
         right, down = x - self._x, y - self._y
         if self._kind == "orbit":
             self._show(self._begin.orbited(-right * ORBIT_PER_PIXEL, down * ORBIT_PER_PIXEL))
@@ -70,7 +70,7 @@ class CameraDrag:
 
 
 class EditDrag:
-    """Edits a thing by a part of a gizmo; one undo step, or none if it is cancelled."""
+    """Base of drags of a gizmo's part, which edit an object as one undo step."""
 
     def __init__(self, document: Document, live: Live, movable: Movable, part: str, steps: SnapSteps) -> None:
         self._live, self._movable, self.part, self._steps = live, movable, part, steps
@@ -78,20 +78,20 @@ class EditDrag:
         live.interactive = True
 
     words = ""
-    """Words beside the gizmo: the change of what is dragged."""
+    """Text beside the gizmo: the amount of the drag."""
 
     def finish(self) -> None:
         """Keep the edit."""
         self._live.interactive = False
 
     def cancel(self) -> None:
-        """Restore the thing, and remove the edit from the history."""
+        """Restore the object, and drop the undo step."""
         self._movable.restore(self._number)
         self._live.interactive = False
 
 
 class MoveDrag(EditDrag):
-    """Moves a thing along the axes of a gizmo, in a space whose origin is ``zero`` (3,), stage."""
+    """Drag that moves an object along axes of a gizmo; snapping counts from ``zero`` (3,), stage space."""
 
     def __init__(
         self, document: Document, live: Live, movable: Movable, gizmo: Gizmo, part: str, x: float, y: float,
@@ -105,9 +105,7 @@ class MoveDrag(EditDrag):
         self._grip = gizmo.grip(part, x, y)
 
     def update(self, x: float, y: float, fine: bool, snap: bool) -> None:
-        """Follow the mouse along the part's axes: a fifth of the distance if ``fine``, in steps of the space if
-        ``snap``.
-        """
+        """Follow the mouse along the axes of the part: at a fifth of the distance if ``fine``, in steps if ``snap``."""
         axes, free = self._gizmo.axes, np.array(moved_axes(self.part))
         grip = self._gizmo.grip(self.part, x, y)
         self._moved += np.where(free, axes @ (grip - self._grip) * (FINE_DRAG if fine else 1.0), 0.0)
@@ -125,7 +123,7 @@ class MoveDrag(EditDrag):
 
 
 class RotateDrag(EditDrag):
-    """Rotates a thing by a ring, or freely by the trackball."""
+    """Drag that rotates an object by a ring, or freely by the trackball."""
 
     def __init__(
         self, document: Document, live: Live, movable: Movable, gizmo: RotateGizmo, part: str, x: float, y: float,
@@ -140,7 +138,7 @@ class RotateDrag(EditDrag):
         """Radians by which the thing is rotated."""
 
     def update(self, x: float, y: float, fine: bool, snap: bool) -> None:
-        """Follow the mouse round the centre: a fifth of the angle if ``fine``, in steps if ``snap``."""
+        """Follow the mouse around the centre: at a fifth of the angle if ``fine``, in steps if ``snap``."""
         pace = FINE_DRAG if fine else 1.0
         if self.part == TRACKBALL:
             self._roll(x, y, pace, snap)
@@ -153,7 +151,7 @@ class RotateDrag(EditDrag):
         self._movable.rotate(rotation_about(self.gizmo.axis(self.part), self.angle), self._number)
 
     def _roll(self, x: float, y: float, pace: float, snap: bool) -> None:
-        """Rotate about the screen's axes like a trackball."""
+        """Rotate about the screen's axes, like a trackball."""
         self._rolled += (np.array([x, y]) - self._mouse) / self.gizmo.radius * pace
         self._mouse = np.array([x, y])
         across, down = (_stepped(each, self._steps.radians) if snap else each for each in self._rolled.tolist())
@@ -165,7 +163,7 @@ class RotateDrag(EditDrag):
 
 
 class ScaleDrag(EditDrag):
-    """Resizes a thing along one of its axes, or all of them."""
+    """Drag that resizes an object along one of its axes, or all of them."""
 
     def __init__(
         self, document: Document, live: Live, movable: Movable, gizmo: ScaleGizmo, part: str, x: float, y: float,
@@ -175,7 +173,7 @@ class ScaleDrag(EditDrag):
         self._gizmo, self._grip, self._mouse = gizmo, (x, y), np.array([x, y])
 
     def update(self, x: float, y: float, fine: bool, snap: bool) -> None:
-        """Follow the mouse: a fifth of the distance if ``fine``, in steps of the factor if ``snap``."""
+        """Follow the mouse: at a fifth of the distance if ``fine``, in steps of the factor if ``snap``."""
         factor = self._gizmo.factor(self.part, self._grip, x, y)
         if fine:
             factor = 1.0 + FINE_DRAG * (factor - 1.0)
@@ -186,7 +184,9 @@ class ScaleDrag(EditDrag):
 
 
 def nudge(document: Document, movable: Movable, gizmo: AnyGizmo, axis: str, sign: float, steps: SnapSteps) -> None:
-    """Change a thing by one snapping step along or about an ``axis`` of its gizmo, if possible; one undo step."""
+    """Move, rotate or resize an object by one snapping step along or about an ``axis`` of its gizmo, as one undo
+    step.
+    """
     number, place = document.new_gesture(), GIZMO_AXES.index(axis)
     if isinstance(gizmo, RotateGizmo):
         if axis in gizmo.parts:

@@ -1,4 +1,4 @@
-"""Things that a gizmo can edit: targets, props, performers. Each provides its axes and edits the document."""
+"""Objects that a gizmo can edit: targets, props, performers. Each has axes, and edits the document."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -20,45 +20,45 @@ from studio.core.stage.prop import InHand, Prop
 from studio.document.document import Document
 from studio.document.mirrored import mirrored_edit
 from studio.document.obstacles import obstacles_of
-from studio.engine.moments import TargetContext
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.engine.prop_places import moved_prop, prop_at, resized_prop, tilt_of, turned_prop, wrapped_angle
+from studio.engine.target_context import TargetContext
 from studio.viewport.camera import FloatArray
 from studio.viewport.handle_places import handle_position, is_flat
 from studio.viewport.rotate_gizmo import rotation_about
 
-LEAST_SIDE = 0.001
-"""Metres of a side of a prop or an area."""
+MIN_SIDE_METRES = 0.001
+"""Minimum side in metres of a prop or a volume."""
 
 
 class Movable:
-    """Thing that a gizmo moves, rotates or resizes; each kind overrides the supported methods."""
+    """Object that a gizmo moves, rotates or resizes; each kind overrides the methods it supports."""
 
     placement: Placement
-    """Placement on the stage of the space of its ``place``."""
+    """Placement on the stage of the space of ``place``."""
     flat = False
-    """True if it stays on the ground."""
+    """True if the object stays on the ground."""
     gives_way_to_joints = False
-    """True if joints under its handles are picked before these."""
+    """True if joints under the gizmo's handles are picked before the handles."""
     moves = True
     rotates = heading_only = False
-    """Flags: it can be rotated, and that about Z alone."""
+    """True if the object can be rotated; ``heading_only`` if only about Z."""
     scales = (False, False, False)
-    """Along which of its own axes it has a size."""
+    """True for each of the object's axes along which it can be resized."""
 
     @property
     def place(self) -> FloatArray:
-        """(3,) position in its own space."""
+        """(3,) position in the object's own space."""
         raise NotImplementedError
 
     @property
     def pivot(self) -> FloatArray:
-        """(3,) stage point about which it rotates."""
+        """(3,) stage position about which the object rotates."""
         return self.placement.to_stage(self.place)
 
     @property
     def own_axes(self) -> FloatArray:
-        """(3, 3) its own axes as columns, stage space."""
+        """(3, 3) axes of the object as columns, stage space."""
         return self.parent_axes
 
     @property
@@ -67,21 +67,21 @@ class Movable:
         return self.placement.rotation
 
     def move(self, position: FloatArray, gesture: int) -> None:
-        """Move it to ``position`` (3,), as a part of a gesture."""
+        """Move the object to ``position`` (3,), within the undo step of a gesture."""
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
-        """Rotate it by ``rotation`` (3, 3) of the stage relative to its state at creation."""
+        """Rotate the object by ``rotation`` (3, 3), stage space, from its state at creation."""
 
     def scale(self, factors: FloatArray, gesture: int) -> None:
-        """Resize it by ``factors`` (3,) along its own axes relative to its state at creation."""
+        """Resize the object by ``factors`` (3,) along its own axes, from its state at creation."""
 
     def restore(self, gesture: int) -> None:
-        """Restore its state at creation."""
+        """Restore the object's state at creation."""
         raise NotImplementedError
 
 
 class MovableTarget(Movable):
-    """Target of a constraint, as on a performer at one moment, over a ``floor``."""
+    """Target of a constraint on one performer at one moment, over a ground ``floor`` metres high."""
 
     def __init__(self, document: Document, constraint_id: str, moment: TargetContext, floor: float) -> None:
         self._document, self._id, self._moment, self._floor = document, constraint_id, moment, floor
@@ -90,7 +90,7 @@ class MovableTarget(Movable):
 
     @staticmethod
     def is_held(now: Constraint) -> bool:
-        """True if a constraint, fixed at one moment, has a position to be moved."""
+        """True if a constraint with fixed targets has a position that can be moved."""
         return handle_position(now) is not None
 
     @property
@@ -100,12 +100,12 @@ class MovableTarget(Movable):
 
     @property
     def place(self) -> FloatArray:
-        """(3,) position in the space of the motion."""
+        """(3,) position in motion space."""
         now = self._moment.with_targets_fixed(self._constraint)
         return np.array(handle_position(now, self._floor) if now else None)
 
     def move(self, position: FloatArray, gesture: int) -> None:
-        """Move it to ``position``."""
+        """Move the target to ``position`` (3,)."""
         old = self._constraint
         x, y, z = position.tolist()
         text = f"{'Key' if has_keyed_target(old) and not self._is_apart else 'Move'} {self._words}"
@@ -113,14 +113,14 @@ class MovableTarget(Movable):
 
     @property
     def own_axes(self) -> FloatArray:
-        """(3, 3) axes of the segment of its point."""
+        """(3, 3) axes of the constrained segment."""
         pose = self._moment.pose
         segment = pose.motion.morphology.layout.segment_of_part(self._begin.point.part)
         return np.asarray(pose.placement.rotation @ pose.motion.rotations[pose.row, segment])
 
     @property
     def parent_axes(self) -> FloatArray:
-        """(3, 3) axes of the followed object, else of the motion's space."""
+        """(3, 3) axes of the followed object, else of motion space."""
         target = getattr(self._begin, self._begin.shown.held_by or "target", None)
         track = self._moment.track(target) if isinstance(target, Follow) else None
         rotation = self.placement.rotation
@@ -128,18 +128,20 @@ class MovableTarget(Movable):
 
     @property
     def _words(self) -> str:
-        """Name of the dragged thing: ``target of Right wrist``, ``centre of Table``, with the body if it is its own."""
+        """Name of the dragged object: ``target of Right wrist``, ``centre of Table``; with the performer's name if only
+        its own target moves.
+        """
         whom = f" for {self._moment.pose.performer.name}" if self._is_apart else ""
         return f"{self._begin.shown.handle} of {self._begin.name}{whom}"
 
     @property
     def _is_apart(self) -> bool:
-        """True if the performer has an offset of its own from the per-character position."""
+        """True if the performer has its own offset from a per-character position."""
         own = own_place_of(getattr(self._begin, self._begin.shown.held_by))
         return own is not None and self._moment.performer_id in dict(own.own)
 
     def restore(self, gesture: int) -> None:
-        """Restore it, without the key that a drag has set."""
+        """Restore the target, without the key that the drag has set."""
         self._put(self._begin, f"Move {self._begin.name}", gesture)
 
     def _put(self, seen: Constraint, text: str, gesture: int) -> None:
@@ -151,7 +153,7 @@ class MovableTarget(Movable):
 
 
 class PlacedProp(Movable):
-    """Prop at its present position: a drag moves it, sets a key, or changes its position in the holder's hands."""
+    """Prop at the playhead: a drag moves it, sets a key, or changes its offset in the holder's hands."""
 
     rotates = True
     scales = (True, True, True)
@@ -168,7 +170,7 @@ class PlacedProp(Movable):
         return self._pose.place
 
     def move(self, position: FloatArray, gesture: int) -> None:
-        """Move its centre to ``position``."""
+        """Move the centre to ``position`` (3,)."""
         verb = (
             "Key" if isinstance(self._begin.position, KeyedPlace) and self._begin.lies_at(self._pose.time) else "Move"
         )
@@ -176,12 +178,12 @@ class PlacedProp(Movable):
 
     @property
     def own_axes(self) -> FloatArray:
-        """(3, 3) its own axes."""
+        """(3, 3) axes of the prop."""
         return self._pose.axes
 
     @property
     def parent_axes(self) -> FloatArray:
-        """(3, 3) axes of the segment or chest of its holder, else of the stage."""
+        """(3, 3) axes of the holder's segment or chest, else of the stage."""
         hold = None if self._begin.lies_at(self._pose.time) else self._begin.held_at(self._pose.time)
         if hold is None:
             return np.eye(3)
@@ -189,18 +191,18 @@ class PlacedProp(Movable):
         return axes if isinstance(hold, InHand) else axes @ rotation_about(axes[:, 2], -hold.heading)
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
-        """Rotate it about its centre."""
+        """Rotate the prop about its centre."""
         self._put(turned_prop(self._pose, rotation), "Rotate", gesture)
 
     def scale(self, factors: FloatArray, gesture: int) -> None:
-        """Resize it, and the constraints that make it an obstacle."""
-        x, y, z = np.maximum(np.array(self._begin.size) * factors, LEAST_SIDE).tolist()
+        """Resize the prop, and the constraints that make it an obstacle."""
+        x, y, z = np.maximum(np.array(self._begin.size) * factors, MIN_SIDE_METRES).tolist()
         obstacles = {key: replace(each, size=(x, y, z)) for key, each in self._obstacles.items()}
         resized = resized_prop(self._pose, (x, y, z), self._document.project.ground)
         self._put(resized, "Resize", gesture, obstacles)
 
     def restore(self, gesture: int) -> None:
-        """Restore it."""
+        """Restore the prop."""
         self._put(self._begin, "Move", gesture, self._obstacles)
 
     def _put(
@@ -214,7 +216,7 @@ class PlacedProp(Movable):
 
 
 class PlacedPerformer(Movable):
-    """Performer, held at the ground under its root: all its clips move along."""
+    """Performer, grabbed at the ground under its root; all its clips move along."""
 
     flat = gives_way_to_joints = rotates = heading_only = True
 
@@ -229,24 +231,24 @@ class PlacedPerformer(Movable):
         return np.array([*self._pose.points[0, :2], self._floor])
 
     def move(self, position: FloatArray, gesture: int) -> None:
-        """Move its root over ``position``."""
+        """Move the performer so that its root is above ``position`` (3,)."""
         x, y = (np.array(self._begin.position) + (position - self.place)[:2]).tolist()
         self._put(replace(self._begin, position=(x, y)), "Move", gesture)
 
     @property
     def own_axes(self) -> FloatArray:
-        """(3, 3) axes of its heading."""
+        """(3, 3) axes of the performer's heading."""
         return Placement.of(self._begin).rotation
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
-        """Rotate it about its present root, by the rotation's part about Z."""
+        """Rotate the performer about its current root, by the part of the rotation about Z."""
         pivot, angle = self.place[:2], math.atan2(rotation[1, 0], rotation[0, 0])
         x, y = (pivot + rotation[:2, :2] @ (np.array(self._begin.position) - pivot)).tolist()
         turned = replace(self._begin, position=(x, y), heading=wrapped_angle(self._begin.heading + angle))
         self._put(turned, "Rotate", gesture)
 
     def restore(self, gesture: int) -> None:
-        """Restore its placement."""
+        """Restore the placement."""
         self._put(self._begin, "Move", gesture)
 
     def _put(self, performer: Performer, verb: str, gesture: int) -> None:
@@ -254,7 +256,7 @@ class PlacedPerformer(Movable):
 
 
 class SelectedTogether(Movable):
-    """Selected things of one kind: the gizmo is that of the last one, the others move along."""
+    """Several selected objects of one kind: the gizmo is that of the last one, and the others move along."""
 
     def __init__(self, document: Document, words: str, lead: Movable, others: Sequence[Movable]) -> None:
         self._document, self._words, self._lead, self._all = document, words, lead, (lead, *others)
@@ -266,50 +268,50 @@ class SelectedTogether(Movable):
 
     @property
     def place(self) -> FloatArray:
-        """(3,) position of the last one in its space."""
+        """(3,) position of the last object in its own space."""
         return self._lead.place
 
     @property
     def pivot(self) -> FloatArray:
-        """(3,) stage point about which the last one rotates; each has its own."""
+        """(3,) stage position about which the last object rotates; each object has its own."""
         return self._lead.pivot
 
     @property
     def own_axes(self) -> FloatArray:
-        """(3, 3) axes of the last one."""
+        """(3, 3) axes of the last object."""
         return self._lead.own_axes
 
     @property
     def parent_axes(self) -> FloatArray:
-        """(3, 3) axes of the parent of the last one."""
+        """(3, 3) axes of the last object's parent."""
         return self._lead.parent_axes
 
     def move(self, position: FloatArray, gesture: int) -> None:
-        """Move the last one to ``position``, and the others by the same displacement."""
+        """Move the last object to ``position`` (3,), and the others by the same displacement."""
         moved = self.placement.to_stage(position) - self._begins[0]
         with self._document.group(f"Move {self._words}", gesture):
             for each, begin in zip(self._all, self._begins, strict=True):
                 each.move(each.placement.to_motion(begin + moved), gesture)
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
-        """Rotate each about its own pivot."""
+        """Rotate each object about its own pivot."""
         with self._document.group(f"Rotate {self._words}", gesture):
             for each in self._all:
                 each.rotate(rotation, gesture)
 
     def scale(self, factors: FloatArray, gesture: int) -> None:
-        """Resize each along its own axes."""
+        """Resize each object along its own axes."""
         with self._document.group(f"Resize {self._words}", gesture):
             for each in self._all:
                 each.scale(factors, gesture)
 
     def restore(self, gesture: int) -> None:
-        """Restore all."""
+        """Restore all objects."""
         with self._document.group(f"Move {self._words}", gesture):
             for each in self._all:
                 each.restore(gesture)
 
 
 def has_keyed_target(constraint: Constraint) -> bool:
-    """True if the dragged position is keyed, so that a drag sets a key."""
+    """True if the handle's position is keyed, so that a drag sets a key."""
     return isinstance(getattr(constraint, constraint.shown.held_by, None), KeyedPlace | KeyedOwnPlace)

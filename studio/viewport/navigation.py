@@ -1,4 +1,4 @@
-"""Camera drags: the mouse buttons and modifier keys that orbit, pan and zoom."""
+"""Mouse buttons and modifier keys that orbit, pan and zoom the camera."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -6,15 +6,15 @@ from types import MappingProxyType
 from PySide6.QtCore import Qt
 
 Navigation = Mapping[str, str]
-"""``orbit``, ``pan`` or ``zoom`` by the button that drags, after the keys that are held: ``Shift+Middle``."""
+"""Camera drag (``orbit``, ``pan`` or ``zoom``) by modifiers and button, for example ``Shift+Middle``."""
 DEFAULT_NAVIGATION: Navigation = MappingProxyType({"Alt+Left": "orbit", "Middle": "pan", "Alt+Right": "zoom"})
 CAMERA_DRAGS = ("orbit", "pan", "zoom")
-BUTTONS = {
+MOUSE_BUTTONS = {
     "Left": Qt.MouseButton.LeftButton,
     "Middle": Qt.MouseButton.MiddleButton,
     "Right": Qt.MouseButton.RightButton,
 }
-HELD_KEYS = {
+MODIFIER_KEYS = {
     "Alt": Qt.KeyboardModifier.AltModifier,
     "Ctrl": Qt.KeyboardModifier.ControlModifier,
     "Shift": Qt.KeyboardModifier.ShiftModifier,
@@ -22,11 +22,11 @@ HELD_KEYS = {
 
 
 def camera_drag(navigation: Navigation, button: Qt.MouseButton, held: Qt.KeyboardModifier) -> str | None:
-    """Camera drag of a button while keys are held, by the entry that uses most of them; None if there is none."""
+    """Camera drag of a button with modifiers held; the entry with most modifiers wins. None if there is none."""
     found = [
         (len(keys), kind)
         for stroke, kind in navigation.items()
         for *keys, name in (stroke.split("+"),)
-        if BUTTONS[name] == button and all(held & HELD_KEYS[key] for key in keys)
+        if MOUSE_BUTTONS[name] == button and all(held & MODIFIER_KEYS[key] for key in keys)
     ]
     return max(found)[1] if found else None

@@ -1,4 +1,4 @@
-"""New constraints of any kind whose targets are the present pose of a body at the playhead."""
+"""New constraints of every kind, whose targets are the current pose of a performer at the playhead."""
 
 import math
 from dataclasses import dataclass, replace
@@ -31,25 +31,25 @@ from studio.core.rotations import from_matrix
 from studio.core.solver.asking.points import limb_of
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
-from studio.engine.moments import TargetContext
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
+from studio.engine.target_context import TargetContext
 from studio.viewport.body_points import BodyJoint, point_path
 from studio.viewport.camera import FloatArray
 
 LOOK_AT_DISTANCE = 2.0
-"""Metres from the eyes to what a new look-at looks at."""
-UPRIGHT_TOLERANCE = math.radians(5.0)
-"""Radians that what is kept upright may lean."""
+"""Distance in metres from the eyes to the target of a new look-at constraint."""
+UPRIGHT_TOLERANCE_RADIANS = math.radians(5.0)
+"""Maximum tilt in radians of a new upright constraint."""
 NEW_TABLE_SIZE = (0.8, 0.8)
-"""Metres of a new table's top; it stands on the ground and reaches up to the point."""
-LEAST_TABLE = 0.1
-LEAST_PATH = 0.01
-"""Metres of a path below which a new rail points forward."""
-TURNED_BY = {
+"""Sides in metres of the top of a new table; it stands on the ground and reaches up to the point."""
+MIN_TABLE_HEIGHT_METRES = 0.1
+MIN_PATH_METRES = 0.01
+"""Length in metres of a path below which a new rail points forward instead of along the path."""
+NEXT_SEGMENT = {
     "clavicle": "upper_arm", "upper_arm": "forearm", "forearm": "hand",
     "thigh": "shank", "shank": "foot", "thorax": "neck", "neck": "head",
 }  # fmt: skip
-"""A joint is the far end of one segment; what turns about it is the next."""
+"""Segment that rotates about the far end of a segment."""
 UPPER_SEGMENT = {"forearm": "upper_arm", "hand": "upper_arm", "shank": "thigh", "foot": "thigh", "toe": "thigh"}
 """First segment of the limb to which a segment belongs."""
 _HEAD = Chain(limb=1.0, end_segment=1.0, clavicle=0.0, trunk=0.3)
@@ -58,21 +58,21 @@ _WHOLE_BODY = Chain(limb=0.0, clavicle=0.0, trunk=1.0, root=1.0, free_arms=1.0, 
 
 @dataclass(frozen=True)
 class NewConstraintContext:
-    """Context of a new constraint: a body at the playhead, and the joint picked on it if there is one."""
+    """Context of a new constraint: a performer at the playhead, and the joint picked on it, if any."""
 
     moment: TargetContext
     joint: BodyJoint | None
     fits_activation: bool = True
-    """True if the constraint acts while the body stays where it is, False if for the whole clip."""
+    """True if the constraint is active only while the point stays still; False for the whole clip."""
 
     @property
     def project(self) -> Project:
-        """The project."""
+        """Current project."""
         return self.moment.project
 
     @property
     def pose(self) -> PosedPerformer:
-        """Body at the playhead."""
+        """Pose of the performer at the playhead."""
         return self.moment.pose
 
     @property
@@ -82,26 +82,27 @@ class NewConstraintContext:
         return self.joint
 
     def place(self, point: BodyPoint) -> FloatArray:
-        """(3,) position of a point of the body, in the space of the motion."""
+        """(3,) position of a body point, motion space."""
         return self.pose.points_in_clip(point_path(self.pose.motion, point, slice(self.pose.row, self.pose.row + 1))[0])
 
     def rotation(self, part: BodyPart) -> FloatArray:
-        """(3, 3) rotation of a segment, in the space of the motion."""
+        """(3, 3) rotation of a segment, motion space."""
         return self.pose.rotation_in_clip(part)
 
     @cached_property
     def span(self) -> tuple[float, float]:
-        """Seconds of the motion at which the clip begins and ends."""
+        """Start and end of the clip in seconds of its motion."""
         clip = self.pose.clip
         assert clip is not None
         rate = self.project.frame_rate_of(clip)
         return clip.first / rate, clip.last / rate
 
     def between_stances(self, part: BodyPart, now: float) -> tuple[float, float]:
-        """Seconds of the motion from the end of the last stance of a limb, or of the clip, to the begin of the next.
+        """Time range in seconds of the motion from the end of the limb's last stance (or the start of the clip) to the
+        start of the next.
 
-        A stance at ``now`` counts as one with the motion around it, because the target is there. A limb in another
-        stance stays there whatever the constraint: if it faded in meanwhile, the limb would jump when released.
+        A stance at ``now`` counts as part of the motion around it, because the target is there. In another stance the
+        limb is held by its contact: if the constraint faded in meanwhile, the limb would jump when it is released.
         """
         clip, project = self.pose.clip, self.project
         assert clip is not None
@@ -118,7 +119,7 @@ class NewConstraintContext:
 
     @cached_property
     def frames_around(self) -> tuple[AdaptedMotion, slice, FloatArray]:
-        """Motion over time, its rows around the playhead, and their seconds (F,) of the clip's motion."""
+        """Motion over time, its frames around the playhead, and their times (F,) in seconds of the clip's motion."""
         motion, clip = self.pose.over_time, self.pose.clip
         assert clip is not None
         rate, speed = self.project.frame_rate_of(clip), float(speed_at(clip.speed, self.pose.seconds))
@@ -128,17 +129,17 @@ class NewConstraintContext:
         return motion, rows, clip.motion_seconds(clip.stage_seconds(self.pose.seconds, rate) + since, rate)
 
     def points(self, point: BodyPoint) -> FloatArray:
-        """(F, 3) positions of a point of the body in the rows ``around``."""
+        """(F, 3) positions of a body point in ``frames_around``."""
         motion, rows, _ = self.frames_around
         return point_path(motion, point, rows)
 
     def rotations(self, part: BodyPart) -> FloatArray:
-        """(F, 3, 3) rotations of a segment in the rows ``around``."""
+        """(F, 3, 3) rotations of a segment in ``frames_around``."""
         motion, rows, _ = self.frames_around
         return motion.rotations[rows, motion.morphology.layout.segment_of_part(part)]
 
     def freedom(self, part: BodyPart) -> FloatArray:
-        """(F,) part by which contacts have released the limb of a segment in the rows ``around``."""
+        """(F,) factor from 0 to 1 by which contacts release the limb of a segment in ``frames_around``."""
         from studio.core.solver.standing.body_support import limb_freedom  # not before it is needed: it loads SciPy
 
         motion, rows, _ = self.frames_around
@@ -146,7 +147,7 @@ class NewConstraintContext:
         return limb_freedom(motion.contacts, limb_of(part), frames.stop, motion.frame_rate)[frames]
 
     def limb(self, point: BodyPoint) -> LimbPath | None:
-        """Path of a point of a forearm, hand, shank or foot, blended to its present position; None for other points."""
+        """Path of a point on a forearm, hand, shank or foot, blended to its current position; None for other points."""
         side, bone = _side_and_bone(point.part)
         if bone not in UPPER_SEGMENT:
             return None
@@ -157,9 +158,10 @@ class NewConstraintContext:
     def common(
         self, name: str, point: BodyPoint, chain: Chain, moving: FloatArray | None = None, *, limb: bool = False
     ) -> dict[str, Any]:
-        """Common fields of every kind: last priority, fully active near the playhead or, if nothing is ``moving``,
-        always. ``moving`` (F, D), metres or radians in the rows ``around``, are the values that the constraint keeps
-        at the present one; those of the position of a ``limb`` follow its path.
+        """Fields that all kinds share: lowest priority, and an activation around the playhead.
+
+        ``moving`` (F, D), metres or radians in ``frames_around``, are the values that the constraint keeps as they are
+        now; without them it is always active. The values of the position of a ``limb`` follow its path.
         """
         motion_id = self.pose.motion_id or ""
         existing = self.project.constraints_of(motion_id).values()
@@ -182,21 +184,21 @@ class NewConstraintContext:
 
 
 def _is_on(part: BodyPart, point: ContactPoint) -> bool:
-    """True if a contact fixes a segment: that of a foot its leg, that of a hand its arm."""
+    """True if a contact holds a segment: a foot contact its leg, a hand contact its arm."""
     segments = ("upper_arm", "forearm", "hand") if point.member == "hand" else ("thigh", "shank", "foot", "toe")
     side = ("left", "right")[point.side] if point.limb >= 0 else ""
     return part in {f"{side}_{segment}" for segment in segments}
 
 
 def constraint_here(here: NewConstraintContext, kind: str) -> Constraint:
-    """New constraint of ``kind`` whose target is the present pose."""
+    """New constraint of ``kind`` whose target is the current pose."""
     make = CONSTRAINT_KINDS[kind].make
     assert make is not None  # a kind without one has no action
     return here.moment.as_played(make(here))
 
 
 def new_position(here: NewConstraintContext) -> Constraint:
-    """Position constraint at the joint's present position."""
+    """Position constraint at the joint's current position."""
     joint = here.picked
     place = _vector(here.place(joint.point))
     # Bodies of other measures are elsewhere in the middle of a walk: each has its own place, as long as that is known.
@@ -206,7 +208,7 @@ def new_position(here: NewConstraintContext) -> Constraint:
 
 
 def new_orientation(here: NewConstraintContext) -> Constraint:
-    """Orientation constraint with the segment's present rotation."""
+    """Orientation constraint with the segment's current rotation."""
     from scipy.spatial.transform import Rotation  # late: it takes longer than a window
 
     joint = here.picked
@@ -222,23 +224,23 @@ def new_orientation(here: NewConstraintContext) -> Constraint:
 
 
 def new_look_at(here: NewConstraintContext) -> Constraint:
-    """Look-at constraint with a target two metres ahead."""
+    """Look-at constraint with a target ``LOOK_AT_DISTANCE`` ahead."""
     target = here.place(EYES) + LOOK_AT_DISTANCE * here.rotation(EYES.part)[:, 0]
     gazes = here.rotations(EYES.part)[:, :, 0]
     return LookAtConstraint(**here.common("Look at", EYES, _HEAD, gazes), target=_vector(target))
 
 
 def new_upright(here: NewConstraintContext) -> Constraint:
-    """Upright constraint on the axis that points up now."""
+    """Upright constraint for the axis of the segment that points up now."""
     part = turned_part(here.picked.point)
     chain = _HEAD if part in (BodyPart.HEAD, BodyPart.NECK) else replace(here.picked.chain, end_segment=1.0)
     common = here.common(f"{part.label.capitalize()} upright", BodyPoint(part), chain)
-    return UprightConstraint(**common, axis=_vector(here.rotation(part)[2]), cone=UPRIGHT_TOLERANCE)
+    return UprightConstraint(**common, axis=_vector(here.rotation(part)[2]), cone=UPRIGHT_TOLERANCE_RADIANS)
 
 
 def new_parallel(here: NewConstraintContext) -> Constraint:
-    """Parallel constraint that keeps the present angle to the segment of the other side; for a segment in the middle to
-    the pelvis, for the pelvis to the thorax.
+    """Parallel constraint that keeps the current angle to the segment of the other side; to the pelvis for a central
+    segment, to the thorax for the pelvis.
     """
     part = turned_part(here.picked.point)
     other = other_side(part)
@@ -251,7 +253,9 @@ def new_parallel(here: NewConstraintContext) -> Constraint:
 
 
 def new_distance(here: NewConstraintContext) -> Constraint:
-    """Distance constraint with the present distance of both wrists; for another joint, to its present position."""
+    """Distance constraint with the current distance of both wrists; for another joint, with zero distance to its
+    current position.
+    """
     joint = here.picked
     begin, other = here.place(joint.point), opposite_hand(joint.point)
     name = "Hand distance" if other else f"{joint.name.capitalize()} distance"
@@ -265,16 +269,16 @@ def new_distance(here: NewConstraintContext) -> Constraint:
 
 
 def new_balance(here: NewConstraintContext) -> Constraint:
-    """Balance constraint over the centre of mass' own path."""
+    """Balance constraint that keeps the captured path of the centre of mass."""
     return BalanceConstraint(**here.common("Balance", BodyPoint(BodyPart.PELVIS), _WHOLE_BODY))
 
 
 def new_area(here: NewConstraintContext) -> Constraint:
-    """Area constraint with a table under the joint."""
+    """Volume constraint with a table under the joint."""
     joint = here.picked
     x, y, top = here.place(joint.point)
     floor = float(here.project.ground.height_at(here.pose.clip_placement.to_stage((x, y, 0.0))))
-    height = max(float(top) - floor, LEAST_TABLE)
+    height = max(float(top) - floor, MIN_TABLE_HEIGHT_METRES)
     return AreaConstraint(
         **here.common(f"Table under {joint.name}", joint.point, joint.chain),
         centre=(float(x), float(y), floor + height / 2),
@@ -283,29 +287,29 @@ def new_area(here: NewConstraintContext) -> Constraint:
 
 
 def new_rail(here: NewConstraintContext) -> Constraint:
-    """Rail constraint along the joint's path about the playhead."""
+    """Rail constraint along the joint's path around the playhead."""
     joint = here.picked
     path = here.points(joint.point)
     moved = path[-1] - path[0] if len(path) else np.zeros(3)
-    direction = moved if float(np.linalg.norm(moved)) > LEAST_PATH else np.eye(3)[0]
+    direction = moved if float(np.linalg.norm(moved)) > MIN_PATH_METRES else np.eye(3)[0]
     common = here.common(f"{joint.name.capitalize()} on rail", joint.point, joint.chain)
     return RailConstraint(**common, centre=_vector(here.place(joint.point)), direction=_vector(direction))
 
 
 def new_clear(here: NewConstraintContext) -> Constraint:
-    """Constraint that keeps the arms out of the body."""
-    return ClearConstraint(**here.common("Arm self-collision", BodyPoint(BodyPart.THORAX), Chain()))
+    """Arm clearance constraint for both arms."""
+    return ClearConstraint(**here.common("Arm clearance", BodyPoint(BodyPart.THORAX), Chain()))
 
 
 def turned_part(point: BodyPoint) -> BodyPart:
-    """Segment that is rotated at a joint: at the wrist the hand."""
+    """Segment that rotates at a joint: at the wrist the hand."""
     side, bone = _side_and_bone(point.part)
-    next_bone = TURNED_BY.get(bone) if point.at_end else None
+    next_bone = NEXT_SEGMENT.get(bone) if point.at_end else None
     return BodyPart(f"{side}{next_bone}") if next_bone else point.part
 
 
 def opposite_hand(point: BodyPoint) -> BodyPoint | None:
-    """The same point of the other hand; None unless it is on a hand or wrist."""
+    """Same point of the other hand; None unless the point is on a hand or wrist."""
     side, bone = _side_and_bone(point.part)
     if bone not in ("forearm", "hand") or not point.at_end:
         return None
@@ -313,7 +317,7 @@ def opposite_hand(point: BodyPoint) -> BodyPoint | None:
 
 
 def _side_and_bone(part: BodyPart) -> tuple[str, str]:
-    """``left_`` and ``upper_arm``; no side for a part in the middle."""
+    """Side and bone of a part, for example ``left_`` and ``upper_arm``; the side is empty for a central part."""
     for side in ("left_", "right_"):
         if part.startswith(side):
             return side, part.removeprefix(side)

@@ -1,4 +1,4 @@
-"""Keys that nudge the selection along an axis of its gizmo; others are those of actions, which a keymap may change."""
+"""Keys that nudge the selection along an axis of its gizmo."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ STEP_KEYS: Mapping[int, float] = MappingProxyType({Qt.Key.Key_Plus: 1.0, Qt.Key.
 
 
 def nudge_by_key(viewport: Viewport, event: QKeyEvent) -> bool:
-    """Choose an axis or move by a step along it; False for other keys."""
+    """Choose an axis by X, Y or Z, or nudge along it by plus or minus; returns False for other keys."""
     key, held = event.key(), event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier
     if key == Qt.Key.Key_Plus:
         held &= ~Qt.KeyboardModifier.ShiftModifier  # some keyboards have it above another sign

@@ -1,4 +1,4 @@
-"""Pictures and films of a project without a window: for the command line, thumbnails and the user guide."""
+"""Images and videos of a project without a window: for the command line, thumbnails and the guide."""
 
 from collections.abc import Generator, Iterable, Mapping
 
@@ -7,7 +7,7 @@ import numpy as np
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
 from studio.core.stage.saved_camera import CameraPlacement
-from studio.engine.performance import posed_performers
+from studio.engine.posed_performer import posed_performers
 from studio.engine.prop_places import props_at
 from studio.viewport.camera import OrbitCamera
 from studio.viewport.opening import opening_camera
@@ -20,10 +20,10 @@ Results = Mapping[str, AdaptedMotion]
 def render_frame(
     project: Project, results: Results, time: float, size: tuple[int, int], placement: CameraPlacement | None = None
 ) -> Pixels:
-    """Stage at ``time`` (seconds) as (height, width, 4) RGBA bytes; ``size`` is width and height.
+    """Stage at ``time`` seconds as an image (height, width, 4), RGBA; ``size`` is width and height.
 
     ``results`` has an adapted motion for each visible performer's id. Without a ``placement`` the camera has the
-    viewport's initial direction, and frames the bodies at that moment.
+    default direction, and frames the performers at that moment.
     """
     posed = posed_performers(project, results.get, time)
     camera = OrbitCamera.at(placement) if placement else opening_camera(posed, size, ground=project.ground)
@@ -39,7 +39,7 @@ def render_video(
     size: tuple[int, int],
     placement: CameraPlacement | None = None,
 ) -> Generator[Pixels, None, None]:
-    """One picture for each of ``times`` (seconds), all with the camera of the ``placement``, or the initial one."""
+    """One image for each of ``times`` in seconds, all with the camera at ``placement``, or the default one."""
     times = list(times)
     first = posed_performers(project, results.get, times[0] if times else 0.0)
     camera = OrbitCamera.at(placement) if placement else opening_camera(first, size, ground=project.ground)

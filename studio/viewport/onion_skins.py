@@ -1,19 +1,19 @@
-"""Onion skins: a body at frames before and after the playhead, and at kept moments."""
+"""Onion skins: characters at frames before and after the playhead, and ghosts added by the user."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from studio.core.stage.project import Project
 from studio.document import colours
-from studio.engine.performance import PosedPerformer, pose_of
+from studio.engine.posed_performer import PosedPerformer, pose_of
 
 NEAREST_OPACITY, FARTHEST_OPACITY = 0.38, 0.12
-"""Opacity of the skin next to the playhead and of the last one; a body at a kept moment has the first."""
+"""Opacity of the onion skin next to the playhead, which added ghosts have too, and of the farthest one."""
 
 
 @dataclass(frozen=True)
 class OnionSkins:
-    """Numbers of skins before and after the playhead, and of frames between two of them."""
+    """Numbers of onion skins before and after the playhead, and of frames between two of them."""
 
     before: int = 3
     after: int = 3
@@ -22,7 +22,7 @@ class OnionSkins:
 
 @dataclass(frozen=True, eq=False)
 class Ghost:
-    """Body at another moment, translucent in a colour."""
+    """Translucent pose of a character at another moment."""
 
     pose: PosedPerformer
     colour: str
@@ -32,10 +32,10 @@ class Ghost:
 def onion_ghosts(
     project: Project, poses: Mapping[str, PosedPerformer], skins: OnionSkins, time: float, frame_rate: float
 ) -> Iterator[Ghost]:
-    """Ghosts of poses by performer id at ``time`` (seconds of the stage), ``skins.step`` frames apart.
+    """Onion skins for performers with ``poses`` at the stage time ``time``, ``skins.step`` frames apart.
 
-    None is beyond the ends of its motion. They show the newest whole motion, and so follow a drag after its
-    clip is solved again.
+    None is beyond the ends of the motion. They show the newest complete motion, and so follow a drag after the clip is
+    solved again.
     """
     for performer_id, pose in poses.items():
         for sign, count, colour in (
@@ -56,7 +56,7 @@ def onion_ghosts(
 def kept_ghosts(
     project: Project, posed: Mapping[str, PosedPerformer], kept: Iterable[tuple[str, float]]
 ) -> Iterator[Ghost]:
-    """Ghosts of performers at kept moments, (performer id, seconds of the stage), as adapted now."""
+    """Ghosts added by the user at (performer id, stage time in seconds), as currently adapted."""
     for performer_id, time in kept:
         pose = posed.get(performer_id)
         if pose is not None and not pose.resting:

@@ -13,7 +13,7 @@ from studio.core.markers.trial import Trial
 from studio.core.stage.placement import Placement
 from studio.document import colours
 from studio.document.document import Document
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.io.up_axis import turn_to_world
 from studio.viewport.paths import StagePath
 
@@ -26,17 +26,19 @@ FORCE_COLOUR = colours.kind_colour("balance")
 
 @dataclass(frozen=True, eq=False)
 class MarkerFrame:
-    """One moment: ``points`` (N, 3) of the visible markers, by bare label; lines of plates and forces."""
+    """Recording at one moment: ``points`` (N, 3) of the visible markers with their labels without subject, and lines of
+    plates and forces.
+    """
 
     labels: tuple[str, ...]
     used: NDArray[np.bool_]
-    """(N,) whether the map says what they are."""
+    """(N,) True for markers in the marker map."""
     points: FloatArray
     paths: tuple[StagePath, ...]
 
 
 class RecordingOfPerformer:
-    """Optical capture in the space of its motion, or above the floor if it has no body."""
+    """Optical capture in the space of its motion; without a body, above the floor."""
 
     def __init__(self, capture: Capture) -> None:
         from studio.core.normalized.normalize import motion_origin  # late, with scipy
@@ -54,7 +56,7 @@ class RecordingOfPerformer:
         self._forces = [_pushes(trial, place) for place in range(len(trial.plates))]
 
     def at(self, frame: int, placement: Placement) -> MarkerFrame:
-        """Recording at a frame, placed on the stage; frames beyond its ends are clamped."""
+        """Recording at a frame, clamped to the capture, placed on the stage."""
         assert self.capture.markers is not None
         trial = self.capture.markers.trial
         frame = min(max(frame, 0), trial.frame_count - 1)
@@ -85,10 +87,10 @@ class RecordingOfPerformer:
 
 
 class RecordingView:
-    """Shown optical recording (markers and force plates), with a cache of its data."""
+    """Displayed optical recording, with a cache of its data."""
 
     def __init__(self, changed: Callable[[], object]) -> None:
-        """``changed`` is called when the view has to be drawn again."""
+        """``changed`` is called when the view must be drawn again."""
         self.marked: Collection[str] = ()
         """Bare labels that stand out, and are shown with their names."""
         self.named = False
@@ -97,18 +99,18 @@ class RecordingView:
         self._made: RecordingOfPerformer | None = None
 
     def set_marked(self, labels: Collection[str]) -> None:
-        """Highlight markers by their bare labels; none for an empty list."""
+        """Highlight markers by their labels without subject."""
         self.marked = tuple(labels)
         self._changed()
 
     def set_named(self, all_of_them: bool) -> None:
-        """Show the names of all markers, or only of highlighted ones."""
+        """Show the labels of all markers, or only of highlighted ones."""
         self.named = all_of_them
         self._changed()
 
     def at(self, document: Document, posed: Mapping[str, PosedPerformer], *, shown: bool) -> MarkerFrame | None:
-        """Recording to be drawn: a selected capture without a body; else, if ``shown`` or some marker is highlighted,
-        the source of the active performer's motion.
+        """Recording to be drawn: a selected capture without a body; else, if ``shown`` or a marker is highlighted, the
+        source of the active performer's motion. None if there is none.
         """
         bare = markers_only_capture(document)
         if bare is not None:
@@ -126,21 +128,23 @@ class RecordingView:
 
 
 def markers_only_capture(document: Document) -> Capture | None:
-    """Selected capture if it has markers and no body."""
+    """Selected capture if it has markers and no body, else None."""
     chosen = document.selection.of("captures")
     capture = document.project.captures.get(chosen[-1]) if chosen else None
     return capture if capture is not None and capture.markers is not None and capture.body_map is None else None
 
 
 def recorded_of(document: Document, pose: PosedPerformer | None) -> Capture | None:
-    """Optical capture of a performer's motion, if it is one."""
+    """Optical capture of a performer's motion; None if the capture has no markers."""
     motion = document.project.motions.get(pose.motion_id or "") if pose else None
     capture = document.project.captures.get(motion.capture_id) if motion else None
     return capture if capture is not None and capture.markers is not None and capture.body_map is not None else None
 
 
 def _pushes(trial: Trial, index: int) -> tuple[FloatArray, FloatArray] | None:
-    """Centre of pressure and ground reaction force in newtons of a plate; None if they are not in the file."""
+    """Centre of pressure in metres and ground reaction force in newtons, per sample, of a force plate; None if they are
+    not recorded.
+    """
     plate = trial.plates[index]
     newtons = plate.channels and trial.analog.units[plate.channels[0]].lower().startswith("n")
     return plate_reactions(trial, plate) if newtons and len(trial.analog.samples) else None

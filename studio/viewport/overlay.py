@@ -1,4 +1,4 @@
-"""Overlay of the picture: constraint handles and joints."""
+"""Painting over the 3D image: constraint handles, joints, markers and names."""
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
@@ -9,40 +9,44 @@ from PySide6.QtCore import QLineF, QPointF, QRectF, QSizeF, Qt
 from PySide6.QtGui import QColor, QPainter, QPen
 
 from studio.document import colours
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.handles import Handle
 from studio.viewport.optical_recording import MarkerFrame
 from studio.viewport.paths import TrailKeys
 from studio.viewport.strokes import STROKE_SHADOW, draw_disc, draw_line, polygon
 
-GHOST = QColor(196, 204, 214, 215)
+GHOST_COLOUR = QColor(196, 204, 214, 215)
 MARKER_COLOUR, OTHER_MARKER_COLOUR = QColor("#f0f4f8"), QColor(142, 152, 164, 170)
 CHOSEN_MARKER_COLOUR = QColor(colours.STAGE_PLAYHEAD)
 
-NOTICE_ABOVE = 150.0
-"""Pixels from the lower edge up to what is said while nobody performs: clear of a sentence of two lines."""
+NOTICE_BOTTOM_PX = 150.0
+"""Distance in pixels from the lower edge to the text on an empty stage, which leaves room for a message of two
+lines.
+"""
 
 
-NAME_ROOM = 21.0
-"""Pixels that the place of a name lies below the chips, so that they do not cover it."""
+NAME_MARGIN_PX = 21.0
+"""Minimum distance in pixels of a name below the chips."""
 TRAIL_KEY_CORNERS = 5.0 * np.array([(-1.0, 0.0), (0.0, -1.0), (1.0, 0.0), (0.0, 1.0)])
-"""Pixels from the middle of a key on a trail to its corners."""
-GAZE = 0.6
-"""Least strength of the line from eyes to what they look at, whoever's they are."""
+"""Pixels from the centre of a key's diamond on a trail to its corners."""
+MIN_GAZE_OPACITY = 0.6
+"""Minimum opacity of the line from the eyes to a look-at target."""
 JOINT_COLOUR = QColor(colours.STAGE_SELECTED_HANDLE)
 """Radius of the dots at joints that can be picked."""
 
 
 class Overlay:
-    """Paints stage items with one painter and one camera; sizes in logical pixels."""
+    """Painter of stage items, for one camera; sizes are in logical pixels."""
 
     def __init__(self, painter: QPainter, camera: OrbitCamera, size: tuple[float, float]) -> None:
         self._painter, self._camera, self._size = painter, camera, size
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
 
     def handles(self, handles: Iterable[Handle], selected: set[str]) -> None:
-        """Paint figures and targets in their kind's colour, with lines to missed ones."""
+        """Paint figures and targets of constraints in the colour of their kind, with lines to targets that are not
+        reached.
+        """
         for handle in handles:
             chosen = handle.constraint_id in selected
             self._figure(handle, chosen)
@@ -65,16 +69,16 @@ class Overlay:
         if (depth <= 0).any():
             return
         sticks = [QLineF(QPointF(*pixels[begin]), QPointF(*pixels[end])) for begin, end in pairs]
-        for colour, width in ((STROKE_SHADOW, 4.5), (GHOST, 2.5)):
+        for colour, width in ((STROKE_SHADOW, 4.5), (GHOST_COLOUR, 2.5)):
             self._painter.setPen(QPen(colour, width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.RoundCap))
             self._painter.drawLines(sticks)
         self._painter.setPen(Qt.PenStyle.NoPen)
-        self._painter.setBrush(GHOST)
+        self._painter.setBrush(GHOST_COLOUR)
         for x, y in pixels:
             self._painter.drawEllipse(QPointF(x, y), 2.8, 2.8)
 
     def trail_keys(self, keys: Iterable[TrailKeys]) -> None:
-        """Paint diamonds on trails, like keys on the timeline."""
+        """Paint diamonds on motion trails at the times of keys."""
         for each in keys:
             pixels, depth = self._camera.project(each.points, self._size)
             self._painter.setPen(QPen(STROKE_SHADOW, 1.5))
@@ -83,8 +87,8 @@ class Overlay:
                 self._painter.drawPolygon(polygon(place + TRAIL_KEY_CORNERS))
 
     def markers(self, recording: MarkerFrame, marked: Collection[str], named: bool) -> None:
-        """Paint dots, visible through everything, fainter for markers outside the map; with names of highlighted ones,
-        or of all.
+        """Paint dots, visible through everything and fainter for markers outside the map; labels of highlighted ones,
+        or of all if ``named``.
         """
         if not len(recording.points):
             return
@@ -114,22 +118,22 @@ class Overlay:
         self._painter.drawText(where, words)
 
     def names(self, tops: Mapping[str, FloatArray], least: float = 0.0) -> None:
-        """Paint names over the tops (3,) of heads, at least ``least`` pixels below the upper edge."""
+        """Paint names above the tops of heads ``tops`` (3,), at least ``least`` pixels below the upper edge."""
         for name, top in tops.items():
             pixels, depth = self._camera.project(top, self._size)
             if depth[0] > 0:
                 x, y = (pixels[0] + [-3.3 * len(name) - 8.0, -10.0]).tolist()
-                self._name(np.array([x, max(y, least + NAME_ROOM)]), name, MARKER_COLOUR, 12)
+                self._name(np.array([x, max(y, least + NAME_MARGIN_PX)]), name, MARKER_COLOUR, 12)
 
     def joints(self, places: FloatArray) -> None:
-        """Paint dots at the pickable joints (J, 3) of a body."""
+        """Paint dots at the pickable joints ``places`` (J, 3)."""
         pixels, depth = self._camera.project(places, self._size)
         for pixel, ahead in zip(pixels, depth, strict=True):
             if ahead > 0:
                 draw_disc(self._painter, pixel, 3.0, JOINT_COLOUR)
 
     def joint(self, position: FloatArray, colour: str, strong: bool) -> None:
-        """Paint a ring round a joint: strong for the picked one, thin for the hovered one."""
+        """Paint a ring around a joint: ``strong`` for the picked one, thin for the hovered one."""
         pixels, depth = self._camera.project(position, self._size)
         if depth[0] <= 0:
             return
@@ -142,12 +146,12 @@ class Overlay:
             draw_disc(self._painter, pixels[0], 2.5, QColor(colour))
 
     def notice(self, words: str, share: float | None) -> None:
-        """Paint one line low in the middle, with a progress bar below it for a running task."""
+        """Paint one line of text, with a progress bar for a running task whose progress is ``share`` (0 to 1)."""
         font = self._painter.font()
         font.setPixelSize(13)
         self._painter.setFont(font)
         width = self._painter.fontMetrics().horizontalAdvance(words) + 40.0
-        middle, top = self._size[0] / 2, self._size[1] - NOTICE_ABOVE
+        middle, top = self._size[0] / 2, self._size[1] - NOTICE_BOTTOM_PX
         plate = QRectF(middle - width / 2, top, width, 34.0 if share is None else 46.0)
         self._painter.setPen(Qt.PenStyle.NoPen)
         self._painter.setBrush(QColor(22, 25, 29, 225))
@@ -156,13 +160,15 @@ class Overlay:
         self._painter.drawText(QRectF(plate.topLeft(), QSizeF(width, 34.0)), Qt.AlignmentFlag.AlignCenter, words)
         if share is not None:
             self._painter.setPen(Qt.PenStyle.NoPen)
-            for colour, part in ((colours.STAGE_CONTROL, 1.0), (colours.KINDS["position"], share)):
+            for colour, part in ((colours.STAGE_CONTROL, 1.0), (colours.KIND_COLOURS["position"], share)):
                 self._painter.setBrush(QColor(colour))
                 bar = QRectF(plate.left() + 20.0, top + 33.0, (width - 40.0) * part, 4.0)
                 self._painter.drawRoundedRect(bar, 2.0, 2.0)
 
     def _figure(self, handle: Handle, chosen: bool) -> None:
-        """Paint faint lines: fainter on bodies that are not active, and while the constraint is inactive."""
+        """Paint the lines of a figure; fainter on performers that are not active, and while the constraint is
+        inactive.
+        """
         figure, colour = handle.figure, colours.kind_colour(handle.kind)
         if figure.only_chosen and not (chosen and handle.is_primary):
             return
@@ -177,11 +183,11 @@ class Overlay:
             )
         if figure.link is not None and (handle.is_missed or figure.link_always):
             gazes = handle.kind == "look_at" and handle.activation > 0.0
-            self._link(handle, figure.link, colour, max(strength, GAZE) if gazes else strength)
+            self._link(handle, figure.link, colour, max(strength, MIN_GAZE_OPACITY) if gazes else strength)
 
     def _link(self, handle: Handle, link: FloatArray, colour: str, strength: float) -> None:
-        """Paint a line from the present state to the target: red and strong if missed, else faint with a dot at each
-        end.
+        """Paint a line from the current state to the target: red and strong if it is not reached, else faint with a dot
+        at each end.
         """
         pixels, depth = self._camera.project(link, self._size)
         if (depth <= 0).any():
@@ -196,7 +202,7 @@ class Overlay:
             draw_disc(self._painter, pixel, 3.0, dot)
 
     def _thin(self, points: FloatArray, colour: str, strength: float) -> None:
-        """Paint a line over ``points`` (N, 3), where they are in front of the camera."""
+        """Paint a line through ``points`` (N, 3), as far as they are in front of the camera."""
         pixels, depth = self._camera.project(points, self._size)
         if (depth <= 0).any():
             return
@@ -231,7 +237,7 @@ class Overlay:
 
 
 def twin_heads(posed: Mapping[str, PosedPerformer]) -> dict[str, FloatArray]:
-    """Tops of the heads, (3,) metres, of bodies with the same character, by their distinguishing names."""
+    """(3,) tops of the heads, in metres, of performers that share a character, by their distinguishing names."""
     seen = Counter(pose.performer.character_id for pose in posed.values())
     return {
         pose.performer.name: pose.points[pose.motion.morphology.layout.head_end]

@@ -1,4 +1,4 @@
-"""Lines on the stage: trails of a point, rings round the selected performers, marks of ground contacts."""
+"""Lines on the stage: motion trails, rings around selected performers, marks of ground contacts."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,13 +12,13 @@ from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.project import Project
 from studio.document import colours
 from studio.document.keyed_fields import all_to_stage, fields_of
-from studio.engine.performance import FloatArray, PosedPerformer, rows_at
+from studio.engine.posed_performer import FloatArray, PosedPerformer, rows_at
 from studio.viewport.body_points import point_path
 
 TRAIL_SECONDS, TRAIL_RATE = 0.8, 120.0
 PATH_RING_RADIUS, PATH_MARK_RADIUS = 0.20, 0.045
-"""In parts of the leg's length, and in metres."""
-LIFT = 0.005
+"""Radius of the ring of a selected performer in leg lengths, and of the mark of a contact in metres."""
+PATH_LIFT_METRES = 0.005
 _TURN = np.linspace(0.0, 2 * np.pi, 41)
 _CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN), np.zeros_like(_TURN)], axis=1)
 _UP = np.array([0.0, 0.0, 1.0])
@@ -26,7 +26,7 @@ _UP = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True, eq=False)
 class TrailKeys:
-    """Positions (N, 3), on the stage, of a body's trail at the times of keys, and the trail's colour."""
+    """Stage positions (N, 3) on a performer's motion trail at the times of keys, and the trail's colour."""
 
     points: FloatArray
     colour: str
@@ -34,7 +34,7 @@ class TrailKeys:
 
 @dataclass(frozen=True, eq=False)
 class StagePath:
-    """Line through stage ``points`` (N, 3), with opacity ``opacity`` (N,)."""
+    """Line through stage ``points`` (N, 3) with ``opacity`` (N,)."""
 
     points: FloatArray
     colour: str
@@ -44,15 +44,15 @@ class StagePath:
 def stage_paths(
     project: Project, posed: Mapping[str, PosedPerformer], trail: BodyPoint | None, smooth: bool = True
 ) -> list[StagePath]:
-    """Lines on the stage: trails of a point, marks of contacts."""
+    """Motion trails of the point ``trail``, and marks of contacts."""
     return [*trails(project, posed, trail, smooth), *contact_marks(project, posed)]
 
 
 def trails(
     project: Project, posed: Mapping[str, PosedPerformer], point: BodyPoint | None, smooth: bool = True
 ) -> list[StagePath]:
-    """Path of ``point`` on every body round this moment, in the body's colour; interpolated by a curve if ``smooth``,
-    else from frame to frame.
+    """Path of ``point`` on every performer around this moment, in the performer's colour; a smooth curve if ``smooth``,
+    else straight from frame to frame.
     """
     found = []
     for pose in posed.values() if point is not None else ():
@@ -72,7 +72,9 @@ def trails(
 def trail_keys(
     project: Project, posed: Mapping[str, PosedPerformer], point: BodyPoint, constraint_id: str
 ) -> list[TrailKeys]:
-    """Positions on the trails of ``point`` at the keys of a constraint, of every body with one within its trail."""
+    """Positions on the trails of ``point`` at the keys of a constraint, for every performer with a key within its
+    trail.
+    """
     fields = fields_of("constraints", constraint_id, project.constraints.get(constraint_id))
     found = []
     for pose in posed.values():
@@ -92,14 +94,14 @@ def trail_keys(
 def selection_rings(
     project: Project, posed: Mapping[str, PosedPerformer], selected: Collection[str]
 ) -> list[StagePath]:
-    """Ring on the ground round each selected performer."""
+    """Ring on the ground around each selected performer."""
     chosen = [posed[key] for key in selected if key in posed]
     centres, sizes = [pose.points[0] for pose in chosen], [2 * pose.motion.morphology.leg_length for pose in chosen]
     return _rings(project, centres, PATH_RING_RADIUS * np.array(sizes), colours.STAGE_SELECTED_HANDLE, 0.7)
 
 
 def prop_paths(project: Project, selected: Collection[str], time: float) -> list[StagePath]:
-    """Paths of selected props that are keyed or move by a rule, round a ``time`` of the stage."""
+    """Paths of selected props that are keyed or procedural, around the stage time ``time`` in seconds."""
     chosen = [project.props[key] for key in selected if key in project.props]
     paths = [
         each.position.path(time) for each in chosen if not each.held_at(time) and not isinstance(each.position, tuple)
@@ -108,7 +110,7 @@ def prop_paths(project: Project, selected: Collection[str], time: float) -> list
 
 
 def contact_marks(project: Project, posed: Mapping[str, PosedPerformer]) -> list[StagePath]:
-    """Small ring on the ground at each present contact of a heel, toe, hand, knee or seat."""
+    """Small ring on the ground at each current contact of a heel, toe, hand, knee or seat."""
     centres = [
         _touching_point(pose, each.point)
         for pose in posed.values()
@@ -119,7 +121,7 @@ def contact_marks(project: Project, posed: Mapping[str, PosedPerformer]) -> list
 
 
 def _smooth(path: FloatArray, frames: FloatArray, frame_rate: float) -> tuple[FloatArray, FloatArray]:
-    """Path interpolated to at least ``TRAIL_RATE`` points a second by a spline through its frames."""
+    """Path and times interpolated to at least ``TRAIL_RATE`` points per second by a spline."""
     from scipy.interpolate import CubicSpline  # late: it takes longer than a window
 
     steps = int(np.ceil(TRAIL_RATE / frame_rate))
@@ -138,6 +140,6 @@ def _rings(
     """Circles on the ground under ``centres``."""
     if not centres:
         return []
-    points = np.array(centres)[:, None] * [1.0, 1.0, 0.0] + LIFT * _UP + radii[:, None, None] * _CIRCLE
+    points = np.array(centres)[:, None] * [1.0, 1.0, 0.0] + PATH_LIFT_METRES * _UP + radii[:, None, None] * _CIRCLE
     points[..., 2] += project.ground.height_at(points)
     return [StagePath(ring, colour, np.full(len(_CIRCLE), strength)) for ring in points]

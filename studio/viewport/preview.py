@@ -1,4 +1,4 @@
-"""Preview of a motion: sticks that play over the picture in a loop."""
+"""Preview of a motion: stick figures that play in a loop over the 3D image."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,13 +9,13 @@ from studio.viewport.camera import FloatArray
 from studio.viewport.overlay import Overlay
 
 PREVIEW_MILLISECONDS = 33
-"""Milliseconds a picture."""
+"""Milliseconds per image."""
 PREVIEW_PICTURES, PREVIEW_HELD_PICTURES = 24, 18
-"""Seconds of the way there, and those for which the end is held."""
+"""Number of images from start to end, and for which the end is held."""
 
 
 class Preview:
-    """Paints over ``widget`` without redrawing the stage."""
+    """Loop of stick figures painted over ``widget`` without rendering the stage again."""
 
     def __init__(self, widget: QWidget) -> None:
         self._widget, self._tick = widget, 0
@@ -26,14 +26,14 @@ class Preview:
 
     @property
     def points(self) -> FloatArray | None:
-        """(N, 3) painted points; None without a preview."""
+        """(N, 3) currently painted points; None without a preview."""
         if self._points is None:
             return None
         share = min(self._tick / PREVIEW_PICTURES, 1.0)
         return np.asarray(self._points[round(share * (len(self._points) - 1))])
 
     def show(self, points: FloatArray | None, pairs: NDArray[np.intp] | None = None) -> None:
-        """Play (T, N, 3) joined by ``pairs``, from the beginning; None ends it."""
+        """Play points (T, N, 3), joined by ``pairs`` (B, 2), from the start; None ends the preview."""
         self._points, self._pairs, self._tick = points, pairs, 0
         if points is None:
             self._timer.stop()

@@ -1,17 +1,17 @@
-"""Most important problem now: the performer and constraint with the worst residual at full activation."""
+"""Worst problem at present: the performer and constraint with the largest residual at full activation."""
 
 from dataclasses import dataclass
 
 from studio.core.constraints.carried_over import mirrored_constraint
 from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.stage.project import Project
-from studio.engine.performance import Results
+from studio.engine.posed_performer import ResultOf
 from studio.engine.residuals import Residual, worst_residual
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Worst frame of one constraint on its worst performer."""
+    """Worst frame of one constraint on one performer, and a sentence about it."""
 
     performer_id: str
     constraint_id: str
@@ -19,8 +19,8 @@ class Problem:
     sentence: str
 
 
-def worst_problem(project: Project, result_of: Results) -> Problem | None:
-    """Worst residual of an enabled constraint over all visible performers; None if all are met."""
+def worst_problem(project: Project, result_of: ResultOf) -> Problem | None:
+    """Worst residual of an enabled constraint over all visible performers; None if all constraints are met."""
     worst: Problem | None = None
     for performer_id, performer in project.performers.items():
         motion = result_of(performer_id) if performer.visible and performer.clips else None

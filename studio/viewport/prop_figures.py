@@ -1,4 +1,4 @@
-"""Surfaces of props in VTK, in a unit cube of one metre, scaled to a prop's size."""
+"""VTK surfaces of props in a unit cube, to be scaled to a prop's size."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from studio.core.stage.prop_shapes import FloatArray, fitted_to_cube, unit_surfa
 
 
 def unit_mesh(prop: Prop) -> pv.PolyData:
-    """Surface of a prop's shape; faces do not share vertices at sharp edges."""
+    """Surface of a prop's shape in a cube of one metre; faces do not share vertices at sharp edges."""
     if prop.shape is PropShape.MESH and prop.mesh is not None:
         return _polygons(fitted_to_cube(prop.mesh), prop.mesh.triangles)
     surface = unit_surface(prop.shape)

@@ -1,4 +1,4 @@
-"""Gizmo that rotates: a ring about each axis, a view ring, and a trackball within them."""
+"""Rotate gizmo: a ring about each axis, a ring about the view axis, and a trackball inside."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -7,35 +7,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.viewport.camera import FloatArray
-from studio.viewport.gizmo import GIZMO_AXES, LINE_REACH, GizmoFrame
+from studio.viewport.gizmo import GIZMO_AXES, LINE_GRAB_PIXELS, GizmoFrame
 
 ROTATE_RING, SCREEN_RING, TRACKBALL = 0.86, 1.06, "trackball"
-"""Radii of the rings, in parts of an arrow."""
+"""Radii of the axis rings and of the view ring as fractions of an arrow's length, and the name of the trackball."""
 SCREEN_PART = "screen"
-EDGE_ON = 0.2
-"""Cosine between a ring's axis and the sight below which the ring is dragged along its tangent."""
+EDGE_ON_COSINE = 0.2
+"""Cosine of the angle between a ring's axis and the view direction below which the ring is dragged along its
+tangent.
+"""
 RING_SIDES = 72
 _ROUND = np.linspace(0.0, 2.0 * np.pi, RING_SIDES + 1)
 
 
 @dataclass(frozen=True, eq=False)
 class RotateGizmo(GizmoFrame):
-    """Gizmo that rotates a thing about the rows of ``axes``, or only about the stage's Z if ``heading_only``."""
+    """Gizmo that rotates an object about the rows of ``axes``, or with ``heading_only`` only about the stage's Z."""
 
     heading_only: bool = False
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """Its rings."""
+        """Names of the rings."""
         return ("z",) if self.heading_only else (*GIZMO_AXES, SCREEN_PART)
 
     def ring(self, part: str) -> FloatArray:
-        """(RING_SIDES + 1, 2) pixels of a ring, closed; angles increase with a positive rotation about its axis."""
+        """(RING_SIDES + 1, 2) pixels of a closed ring; angles increase with positive rotation about its axis."""
         return self._rings[part]
 
     @cached_property
     def _rings(self) -> dict[str, FloatArray]:
-        """All rings by part."""
+        """Pixels of all rings by name."""
         rings = {}
         for part in self.parts:
             first, second, _ = self._basis(part)
@@ -46,12 +48,14 @@ class RotateGizmo(GizmoFrame):
 
     @property
     def extent(self) -> tuple[FloatArray, FloatArray]:
-        """Least and greatest pixel (2,) of the rings."""
+        """Minimum and maximum pixel (2,) of the rings."""
         pixels = np.vstack([self.ring(part) for part in self.parts])
-        return pixels.min(axis=0) - LINE_REACH, pixels.max(axis=0) + LINE_REACH
+        return pixels.min(axis=0) - LINE_GRAB_PIXELS, pixels.max(axis=0) + LINE_GRAB_PIXELS
 
     def in_front(self, part: str) -> NDArray[np.bool_]:
-        """(RING_SIDES,) True for sides on the half towards the viewer; all of a ring seen along its axis."""
+        """(RING_SIDES,) True for the sides of a ring on the half towards the viewer; all of them if it is seen along
+        its axis.
+        """
         first, second, axis = self._basis(part)
         if part == SCREEN_PART or self.heading_only or abs(float(axis @ self.sight)) > 0.985:
             return np.ones(RING_SIDES, dtype=np.bool_)
@@ -60,7 +64,7 @@ class RotateGizmo(GizmoFrame):
 
     @cached_property
     def radius(self) -> float:
-        """Radius in pixels of a ring seen along its axis."""
+        """Radius in pixels of an axis ring seen along its axis."""
         return ROTATE_RING * self.pixels
 
     def axis(self, part: str) -> FloatArray:
@@ -68,19 +72,21 @@ class RotateGizmo(GizmoFrame):
         return self._basis(part)[2]
 
     def part_at(self, x: float, y: float) -> str | None:
-        """Part under pixel (x, y): the near halves of rings before the view ring before the trackball."""
+        """Part at pixel (x, y): front halves of rings, then the view ring, then the trackball. None if there is
+        none.
+        """
         mouse = np.array([x, y])
         away = {part: self._distance(part, mouse) for part in self.parts}
         nearest = min(away, key=lambda part: away[part])
-        if away[nearest] <= LINE_REACH:
+        if away[nearest] <= LINE_GRAB_PIXELS:
             return nearest
         inside = not self.heading_only and np.hypot(*(mouse - self.centre)) < self.radius
         return TRACKBALL if inside else None
 
     def bearing(self, part: str, x: float, y: float, grip: tuple[float, float]) -> float:
-        """Angle in radians about a ring's axis at pixel (x, y); relative to ``grip`` if the ring is seen edge on."""
+        """Angle in radians about a ring's axis at pixel (x, y); relative to ``grip`` if the ring is seen edge-on."""
         first, second, axis = self._basis(part)
-        if abs(float(axis @ self.sight)) >= EDGE_ON:
+        if abs(float(axis @ self.sight)) >= EDGE_ON_COSINE:
             away = self.in_plane(axis, x, y) - self.origin
             return float(np.arctan2(away @ second, away @ first))
         sides = self.ring(part)
@@ -91,7 +97,9 @@ class RotateGizmo(GizmoFrame):
         return float((np.array([x, y]) - np.array(grip)) @ tangent / self.radius)
 
     def sector(self, part: str, begin: float, angle: float) -> FloatArray:
-        """(N, 2) pixels of the sector of a ring from bearing ``begin`` over ``angle`` radians, from the centre on."""
+        """(N, 2) pixels of the sector of a ring from bearing ``begin`` over ``angle`` radians, starting at the
+        centre.
+        """
         first, second, _ = self._basis(part)
         radius = self.length * (SCREEN_RING if part == SCREEN_PART else ROTATE_RING)
         angles = begin + np.linspace(0.0, angle, 2 + int(abs(angle) * RING_SIDES / (2.0 * np.pi)))
@@ -99,7 +107,7 @@ class RotateGizmo(GizmoFrame):
         return self.camera.project(self.origin + radius * np.concatenate([np.zeros((1, 3)), points]), self.size)[0]
 
     def _basis(self, part: str) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Two axes of a ring's plane and its normal, stage space."""
+        """Two axes in the plane of a ring, and its normal, stage space."""
         if part == SCREEN_PART:
             right, up, back = self.camera.axes
             return right, up, back
@@ -117,7 +125,7 @@ class RotateGizmo(GizmoFrame):
 
 
 def rotation_about(axis: FloatArray, angle: float) -> FloatArray:
-    """Rotation (3, 3) about a unit ``axis`` (3,) by ``angle`` radians (Rodrigues)."""
+    """Rotation matrix (3, 3) about a unit ``axis`` (3,) by ``angle`` radians (Rodrigues)."""
     x, y, z = axis.tolist()
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     return np.asarray(np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross)

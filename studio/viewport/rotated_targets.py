@@ -1,4 +1,4 @@
-"""Constraints that a gizmo rotates or resizes: orientations, look-at targets, directions, areas."""
+"""Constraints that a gizmo rotates or resizes: orientations, look-at targets, directions, volumes."""
 
 import math
 from dataclasses import replace
@@ -16,23 +16,23 @@ from studio.core.constraints.upright import UprightConstraint
 from studio.core.curves.keyed import KeyedNumber, KeyedTurn
 from studio.core.rotations import frame_along, from_matrix, rotations_about_z, to_matrix
 from studio.document.document import Document
-from studio.engine.moments import TargetContext
 from studio.engine.prop_places import further_heading, is_about_z, wrapped_angle
+from studio.engine.target_context import TargetContext
 from studio.viewport.body_points import point_path
 from studio.viewport.camera import FloatArray
-from studio.viewport.movables import LEAST_SIDE, MovableTarget
+from studio.viewport.movables import MIN_SIDE_METRES, MovableTarget
 
-SIZED = {
+RESIZABLE_AXES = {
     AreaShape.BOX: (True, True, True),
     AreaShape.TABLE: (True, True, True),
     AreaShape.SPHERE: (True, False, False),
     AreaShape.CYLINDER: (True, False, True),
 }
-"""The sides of an area that its shape uses."""
+"""Axes along which a volume can be resized, by shape."""
 
 
 class RotatedTarget(MovableTarget):
-    """Target that is rotated about the constrained point of the body."""
+    """Target that is rotated about the constrained point."""
 
     rotates = True
 
@@ -44,21 +44,21 @@ class RotatedTarget(MovableTarget):
 
     @property
     def pivot(self) -> FloatArray:
-        """(3,) stage position of the point."""
+        """(3,) stage position of the constrained point."""
         return self._point
 
     def _axes_along(self, direction: Vector) -> FloatArray:
-        """(3, 3) axes on the stage, the last along a ``direction`` of the motion's space."""
+        """(3, 3) axes on the stage, the last one along a ``direction`` (3,) in motion space."""
         return np.asarray(self.placement.rotation @ frame_along(np.array(direction), np.array([1.0, 0.0, 0.0])))
 
     def _here(self, rotation: FloatArray) -> FloatArray:
-        """Rotation (3, 3) of the stage in the space of the constraint."""
+        """Stage rotation (3, 3) expressed in the space of the constraint."""
         axes = self.placement.rotation
         return np.asarray(axes.T @ rotation @ axes)
 
     @property
     def _fixed(self) -> Constraint:
-        """Constraint with its values at the playhead when the gizmo was made."""
+        """Constraint with fixed targets at the playhead, as it was when the gizmo was made."""
         fixed = self._moment.with_targets_fixed(self._begin)
         assert fixed is not None
         return fixed
@@ -71,24 +71,24 @@ class RotatedSegment(RotatedTarget):
 
     @staticmethod
     def is_held(now: Constraint) -> bool:
-        """True: it needs no position."""
+        """Always True, since no position is needed."""
         return True
 
     @property
     def place(self) -> FloatArray:
-        """(3,) position of its point."""
+        """(3,) position of the constrained point, motion space."""
         return self.placement.to_motion(self._point)
 
     @property
     def _target(self) -> FloatArray:
-        """(3, 3) rotation at the playhead, in the space of the constraint."""
+        """(3, 3) target rotation at the playhead, in the space of the constraint."""
         fixed = self._fixed
         assert isinstance(fixed, OrientationConstraint)
         return to_matrix(np.array(fixed.target))
 
     @property
     def own_axes(self) -> FloatArray:
-        """(3, 3) present axes of the target."""
+        """(3, 3) current axes of the target."""
         now = self._moment.with_targets_fixed(self._constraint)
         assert isinstance(now, OrientationConstraint)
         return np.asarray(self.placement.rotation @ to_matrix(np.array(now.target)))
@@ -110,7 +110,7 @@ class RotatedDirection(RotatedTarget):
 
     @property
     def own_axes(self) -> FloatArray:
-        """(3, 3) axes, the last along the direction."""
+        """(3, 3) axes, the last one along the direction."""
         now = self._constraint
         assert isinstance(now, UprightConstraint)
         return self._axes_along(now.direction)
@@ -123,7 +123,7 @@ class RotatedDirection(RotatedTarget):
 
 
 class RotatedAboutCentre(RotatedTarget):
-    """Thing that is rotated about its centre."""
+    """Constraint that is rotated about its centre."""
 
     @property
     def pivot(self) -> FloatArray:
@@ -136,13 +136,13 @@ class RotatedRail(RotatedAboutCentre):
 
     @property
     def own_axes(self) -> FloatArray:
-        """(3, 3) axes, the last along the direction."""
+        """(3, 3) axes, the last one along the direction."""
         now = self._moment.with_targets_fixed(self._constraint)
         assert isinstance(now, RailConstraint)
         return self._axes_along(now.direction)
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
-        """Rotate the direction from its value at the playhead."""
+        """Rotate the direction, starting from its value at the playhead."""
         fixed = self._fixed
         assert isinstance(fixed, RailConstraint)
         assert isinstance(self._begin, RailConstraint)
@@ -156,7 +156,7 @@ class RotatedLookAt(RotatedTarget):
     """Look-at target, which orbits the eyes when rotated."""
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
-        """Move the target on a circle about the eyes."""
+        """Move the target on a circle around the eyes."""
         fixed, eyes = self._fixed, self.placement.to_motion(self._point)
         assert isinstance(fixed, LookAtConstraint)
         assert isinstance(fixed.target, tuple)
@@ -164,13 +164,13 @@ class RotatedLookAt(RotatedTarget):
 
 
 class RotatedArea(RotatedAboutCentre):
-    """Area: all but a sphere rotate, and most have a size."""
+    """Volume: all shapes but a sphere rotate, and most can be resized."""
 
     def __init__(self, document: Document, constraint_id: str, moment: TargetContext, floor: float) -> None:
         super().__init__(document, constraint_id, moment, floor)
         area = self._area
         self.rotates = area.shape is not AreaShape.SPHERE
-        self.scales = SIZED.get(area.shape, (False, False, False))
+        self.scales = RESIZABLE_AXES.get(area.shape, (False, False, False))
 
     @property
     def _area(self) -> AreaConstraint:
@@ -179,7 +179,7 @@ class RotatedArea(RotatedAboutCentre):
 
     @property
     def own_axes(self) -> FloatArray:
-        """(3, 3) its own axes; the last is the normal of a half-space."""
+        """(3, 3) axes of the volume; the last one is the normal of a half-space."""
         now = self._moment.with_targets_fixed(self._constraint)
         assert isinstance(now, AreaConstraint)
         if now.shape is AreaShape.HALF_SPACE:
@@ -187,8 +187,8 @@ class RotatedArea(RotatedAboutCentre):
         return np.asarray(self.placement.rotation @ _area_rotation(now))
 
     def rotate(self, rotation: FloatArray, gesture: int) -> None:
-        """Rotate it about its centre: about Z by its heading, so that a keyed one may exceed a full turn, else by
-        its tilt.
+        """Rotate the volume about its centre: about Z by its heading, so that a keyed heading may exceed a full turn,
+        else by its tilt.
         """
         area = self._area
         text = f"Rotate {area.name}"
@@ -218,8 +218,8 @@ class RotatedArea(RotatedAboutCentre):
             self._put(replace(area, heading=heading, tilt=(x, y, z, w)), text, gesture)
 
     def scale(self, factors: FloatArray, gesture: int) -> None:
-        """Resize it about its centre."""
-        x, y, z = np.maximum(np.array(self._area.size) * factors, LEAST_SIDE).tolist()
+        """Resize the volume about its centre."""
+        x, y, z = np.maximum(np.array(self._area.size) * factors, MIN_SIDE_METRES).tolist()
         self._put(replace(self._area, size=(x, y, z)), f"Resize {self._area.name}", gesture)
 
 
@@ -230,14 +230,16 @@ def _area_rotation(fixed: AreaConstraint) -> FloatArray:
 
 
 def _tilt_at(area: AreaConstraint, seconds: float) -> FloatArray:
-    """(3, 3) tilt of an area at ``seconds`` of its motion."""
+    """(3, 3) tilt of a volume at ``seconds`` of its motion."""
     if isinstance(area.tilt, KeyedTurn):
         return np.asarray(area.tilt.at([seconds])[0])
     return to_matrix(np.array(area.tilt))
 
 
 def tilt_of(moment: TargetContext, constraint: Constraint, name: str) -> FloatArray:
-    """(3, 3) rotation from a stored direction of a constraint, its value ``name``, to that of the playhead."""
+    """(3, 3) rotation from the stored direction in the field ``name`` of a constraint to the direction at the
+    playhead.
+    """
     columns = []
     for axis in np.eye(3).tolist():
         fixed = moment.with_targets_fixed(with_fields(constraint, **{name: tuple(axis)}))
@@ -247,7 +249,7 @@ def tilt_of(moment: TargetContext, constraint: Constraint, name: str) -> FloatAr
 
 
 def target_of_kind(constraint: Constraint) -> type[MovableTarget]:
-    """Class of a constraint's handle; a kind without one can only be moved."""
+    """Class of the movable target of a constraint, by its kind; a kind without its own can only be moved."""
     target = CONSTRAINT_KINDS[constraint.kind].target
     kind: type[MovableTarget] = target() if target else MovableTarget
     return kind

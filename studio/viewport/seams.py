@@ -1,4 +1,4 @@
-"""Seams of a plain skin: dark lines between the panels of the body, which show the rotations of its segments."""
+"""Seams of a plain skin: dark lines between panels, which make rotations of segments visible."""
 
 from functools import lru_cache
 
@@ -9,29 +9,29 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.mesh.skin import SkinnedMesh
 
-FIELD = "panel"
-ENTRIES = 512
-"""Shades between the middle of one panel and that of the next."""
+PANEL_FIELD = "panel"
+SHADE_COUNT = 512
+"""Number of shades from the middle of one panel to that of the next."""
 SEAM_HALF_WIDTH = 0.045
-"""Half the width of a line, where the field goes from -1 to 1: some three millimetres on an adult."""
-SHADES = 1.0, 0.93
-"""Brightness of the panels of either sign, in parts of the character's colour."""
-DARK = 0.42
-"""Brightness of the lines."""
+"""Half of the width of a seam in units of the panel field (-1 to 1): about three millimetres on an adult."""
+PANEL_BRIGHTNESS = 1.0, 0.93
+"""Brightness of panels with a positive and a negative sign, relative to the character's colour."""
+SEAM_BRIGHTNESS = 0.42
+"""Brightness of the seams relative to the character's colour."""
 JOINED_PANELS = BodyPart.LEFT_TOE, BodyPart.RIGHT_TOE, BodyPart.LEFT_CLAVICLE, BodyPart.RIGHT_CLAVICLE, BodyPart.NECK
-"""Segments that are one panel with what carries them."""
+"""Segments that share the panel of their parent."""
 
 
 def panel_field(skin: SkinnedMesh, layout: BodyLayout) -> NDArray[np.float32]:
-    """(V,) from -1 to 1: zero on the seams, where a vertex has equal weights of two panels."""
+    """(V,) signed panel field from -1 to 1; zero on seams, where a vertex has equal weights of two panels."""
     signs = panel_signs(layout)
     return np.asarray((signs[skin.segments] * skin.weights).sum(axis=1), dtype=np.float32)
 
 
 @lru_cache
 def panel_signs(layout: BodyLayout) -> NDArray[np.float32]:
-    """(S,) 1 or -1: each panel has the opposite sign of its parent. The waist between pelvis and
-    thorax is one panel.
+    """(S,) sign, 1 or -1, of each segment's panel, opposite to that of its parent. The waist between pelvis and thorax
+    is one panel.
     """
     signs = np.ones(layout.segment_count, dtype=np.float32)
     whole = {layout.segment_of_part(part) for part in JOINED_PANELS}
@@ -44,9 +44,7 @@ def panel_signs(layout: BodyLayout) -> NDArray[np.float32]:
 
 
 def draw_seams(actor: pv.Actor, colour: str) -> None:
-    """Colour an actor's mesh by its scalars in [-1, 1]: one colour per panel, and lines of ``colour`` where panels
-    meet.
-    """
+    """Colour an actor by its scalars in [-1, 1]: panels in shades of ``colour``, with seams between them."""
     actor.mapper.lookup_table = _table(colour)
     actor.mapper.scalar_range = (-1.0, 1.0)
     actor.mapper.interpolate_before_map = True
@@ -55,10 +53,10 @@ def draw_seams(actor: pv.Actor, colour: str) -> None:
 
 @lru_cache(maxsize=64)
 def _table(colour: str) -> pv.LookupTable:
-    values = np.linspace(-1.0, 1.0, ENTRIES)
+    values = np.linspace(-1.0, 1.0, SHADE_COUNT)
     line = np.clip(1.5 - np.abs(values) / SEAM_HALF_WIDTH, 0.0, 1.0)
-    bright = np.where(values > 0.0, *SHADES) * (1.0 - line) + DARK * line
+    bright = np.where(values > 0.0, *PANEL_BRIGHTNESS) * (1.0 - line) + SEAM_BRIGHTNESS * line
     rgb = np.round(bright[:, None] * pv.Color(colour).int_rgb)
-    table = pv.LookupTable(values=np.column_stack([rgb, np.full(ENTRIES, 255)]).astype(np.uint8))
+    table = pv.LookupTable(values=np.column_stack([rgb, np.full(SHADE_COUNT, 255)]).astype(np.uint8))
     table.scalar_range = (-1.0, 1.0)
     return table

@@ -1,4 +1,4 @@
-"""Movable thing that is selected, and the gizmo of a tool for it."""
+"""Object that the gizmo edits, from the selection, and the gizmo of a tool."""
 
 from collections.abc import Callable, Mapping
 
@@ -6,8 +6,8 @@ import numpy as np
 
 from studio.core.stage.placement import Placement
 from studio.document.document import Document
-from studio.engine.moments import TargetContext
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
+from studio.engine.target_context import TargetContext
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.gizmo import Gizmo, Space
 from studio.viewport.handles import floor_under
@@ -17,16 +17,17 @@ from studio.viewport.rotated_targets import target_of_kind
 from studio.viewport.scale_gizmo import ScaleGizmo
 
 KIND_WORDS = {"performers": "characters", "constraints": "targets"}
-"""Words for things of a kind where they are not those of their collection."""
+"""Words for several objects of a collection, if its name does not suit users."""
 AnyGizmo = Gizmo | RotateGizmo | ScaleGizmo
 
 
 def selected_movable(
     document: Document, posed: Mapping[str, PosedPerformer], *, picking: bool = False
 ) -> Movable | None:
-    """Thing that the gizmo moves: the current selection, if it can be moved, with the others of its kind.
+    """Object that the gizmo edits: the current selection, together with the other selected objects of its kind. None if
+    it cannot be moved.
 
-    A body cannot while a joint of it is picked, because the handles would overlap.
+    A performer cannot be moved while one of its joints is picked, because the handles would overlap.
     """
     collection, current = document.selection.current or ("", "")
     if picking and collection == "performers":
@@ -44,7 +45,7 @@ def selected_movable(
 def _movable(
     document: Document, posed: Mapping[str, PosedPerformer], collection: str, entity_id: str
 ) -> Movable | None:
-    """Prop, body or target as a ``Movable``; None if it is not visible or has no position."""
+    """Prop, performer or target as a ``Movable``; None if it is hidden or has no position."""
     project, active = document.project, posed.get(document.active_performer_id or "")
     if collection == "props" and entity_id in project.props:
         return PlacedProp(document, entity_id, posed)
@@ -65,9 +66,8 @@ def _movable(
 def gizmo_of(
     tool: str, movable: Movable, space: Space, camera: OrbitCamera, size: tuple[float, float], pixels: float
 ) -> AnyGizmo | None:
-    """Gizmo of a tool, ``move``, ``rotate`` or ``scale``, with arrows of that many ``pixels``.
-
-    None if the tool does not apply.
+    """Gizmo of a tool (``move``, ``rotate`` or ``scale``) with arrows of ``pixels``; None if the tool does not apply to
+    the object.
     """
     axes = axes_in(movable, space, camera).T
     if tool == "move" and movable.moves:
@@ -81,7 +81,7 @@ def gizmo_of(
 
 
 def axes_in(movable: Movable, space: Space, camera: OrbitCamera) -> FloatArray:
-    """(3, 3) axes of a space as columns, stage space; horizontal for things that stay on the ground."""
+    """(3, 3) axes of an orientation as columns, stage space; horizontal for objects that stay on the ground."""
     makers: dict[Space, Callable[[], FloatArray]] = {
         Space.WORLD: lambda: np.eye(3),
         Space.LOCAL: lambda: movable.own_axes,
@@ -95,7 +95,7 @@ def axes_in(movable: Movable, space: Space, camera: OrbitCamera) -> FloatArray:
 
 
 def rotation_reference(movable: Movable, space: Space) -> FloatArray | None:
-    """(3,) stage point from which the steps of a space count; None for the thing's own position."""
+    """(3,) stage position from which snapping steps count; None for the object's own position."""
     if space is Space.WORLD:
         return np.zeros(3)
     is_fixed = space is Space.PARENT and np.allclose(movable.parent_axes, movable.placement.rotation)

@@ -1,4 +1,4 @@
-"""Pictures of a film of the viewport, drawn by another process: its input and the transfer of it."""
+"""Input of the child process that renders a video: the images to render, and their serialisation."""
 
 import json
 from dataclasses import dataclass
@@ -16,39 +16,39 @@ from studio.viewport.camera import OrbitCamera
 
 @dataclass(frozen=True)
 class View:
-    """Display settings of a picture, without parts that serve only editing."""
+    """Display settings of the images, without what serves only editing."""
 
     camera: OrbitCamera
     height: float
-    """Height of the viewport in logical pixels: painted lines get as thick as there."""
+    """Height of the 3D view in logical pixels, to which painted line widths are relative."""
     bones: bool = False
     trail: BodyPoint | None = None
     ghost_of: str | None = None
-    """The performer whose source is seen as a ghost."""
+    """Id of the performer whose source is shown as a ghost."""
     followed: str | None = None
-    """The performer with whom the camera goes."""
+    """Id of the performer that the camera follows."""
     time: float = 0.0
-    """Seconds at which the camera stands as it does."""
+    """Stage time in seconds at which the camera is at its placement."""
     turning: float = 0.0
-    """Radians a second by which the camera goes round its target."""
+    """Turntable speed in radians per second."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shots:
-    """Pictures of a film."""
+    """Images of a video."""
 
     project: Project
     view: View
     times: tuple[float, ...]
-    """Seconds, one a picture."""
+    """Stage time in seconds of each image."""
     size: tuple[int, int]
     """Width and height in pixels."""
     stem: Path | None = None
-    """With a number behind it, the PNG file that each becomes; without, they go out one behind the other."""
+    """Path of the PNG files without number and suffix; None to write raw images to standard output."""
 
 
 def send_shots(shots: Shots, stream: IO[bytes]) -> None:
-    """Write the input of ``receive_shots``: a line of JSON, the project as in its file, and its arrays."""
+    """Write shots to a stream: a line of JSON, the project as in its file, and its arrays."""
     members: Members = {}
     project = project_json(shots.project, members)
     arrays = {name: npy_parts(array) for name, array in members.items()}
@@ -67,9 +67,8 @@ def send_shots(shots: Shots, stream: IO[bytes]) -> None:
 
 
 def receive_shots(stream: IO[bytes]) -> Shots:
-    """Shots written by ``send_shots``, read like any file of ours, without running anything in them.
-
-    Raises StudioError, ValueError.
+    """Read shots written by ``send_shots``; nothing in them is executed. Raises StudioError or ValueError for invalid
+    input.
     """
     head = json_of(stream.readline())
     project = parsed(stream.read(head["project"]), "project")

@@ -1,4 +1,4 @@
-"""Point on the skin of a body under the mouse."""
+"""Picking of a point on the skin of a performer."""
 
 from collections.abc import Mapping
 
@@ -7,20 +7,22 @@ import numpy as np
 from studio.core.body.canonical import BodyPart
 from studio.core.mesh.skin import SkinnedMesh, with_grip
 from studio.core.stage.project import Project
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.viewport.bodies import pose_skin
 from studio.viewport.body_points import skin_point
 from studio.viewport.camera import FloatArray, OrbitCamera
 from studio.viewport.picking import PickedJoint, Size
 
 LEAST_DETERMINANT = 1e-12
-"""Determinant below which a triangle is seen from behind or edge on."""
+"""Determinant below which a triangle is seen from behind or edge-on."""
 
 
 def skin_point_at(
     project: Project, posed: Mapping[str, PosedPerformer], camera: OrbitCamera, size: Size, x: float, y: float
 ) -> PickedJoint | None:
-    """Point of the first skin that the view ray through pixel (x, y) meets, fixed to the segment that moves it most."""
+    """Point of the first skin that the view ray through pixel (x, y) meets, fixed to the segment with most weight
+    there; None if there is none.
+    """
     origin, sight = camera.ray(x, y, size)
     found: list[tuple[float, str, PickedJoint]] = []
     for performer_id, pose in posed.items():
@@ -37,8 +39,8 @@ def skin_point_at(
 
 
 def _first_triangle(corners: FloatArray, origin: FloatArray, sight: FloatArray) -> tuple[float, int, FloatArray] | None:
-    """Depth, index and barycentric coordinates (3,) of the nearest of the triangles with ``corners`` (T, 3, 3) that a
-    ray meets from outside (Moller and Trumbore 1997).
+    """Depth, index and barycentric coordinates (3,) of the nearest triangle of ``corners`` (T, 3, 3) that a ray meets
+    from outside (Möller and Trumbore 1997); None if there is none.
     """
     first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     across, begin = np.cross(sight, second), origin - corners[:, 0]
@@ -55,14 +57,14 @@ def _first_triangle(corners: FloatArray, origin: FloatArray, sight: FloatArray) 
 
 
 def _leading_segment(skin: SkinnedMesh, triangle: int, shares: FloatArray) -> int:
-    """Segment with the greatest weight at a point of a triangle."""
+    """Segment with the largest weight at a point of a triangle with barycentric coordinates ``shares`` (3,)."""
     corners = skin.triangles[triangle]
     weights = (shares[:, None] * skin.weights[corners]).ravel()
     return int(np.bincount(skin.segments[corners].ravel(), weights).argmax())
 
 
 def _fixed_point(performer_id: str, pose: PosedPerformer, part: BodyPart, position: FloatArray) -> PickedJoint:
-    """Picked point at ``position`` (3,) in the space of the motion; one of the waist moves with the chest."""
+    """Picked point at ``position`` (3,), motion space; a point on the waist is fixed to the chest."""
     part = BodyPart.THORAX if part is BodyPart.ABDOMEN else part
     layout, row = pose.motion.morphology.layout, pose.row
     segment = layout.segment_of_part(part)

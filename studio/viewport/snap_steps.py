@@ -1,4 +1,4 @@
-"""Steps to which gizmos snap."""
+"""Snapping steps of gizmos."""
 
 import math
 from dataclasses import dataclass

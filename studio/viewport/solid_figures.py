@@ -1,4 +1,4 @@
-"""Lines of solids: the capsules of a body, the edges of a mesh."""
+"""Wireframes of solids: the capsules of a body, the edges of a mesh."""
 
 import numpy as np
 
@@ -8,22 +8,22 @@ from studio.core.project_cache import project_cache
 from studio.core.solver.request import AdaptedMotion
 from studio.viewport.camera import FloatArray
 
-MOST_EDGES = 240
-"""Edges that are drawn of a mesh, the sharpest first."""
+MAX_DRAWN_EDGES = 240
+"""Maximum number of edges that are drawn of a mesh, the sharpest first."""
 _TURN = np.linspace(0.0, 2 * np.pi, 25)
 _CIRCLE = np.stack([np.cos(_TURN), np.sin(_TURN)], axis=1)
 _HALF_TURN_ANGLES = np.linspace(0.0, np.pi, 9)
 
 
 def capsule_lines(motion: AdaptedMotion, row: int) -> list[FloatArray]:
-    """Capsules of a body in one of its poses, each as two rings and two outlines."""
+    """Capsules of a body in a frame of a motion, each as two rings and two outlines."""
     volume = motion.volume or usual_volume(motion.morphology)
     ends = capsule_ends(volume, motion, row)
     return [line for pair, radii in zip(ends, volume.radii, strict=True) for line in _capsule(*pair, *radii)]
 
 
 def capsule_ends(volume: BodyVolume, motion: AdaptedMotion, row: int) -> FloatArray:
-    """(N, 2, 3) ends of the capsules, in the space of the motion."""
+    """(N, 2, 3) ends of the capsules, motion space."""
     origins = motion.positions[row][list(motion.morphology.layout.proximal_points())][volume.segments]
     turns = motion.rotations[row][volume.segments]
     return np.asarray(origins + np.einsum("neij,nej->nei", turns, volume.places))
@@ -46,7 +46,7 @@ def _capsule(begin: FloatArray, end: FloatArray, first: float, last: float) -> l
 
 @project_cache(maxsize=8)
 def mesh_lines(mesh: TriangleMesh) -> tuple[list[FloatArray], list[FloatArray]]:
-    """Sharpest edges of a mesh and its rim, (2, 3) each, without faces, so that the body behind stays visible."""
+    """Rim and sharpest edges (2, 3) of a mesh, and no faces, so that the body behind stays visible."""
     corners = mesh.vertices[mesh.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -58,6 +58,6 @@ def mesh_lines(mesh: TriangleMesh) -> tuple[list[FloatArray], list[FloatArray]]:
     flat = np.where(count == 1, 0.0, np.linalg.norm(total, axis=1) / count)
     lengths = np.linalg.norm(np.diff(mesh.vertices[edges], axis=1)[:, 0], axis=1)
     weight = (1.0 - flat) * lengths + 1e-9 * lengths
-    sharp = np.argsort(-weight, kind="stable")[:MOST_EDGES]
+    sharp = np.argsort(-weight, kind="stable")[:MAX_DRAWN_EDGES]
     bent = sharp[flat[sharp] < 0.9999]
     return list(mesh.vertices[edges[bent if len(bent) else sharp]]), []

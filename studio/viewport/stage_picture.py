@@ -1,4 +1,4 @@
-"""Stage in VTK: floor, bodies, trails and props, drawn off screen into an array of pixels."""
+"""VTK scene of the stage: floor, characters, trails and props, rendered off screen into an array of pixels."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -16,7 +16,7 @@ from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.stage.project import Project
 from studio.core.stage.prop import PropShape
 from studio.core.stage.prop_shapes import PROP_COLOUR
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.engine.prop_places import PropPose
 from studio.viewport.bodies import BodyVisual
 from studio.viewport.camera import OrbitCamera
@@ -34,7 +34,7 @@ Pixels = NDArray[np.uint8]
 
 
 class StageScene:
-    """All VTK objects. ``sync`` updates them to a moment, ``render`` draws them, ``close`` frees them."""
+    """All VTK objects. ``sync`` updates them, ``render`` renders them, ``close`` releases them."""
 
     def __init__(self) -> None:
         self.plotter = pv.Plotter(off_screen=True, lighting="none")
@@ -67,7 +67,7 @@ class StageScene:
         moving: bool = False,
         ghosts: Sequence[Ghost] = (),
     ) -> None:
-        """Update performers as skins or bones, shadows, lines, props and ghosts; coarser during motion."""
+        """Update performers as skins or bones, shadows, lines, props and ghosts; coarser while ``moving``."""
         self._drop_bodies(project, posed)
         for performer_id, pose in posed.items():
             body = self._body(performer_id, project.characters[pose.performer.character_id])
@@ -88,7 +88,7 @@ class StageScene:
         offset: tuple[float, float] = (0.0, 0.0),
         eye: EyePosition = CENTRE_EYE,
     ) -> Pixels:
-        """Picture (height, width, 4), RGBA; ``offset`` shifts it by fractions of a pixel.
+        """Image (height, width, 4), RGBA, shifted by the fractions of a pixel ``offset``.
 
         For an ``eye`` beside the camera the stage is seen through a window at the camera's target (off-axis
         projection).
@@ -115,7 +115,7 @@ class StageScene:
         return pixels
 
     def close(self) -> None:
-        """Free the window and all its objects."""
+        """Release the render window and all its objects."""
         self._shading.clear()
         self._bodies.clear()
         self._props.clear()
@@ -124,7 +124,7 @@ class StageScene:
         self.plotter.deep_clean()
 
     def _add(self, actor: pv.Actor) -> None:
-        """Add an actor before the backdrop, so that hidden parts of the backdrop cost nothing."""
+        """Add an actor before the backdrop, so that hidden parts of the backdrop are not rendered."""
         backdrop = (
             self._grid,
             self._shadows.actor,

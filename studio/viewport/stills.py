@@ -1,4 +1,4 @@
-"""Anti-aliased stills: many pictures, each shifted by a fraction of a pixel, averaged while nothing moves."""
+"""Anti-aliased stills: the average of many images, each shifted by a fraction of a pixel."""
 
 import numpy as np
 
@@ -7,17 +7,17 @@ from studio.viewport.eyes import Pixels, RenderableScene
 
 STILL_SAMPLES, FILM_PICTURE_SAMPLES = 12, 4
 _GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])
-"""Steps of the R2 sequence: points that fill a square evenly."""
+"""Steps of the R2 sequence, whose points fill a square evenly."""
 
 
 def subpixel_shift(sample: int) -> tuple[float, float]:
-    """Shift in pixels, within half of one, of the picture of ``sample``; zero for sample 0."""
+    """Shift (x, y) in pixels, within half a pixel, of the image number ``sample``; zero for the first one."""
     x, y = (0.5 + _GOLDEN * sample) % 1.0 - 0.5
     return float(x), float(y)
 
 
 class AveragedPicture:
-    """Picture that improves with each ``refine``."""
+    """Image that improves with each ``refine``."""
 
     def __init__(self, scene: RenderableScene, camera: OrbitCamera, size: tuple[int, int]) -> None:
         self._scene, self._camera, self._size = scene, camera, size
@@ -25,23 +25,23 @@ class AveragedPicture:
         self.count = 1
 
     def refine(self) -> None:
-        """Add one more picture."""
+        """Render one more sample."""
         self._sum += self._scene.render(self._camera, self._size, subpixel_shift(self.count))
         self.count += 1
 
     @property
     def complete(self) -> bool:
-        """True if more samples would not be visible."""
+        """True if more samples would make no visible difference."""
         return self.count >= STILL_SAMPLES
 
     @property
     def pixels(self) -> Pixels:
-        """(height, width, 4) RGBA of the present average."""
+        """(height, width, 4) RGBA of the current average."""
         return ((self._sum + self.count // 2) // self.count).astype(np.uint8)
 
 
 def smooth_picture(scene: RenderableScene, camera: OrbitCamera, size: tuple[int, int], samples: int) -> Pixels:
-    """Picture of the scene with a number of samples for each pixel."""
+    """Image (height, width, 4), RGBA, averaged over a number of samples."""
     still = AveragedPicture(scene, camera, size)
     while still.count < samples:
         still.refine()

@@ -1,4 +1,4 @@
-"""Lines and discs over the picture, with a dark edge that is visible on any background."""
+"""Lines and discs over the image, with a dark edge that is visible on any background."""
 
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
@@ -9,7 +9,7 @@ STROKE_SHADOW = QColor(12, 14, 17, 170)
 
 
 def polygon(corners: FloatArray) -> QPolygonF:
-    """Polygon over pixels ``corners`` (N, 2)."""
+    """Qt polygon of pixels ``corners`` (N, 2)."""
     return QPolygonF([QPointF(x, y) for x, y in corners.tolist()])
 
 

@@ -8,12 +8,12 @@ from PySide6.QtCore import QObject, QTimer
 
 TURN_SECONDS = 12.0
 TURN_RATE = 2.0 * math.pi / TURN_SECONDS
-"""Radians a second."""
+"""Radians per second."""
 STEP_MILLISECONDS = 16
 
 
 class Turntable(QObject):
-    """Calls ``turn`` with the radians since the last call while it runs."""
+    """Timer that calls ``turn`` with the radians since the last call while it runs."""
 
     def __init__(self, turn: Callable[[float], object], parent: QObject) -> None:
         super().__init__(parent)

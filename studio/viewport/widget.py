@@ -1,4 +1,4 @@
-"""3D viewport: the document's performers as adapted by the engine, to be picked and dragged."""
+"""3D viewport: the adapted performers of the document, for picking and dragging."""
 
 from collections.abc import Callable, Container
 from dataclasses import replace
@@ -16,16 +16,16 @@ from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.stage.saved_camera import CameraPlacement
 from studio.document import colours
 from studio.document.document import Document
-from studio.document.dragging import POSE, STRIKE
+from studio.document.dragging import POSE_MIME, STRIKE_MIME
 from studio.engine.empty_stage import empty_words
 from studio.engine.live_interface import Live
-from studio.engine.moments import TargetContext
-from studio.engine.performance import PosedPerformer, displayed_stage, has_new_frames, pose_of, resting_performers
+from studio.engine.posed_performer import PosedPerformer, displayed_stage, has_new_frames, pose_of, resting_performers
 from studio.engine.prop_places import PropPose, props_at
+from studio.engine.target_context import TargetContext
 from studio.viewport import mouse
 from studio.viewport.auto_framing import AutoFraming
 from studio.viewport.body_points import body_joints, place_of_joint
-from studio.viewport.camera import VIEWS, FloatArray, OrbitCamera
+from studio.viewport.camera import NAMED_VIEWS, FloatArray, OrbitCamera
 from studio.viewport.camera_animation import CameraAnimation
 from studio.viewport.canvas import Canvas
 from studio.viewport.chips import Chips
@@ -63,7 +63,7 @@ SKIN_NOTICE = "Click a point on the skin of a character. Esc cancels."
 
 
 class Viewport(Canvas):
-    """View and editor of the stage of a document; its methods are called by menus and shortcuts."""
+    """3D view and editor of a document's stage; its methods are called by menus and shortcuts."""
 
     picked_changed = Signal()
 
@@ -104,7 +104,7 @@ class Viewport(Canvas):
         self._follower, self._newcomers = FollowCamera(), AutoFraming()
         self._pace = FrameStats()
         self.preview = Preview(self)
-        self.strike_drops, self.pose_drops = (BodyDrops(self, document, kind) for kind in (STRIKE, POSE))
+        self.strike_drops, self.pose_drops = (BodyDrops(self, document, kind) for kind in (STRIKE_MIME, POSE_MIME))
         self._problem: Problem | None = None
         self._glide = CameraAnimation(self.set_camera, self)
         self._turntable = Turntable(self._turn, self)
@@ -132,7 +132,7 @@ class Viewport(Canvas):
         self.setFocus()
 
     def stop(self) -> None:
-        """Release VTK, document and engine. May be called twice."""
+        """Release VTK, and disconnect from document and solver. May be called twice."""
         self.cancel_gesture()
         self._glide.stop()
         self._turntable.stop()
@@ -152,41 +152,41 @@ class Viewport(Canvas):
             self._frame(np.concatenate(points))
 
     def frame_selection(self) -> None:
-        """Frame the selection, else all performers."""
+        """Frame the selection; without one, all performers."""
         points = selected_points(self._document, self.posed, self.props, self.handles())
         self._frame(np.concatenate(points)) if points else self.frame_all()
 
     def set_view(self, name: str) -> None:
-        """Animate to a view by name: ``perspective``, ``front``, ``side`` or ``top``."""
-        azimuth, elevation = VIEWS[name]
+        """Animate the camera to a named view: ``perspective``, ``front``, ``side`` or ``top``."""
+        azimuth, elevation = NAMED_VIEWS[name]
         self._glide.start(self.camera, replace(self.camera, azimuth=azimuth, elevation=elevation))
 
     def set_tool(self, name: str) -> None:
-        """Set the tool: ``select`` hides the gizmo; ``move``, ``rotate`` and ``scale`` show theirs on the selection."""
+        """Set the tool: ``select`` hides the gizmo; ``move``, ``rotate`` and ``scale`` show it on the selection."""
         self.tool = name
         self._chips.show_gizmo_space(self.gizmo_space.value, name in ("move", "rotate"))
         self.update()
 
     def next_gizmo_space(self) -> None:
-        """Switch the gizmo to the axes of the next space."""
+        """Switch the gizmo to the next orientation."""
         spaces = list(Space)
         self.gizmo_space = spaces[(spaces.index(self.gizmo_space) + 1) % len(spaces)]
         self.set_tool(self.tool)
 
     def choose_nudged_axis(self, axis: str) -> None:
-        """Nudge along or about another axis of the gizmo."""
+        """Set the axis of the gizmo along or about which the selection is nudged."""
         self._nudged = axis
         self.gizmo_part_hovered = axis
         self.update()
 
     def nudge(self, sign: float) -> None:
-        """Move, rotate or resize the selection by one snapping step, 1 or -1, along the chosen axis."""
+        """Move, rotate or resize the selection along the chosen axis by one snapping step in the direction ``sign``."""
         movable, gizmo = self.movable(), self.gizmo()
         if movable is not None and gizmo is not None and self.gesture is None:
             nudge(self._document, movable, gizmo, self._nudged, sign, self.snap_steps)
 
     def toggle_parallel(self) -> None:
-        """Toggle perspective and parallel projection."""
+        """Toggle between perspective and orthographic projection."""
         self.set_camera(replace(self.camera, parallel=not self.camera.parallel))
         self._chips.show_parallel(self.camera.parallel)
 
@@ -196,7 +196,7 @@ class Viewport(Canvas):
         return self.camera.placement
 
     def look_through(self, placement: CameraPlacement) -> None:
-        """Animate to a placement of the camera."""
+        """Animate the camera to a placement."""
         self._glide.start(self.camera, OrbitCamera.at(placement))
         self._chips.show_parallel(placement.parallel)
 
@@ -217,28 +217,28 @@ class Viewport(Canvas):
         return self._turntable.running
 
     def toggle_bones(self) -> None:
-        """Toggle skin and bones."""
+        """Toggle between skin and bones."""
         self._bones = not self._bones
         self._chips.shading.set_text("Bones" if self._bones else "Skin")
         self.redraw()
 
     def set_ghost_shown(self, shown: bool) -> None:
-        """Show or hide the ghost of the source at the active performer."""
+        """Show or hide the ghost of the active performer's source motion."""
         self._chips.ghost.setChecked(shown)
         self.redraw()
 
     @property
     def ghost_shown(self) -> bool:
-        """True if the ghost of the source is on."""
+        """True if the source ghost is on."""
         return self._chips.ghost.isChecked()
 
     @property
     def correcting(self) -> bool:
-        """True if the gizmo poses the picked joint, as a correction."""
+        """True if the gizmo poses the picked joint on a correction layer."""
         return self._chips.correct.isChecked()
 
     def set_correcting(self, correcting: bool) -> None:
-        """Let the gizmo pose the picked joint, or move and rotate the selection."""
+        """Turn pose correction on, so that the gizmo poses the picked joint, or off."""
         self._chips.correct.setChecked(correcting)
         self._correcting_changed()
 
@@ -248,7 +248,7 @@ class Viewport(Canvas):
         self.redraw()
 
     def set_onion_shown(self, shown: bool) -> None:
-        """Show or hide the onion skins of the selected bodies."""
+        """Show or hide the onion skins of the selected performers."""
         self._chips.onion.setChecked(shown)
         self.redraw()
 
@@ -263,23 +263,23 @@ class Viewport(Canvas):
         self.redraw()
 
     def keep_ghosts(self) -> None:
-        """Keep ghosts of the selected bodies, or the active one, at the playhead."""
+        """Add ghosts of the selected performers, or of the active one, at the playhead."""
         now = self._document.playhead.time
         self._kept += [(key, now) for key in self._ghosted() if (key, now) not in self._kept]
         self.redraw()
 
     @property
     def kept_ghosts(self) -> tuple[tuple[str, float], ...]:
-        """Performer id and seconds of the stage of each kept moment."""
+        """Performer id and stage time in seconds of each added ghost."""
         return tuple(self._kept)
 
     def clear_ghosts(self) -> None:
-        """Remove all kept ghosts."""
+        """Remove all added ghosts."""
         self._kept.clear()
         self.redraw()
 
     def set_following(self, following: bool) -> None:
-        """Let the camera follow the active performer, or stop that."""
+        """Turn following of the active performer by the camera on or off."""
         self._chips.follow.setChecked(following)
         self.redraw()
 
@@ -289,7 +289,7 @@ class Viewport(Canvas):
         return self._chips.follow.isChecked()
 
     def set_markers_shown(self, shown: bool) -> None:
-        """Show or hide the markers, plates and forces of the active performer's recording."""
+        """Show or hide the recorded markers, force plates and forces of the active performer."""
         self._chips.markers.setChecked(shown)
         self.redraw()
 
@@ -299,14 +299,14 @@ class Viewport(Canvas):
         return self._chips.markers.isChecked()
 
     def go_to_problem(self) -> None:
-        """Go to the frame of the most important problem and select its performer and constraint."""
+        """Go to the frame of the worst problem, and select its performer and constraint."""
         if self._problem is not None:
             self._document.playhead.set_time(self._problem.residual.time)
             performer, constraint = self._problem.performer_id, self._problem.constraint_id
             self._document.selection.set(("performers", performer), ("constraints", constraint))
 
     def pick(self, picked: PickedJoint | None) -> None:
-        """Highlight a joint and select its performer; None clears the pick."""
+        """Highlight a joint and select its performer; None removes the highlight."""
         self._set_picks_skin(False)
         if picked != self.joint_picked:
             self.joint_picked = picked
@@ -316,7 +316,7 @@ class Viewport(Canvas):
         self.redraw()
 
     def begin_skin_pick(self) -> None:
-        """Let the next click pick a point on a skin."""
+        """Let the next click pick a point on the skin."""
         self.cancel_gesture()
         self._set_picks_skin(True)
 
@@ -327,8 +327,8 @@ class Viewport(Canvas):
             self.update()
 
     def add_constraint_at_pick(self, kind: str = "position") -> str | None:
-        """Add a constraint that keeps the present state of the picked joint, or the body, at the playhead, and select
-        it; returns its id.
+        """Add and select a constraint of ``kind`` that keeps the current state of the picked joint, or of the
+        performer. Returns its id, or None if a joint is needed and none is picked.
         """
         picked = self.joint_picked
         performer_id = picked.performer_id if picked else self._document.active_performer_id or ""
@@ -349,14 +349,16 @@ class Viewport(Canvas):
         return constraint_id
 
     def show_progress(self, words: str, share: float) -> None:
-        """Show the progress of a task, from 0 to 1; empty words when nothing runs."""
+        """Show the text and progress (0 to 1) of a task; an empty text if none runs."""
         self._progress = (words, share)
         if not self.posed:
             self.update()
 
     @property
     def notice(self) -> str:
-        """Sentence while a skin is picked, or there are no performers: the running task, else the next step."""
+        """Text over the view: while a skin point is to be picked, or on an empty stage the running task or what to do
+        next.
+        """
         if self.picks_skin:
             return SKIN_NOTICE
         if self.posed or self._recorded is not None:
@@ -364,7 +366,7 @@ class Viewport(Canvas):
         return self._progress[0] or empty_words(self._document.project)
 
     def cancel_gesture(self) -> bool:
-        """Cancel the current drag, or the pick of a skin; False if there is none."""
+        """Cancel the current drag, or picking on the skin; False if there is none."""
         if self.picks_skin:
             self._set_picks_skin(False)
             return True
@@ -389,11 +391,11 @@ class Viewport(Canvas):
     # Places on the widget
 
     def widget_point(self, position: FloatArray) -> QPointF:
-        """Pixel on the widget of a stage point (3,)."""
+        """Position on the widget of a stage point (3,)."""
         return QPointF(*self.camera.project(position, self.view_size)[0][0])
 
     def gizmo(self) -> AnyGizmo | None:
-        """Gizmo on the selection, for the present camera."""
+        """Gizmo on the selection for the current camera; None if there is none."""
         movable = self.movable()
         if movable is None:
             return None
@@ -402,7 +404,7 @@ class Viewport(Canvas):
         return gizmo_of(self.tool, movable, self.gizmo_space, self.camera, self.view_size, pixels)
 
     def movable(self) -> Movable | None:
-        """Thing that the gizmo moves; None if there is none."""
+        """Object that the gizmo edits; None if there is none."""
         picked = self.joint_picked
         pose = self.posed.get(picked.performer_id) if picked else None
         if self.correcting and picked is not None and pose is not None and pose.motion_id is not None:
@@ -410,14 +412,14 @@ class Viewport(Canvas):
         return selected_movable(self._document, self.posed, picking=picked is not None)
 
     def handles(self, only: Container[str] | None = None) -> list[Handle]:
-        """Constraint handles, of all constraints or ``only`` some."""
+        """Constraint handles; with ``only``, of some constraints."""
         return constraint_handles(self._document.project, self.posed, self._document.active_performer_id, only)
 
     # Drawing
 
     @property
     def moving(self) -> bool:
-        """True while something moves, so that pictures are not anti-aliased."""
+        """True while something moves, so that images are not anti-aliased."""
         return (
             self._document.playhead.playing
             or self._live.play.running
@@ -463,7 +465,7 @@ class Viewport(Canvas):
         self._chips.show_work(len(self.posed), self._pace.text, all(map(self._live.is_eased, self.posed)))
 
     def _ghosted(self) -> list[str]:
-        """Ids of the selected performers, else that of the active one, if visible."""
+        """Ids of the visible selected performers; without any, of the active one."""
         selected = self._document.selection.of("performers") or (self._document.active_performer_id or "",)
         return [key for key in selected if key in self.posed]
 
@@ -484,7 +486,7 @@ class Viewport(Canvas):
             self.schedule_redraw()
 
     def _tell_problem(self) -> None:
-        """Show the worst problem of the same results as the strips of the timeline."""
+        """Show the worst problem, from the same results as the error strips of the timeline."""
         self._problem = worst_problem(self._document.project, self._live.reported_motion)
         self._chips.show_problem(self._problem.sentence if self._problem else None)
 
@@ -558,14 +560,16 @@ class Viewport(Canvas):
 
     @property
     def view(self) -> View:
-        """Display settings of the present view, without parts that serve only editing."""
+        """Display settings of the current view, without what serves only editing."""
         active, now = self._document.active_performer_id, self._document.playhead.time
         ghost_of, followed = active if self.ghost_shown else None, active if self.following else None
         turning = TURN_RATE if self.turntable else 0.0
         return View(self.camera, self.view_size[1], self._bones, self._trail_point(), ghost_of, followed, now, turning)
 
     def _trail_point(self) -> BodyPoint | None:
-        """Point whose trails are drawn: the selected constraint's, else the picked joint's."""
+        """Point whose motion trails are drawn: that of the selected constraint, else the picked joint; None without
+        either.
+        """
         if not self._chips.trails.isChecked():
             return None
         selected = self._document.selection.of("constraints")
@@ -622,7 +626,7 @@ class Viewport(Canvas):
         self.redraw()
 
     def _playhead_moved(self, time: float) -> None:
-        """Draw again only for another frame or project, since playback ticks faster than captures."""
+        """Redraw only if another frame or project is shown, since playback ticks faster than captures."""
         project = self._document.project
         if project is not self._posed_in or not self.posed or has_new_frames(project, self.posed, time):
             self.redraw()
@@ -630,7 +634,7 @@ class Viewport(Canvas):
     def _adapted(self, performer_id: str) -> None:
         shown, newer = self.posed.get(performer_id), self._live.shown_frame(performer_id)
         # While dragging, the rest of the clip comes after the frame on show.
-        if not self._live.interactive or shown is None or newer is None or not shown.is_as_in(newer):
+        if not self._live.interactive or shown is None or newer is None or not shown.has_same_pose(newer):
             self.schedule_redraw()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
@@ -644,18 +648,18 @@ class Viewport(Canvas):
     # Mouse and keys
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Begin a gesture, or select."""
+        """Start a drag, or select."""
         self.setFocus(Qt.FocusReason.MouseFocusReason)
         self._glide.stop()
         self._turntable.stop()
         mouse.begin_gesture(self, self._document, self._live, event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Follow the mouse."""
+        """Continue the drag, or update the highlight."""
         mouse.update_hover(self, event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Finish the gesture."""
+        """Finish the drag."""
         self.finish_gesture()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
@@ -677,12 +681,12 @@ class Viewport(Canvas):
         event.accept()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Cancel a drag or clear the pick by Esc; nudge the movable thing."""
+        """Cancel a drag or the picked joint with Esc; nudge the selection."""
         if event.key() == Qt.Key.Key_Escape and (self.cancel_gesture() or self.joint_picked is not None):
             self.pick(None)
         elif not self.nudge_by_key(event):
             super().keyPressEvent(event)
 
     def nudge_by_key(self, event: QKeyEvent) -> bool:
-        """Choose an axis or move by a step along it; False for other keys."""
+        """Choose an axis, or nudge along it; returns False for other keys."""
         return nudge_by_key(self, event)

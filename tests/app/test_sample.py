@@ -6,8 +6,8 @@ import pytest
 from studio.app import sample
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.normalized.normalize import detected_contacts
-from studio.engine.moments import TargetContext
-from studio.engine.performance import posed_performers
+from studio.engine.posed_performer import posed_performers
+from studio.engine.target_context import TargetContext
 from studio.io.adapted_file import read_adapted, write_adapted
 from studio.io.importing import load_capture
 from studio.jobs.performances import adapted_performers

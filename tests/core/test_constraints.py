@@ -139,7 +139,7 @@ REACH = constraint_of("Reach", target=(0.1, 0.2, 1.0))
 def test_two_targets_for_one_point_at_once_and_of_one_priority_are_a_contradiction() -> None:
     other = constraint_of("Grasp", target=(0.3, 0.2, 1.0))
     assert objection(other, [REACH]) == (
-        "'Grasp' contradicts 'Reach': both ask for the same point at the same time with the same priority."
+        "'Grasp' conflicts with 'Reach': both constrain the same point at the same time with the same priority."
         " Give one of them another priority, other times or a keyed weight."
     )
     assert objection(replace(other, weight=KeyedNumber((1.0, 2.0), (0.0, 1.0))), [REACH]) is None
@@ -148,7 +148,7 @@ def test_two_targets_for_one_point_at_once_and_of_one_priority_are_a_contradicti
 
 def test_the_same_twice_is_one_too_many() -> None:
     assert objection(replace(REACH, name="Again"), [REACH]) == (
-        "'Again' asks the same as 'Reach' at the same time and with the same priority. Keep one of them."
+        "'Again' duplicates 'Reach': same settings, time and priority. Delete one of them."
     )
 
 
@@ -169,16 +169,16 @@ def test_what_gives_way_or_comes_later_is_no_contradiction(change: dict) -> None
 def test_kinds_are_compared_by_what_they_are_about() -> None:
     fixed, over = (constraint_of(name, BalanceConstraint, point, place=place) for name, point, place in (
         ("Own", HEAD, None), ("Over", LEFT, Support())))  # fmt: skip
-    assert "contradicts" in objection(over, [fixed])
+    assert "conflicts" in objection(over, [fixed])
     palm = constraint_of("Palm", OrientationConstraint)
-    assert "contradicts" in objection(constraint_of("Fist", OrientationConstraint, target=(1.0, 0.0, 0.0, 0.0)), [palm])
+    assert "conflicts" in objection(constraint_of("Fist", OrientationConstraint, target=(1.0, 0.0, 0.0, 0.0)), [palm])
     assert objection(palm, [REACH]) is None
     ropes = [constraint_of("Rope", DistanceConstraint, other=place, distance=1.0) for place in ((0, 0, 0), (1, 0, 0))]
     assert objection(*ropes[:1], ropes[1:]) is None
-    assert "contradicts" in objection(replace(ropes[0], distance=2.0), ropes[:1])
+    assert "conflicts" in objection(replace(ropes[0], distance=2.0), ropes[:1])
     table, wall = constraint_of("Table", AreaConstraint), constraint_of("Wall", AreaConstraint, centre=(1.0, 0.0, 0.0))
     assert objection(wall, [table]) is None
-    assert "asks the same" in objection(replace(table, name="Desk"), [table])
+    assert "duplicates" in objection(replace(table, name="Desk"), [table])
 
 
 @pytest.mark.parametrize(
@@ -195,7 +195,7 @@ def test_kinds_are_compared_by_what_they_are_about() -> None:
 def test_a_limb_does_not_follow_what_it_carries(point: BodyPoint, followed: BodyPoint, refused: bool) -> None:
     sentence = objection(constraint_of("Wrist", point=point, target=FollowBody(followed)), [])
     assert bool(sentence) == refused
-    assert sentence is None or sentence.startswith("'Wrist' would follow a point of its own limb")
+    assert sentence is None or sentence.startswith("'Wrist' cannot follow a point farther out on its own limb")
 
 
 def test_points_that_follow_each_other_in_a_circle_are_refused() -> None:
@@ -203,9 +203,7 @@ def test_points_that_follow_each_other_in_a_circle_are_refused() -> None:
     second = constraint_of("Second", point=RIGHT, target=FollowBody(HEAD))
     third = constraint_of("Third", point=HEAD, target=FollowBody(BodyPoint(BodyPart.LEFT_HAND, (0.0, 0.1, 0.0))))
     assert objection(second, [first]) is None
-    sentence = (
-        "'Third' would follow itself in a circle, by 'Third', 'First', 'Second'. Let one of them stay where it is."
-    )
+    sentence = "'Third' would follow itself: 'Third', 'First', 'Second' form a cycle. Give one of them a fixed target."
     assert objection(third, [first, second]) == sentence
     later = replace(third, activation=ActivationCurve(2.0, 2.5, 3.0, 3.5))
     assert objection(later, [first, second]) is None
@@ -233,7 +231,7 @@ def test_a_chain_that_does_not_carry_its_point_is_refused(part: str, at_end: boo
     constraint = replace(REACH, point=BodyPoint(BodyPart(part), at_end=at_end), chain=chain)
     sentence = objection(constraint, [])
     assert (sentence is not None) == stuck
-    assert not stuck or sentence.startswith("'Reach': nothing that its chain frees can move the ")
+    assert not stuck or sentence.startswith("'Reach': no free segment of the IK chain moves the ")
 
 
 def test_the_other_end_of_a_distance_may_be_the_one_that_moves() -> None:

@@ -535,4 +535,4 @@ def test_what_its_own_weights_free_can_move_a_point_and_nothing_else() -> None:
     bend = Chain(0.0, 0.0, 0.0, 0.0, 0.0, ((BodyPart.LEFT_FOREARM, 1.0),))
     assert objection(target("left_forearm", (1, 0, 1), bend), ()) is None
     for part in ("left_upper_arm", "right_forearm"):
-        assert "nothing that its chain frees" in str(objection(target(part, (1, 0, 1), bend), ()))
+        assert "no free segment of the IK chain" in str(objection(target(part, (1, 0, 1), bend), ()))

@@ -469,7 +469,7 @@ def test_who_takes_a_prop_takes_it_out_of_the_hands_that_hold_it_then() -> None:
     assert [each.performer_id for each in box.without("b").holds] == ["a", "c"]
     moved = box.with_span(box.holds[1], 2.5, 2.8).holds
     assert [(each.begin, each.end) for each in moved] == [(None, 2.5), (2.5, 2.8), (2.8, None)]
-    with pytest.raises(ValueError, match="must let go before"):
+    with pytest.raises(ValueError, match="must put the prop down before"):
         Prop("Box", held=Carried("a"), later=(Carried("b", begin=1.0),))
 
 

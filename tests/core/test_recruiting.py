@@ -312,7 +312,9 @@ def test_any_window_of_frames_gives_the_poses_of_the_whole_clip_and_no_limits_gi
 
 @pytest.mark.parametrize("link", ["free_arms", "free_legs"])
 def test_free_limbs_are_for_a_balance_alone(link: str) -> None:
-    sentence = "'Left forearm': free arms and legs help a balance alone. Set free_arms and free_legs to 0."
+    sentence = (
+        "'Left forearm': only a balance constraint can use the other arms and legs. Set free_arms and free_legs to 0."
+    )
     with pytest.raises(ValueError, match=re.escape(sentence)):
         target("left_forearm", (0.4, 0.2, 1.0), Chain(**{link: 0.5}))
 

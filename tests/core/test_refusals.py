@@ -159,64 +159,70 @@ CAPTURES: dict[str, Refused] = {
 }
 
 CONSTRAINTS: dict[str, Refused] = {
-    "a chain locked throughout": (lambda: Chain(0.0, 0.0, 0.0, 0.0, 0.0), "without any free part"),
+    "a chain locked throughout": (lambda: Chain(0.0, 0.0, 0.0, 0.0, 0.0), "No part of the IK chain may move"),
     "a chain of locked segments": (
         lambda: Chain(0.0, 0.0, 0.0, 0.0, 0.0, (("thorax", 0.0),)),
-        "without any free part",
+        "No part of the IK chain may move",
     ),
     "a segment freer than free": (lambda: Chain(segments=(("thorax", 1.5),)), "between 0 and 1: thorax is 1.5."),
     "a segment's weight that is no number": (lambda: Chain(segments=(("thorax", NAN),)), "thorax is nan"),
     "a weight of the end": (
         lambda: Chain(segments=(("left_foot", 0.5),)),
-        "The left foot has no weight of its own: use end_segment.",
+        "The left foot cannot have a weight override: set end_segment instead.",
     ),
-    "a segment twice": (lambda: Chain(segments=(("thorax", 0.5), ("thorax", 0.6))), "two weights"),
+    "a segment twice": (lambda: Chain(segments=(("thorax", 0.5), ("thorax", 0.6))), "two weight overrides"),
     **{
-        f"{part} of {place}": (make, f"{said} is three finite numbers")
+        f"{part} of {place}": (make, f"{said} must be three finite numbers")
         for place in ((0.0, 0.0), (0.0, NAN, 0.0), (INF, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
         for part, make, said in (
             ("a point", partial(BodyPoint, BodyPart.HEAD, place), "A point's offset"),  # type: ignore[arg-type]
             ("a target", partial(make_constraint, name="Wrist", target=place), "'Wrist': a target"),
         )
     },
-    "a place at infinity": (lambda: finite_vector((0.0, INF, 0.0), "A place"), "A place is three finite numbers"),
-    "a place that is no number": (lambda: finite_vector((0.0, NAN, 0.0), "A place"), "A place is three finite numbers"),
+    "a place at infinity": (lambda: finite_vector((0.0, INF, 0.0), "A place"), "A place must be three finite numbers"),
+    "a place that is no number": (
+        lambda: finite_vector((0.0, NAN, 0.0), "A place"),
+        "A place must be three finite numbers",
+    ),
     "a place beyond the sun": (lambda: finite_vector((0.0, 1e16, 0.0), "A place"), "A place of 1e+16"),
     "a place beyond all": (lambda: finite_vector((0.0, 1e160, 0.0), "A place"), "cannot be true"),
     "a scope of two kinds": (lambda: Scope("somebody", "something"), "not both"),
     "a priority above the highest": (
         lambda: make_constraint(priority=-1),
-        "'Right wrist': a priority is 0 (highest) or more, got -1",
+        "'Right wrist': the priority must be 0 (highest) or more, not -1",
     ),
     **{
-        f"a weight of {weight}": (partial(make_constraint, weight=weight), "a weight is a finite number of 0 or more")
+        f"a weight of {weight}": (
+            partial(make_constraint, weight=weight),
+            "the weight must be a finite number of 0 or more",
+        )
         for weight in (-0.1, NAN, INF)
     },
     "a keyed weight below zero": (
         partial(make_constraint, weight=KeyedNumber((0.0, 1.0), (1.0, -1.0))),
-        "'Right wrist': a weight",
+        "'Right wrist': the weight",
     ),
-    "no margin": (ask(ClearConstraint, margin=-0.01), "'ClearConstraint': a margin"),
-    "a margin as wide as a body": (ask(ClearConstraint, margin=0.6), "'ClearConstraint': a margin"),
-    "a margin that is no number": (ask(ClearConstraint, margin=NAN), "'ClearConstraint': a margin"),
+    "no margin": (ask(ClearConstraint, margin=-0.01), "'ClearConstraint': the margin"),
+    "a margin as wide as a body": (ask(ClearConstraint, margin=0.6), "'ClearConstraint': the margin"),
+    "a margin that is no number": (ask(ClearConstraint, margin=NAN), "'ClearConstraint': the margin"),
     "a margin inside": (
         ask(AreaConstraint, margin=0.1, inside=True),
-        "'AreaConstraint': a point with a margin stays outside",
+        "'AreaConstraint': a point with a margin can only stay outside",
     ),
     "a margin of a surface": (
         ask(AreaConstraint, margin=0.1, on_surface=True),
-        "a point with a margin stays outside of an area",
+        "a point with a margin can only stay outside a volume",
     ),
-    "a flat box": (ask(AreaConstraint, size=(0.0, 1.0, 1.0), shape="box"), "size above zero"),
-    "a half space of no size": (ask(AreaConstraint, size=NOWHERE, shape="half_space"), "size above zero"),
-    "an area of a mesh without one": (ask(AreaConstraint, shape=AreaShape.MESH), "needs one"),
+    "a flat box": (ask(AreaConstraint, size=(0.0, 1.0, 1.0), shape="box"), "must be greater than zero"),
+    "a half space of no size": (ask(AreaConstraint, size=NOWHERE, shape="half_space"), "must be greater than zero"),
+    "an area of a mesh without one": (ask(AreaConstraint, shape=AreaShape.MESH), "needs a mesh"),
     "an area tilted by no rotation": (ask(AreaConstraint, tilt=(0.0, 0.0, 0.0, 0.0)), "rotation"),
-    "a distance from itself": (ask(DistanceConstraint, other=LEFT, distance=0.1), "no distance from itself"),
-    "a distance from itself, followed": (ask(DistanceConstraint, other=FollowBody(LEFT)), "no distance from itself"),
-    "a distance below zero": (ask(DistanceConstraint, distance=-0.1), "zero or more"),
+    "a distance from itself": (ask(DistanceConstraint, other=LEFT, distance=0.1), "of a point from itself"),
+    "a distance from itself, followed": (ask(DistanceConstraint, other=FollowBody(LEFT)), "of a point from itself"),
+    "a distance below zero": (ask(DistanceConstraint, distance=-0.1), "0 or more"),
     "a distance keyed below zero": (
         ask(DistanceConstraint, distance=KeyedNumber((0.0, 1.0), (0.1, -0.1))),
-        "zero or more",
+        "0 or more",
     ),
     "a distance from nowhere": (ask(DistanceConstraint, other=(0.0, NAN, 0.0)), "finite"),
     "an orientation of zero": (ask(OrientationConstraint, target=(0.0, 0.0, 0.0, 0.0)), "not all zero"),
@@ -228,18 +234,18 @@ CONSTRAINTS: dict[str, Refused] = {
     "a look at infinity": (ask(LookAtConstraint, target=(INF, 0.0, 0.0)), "finite"),
     "a balance over no number": (ask(BalanceConstraint, place=(NAN, 0.0)), "finite"),
     "a balance with a height": (ask(BalanceConstraint, place=(0.0, NAN, 0.0)), "finite"),
-    "an upright axis of nowhere": (ask(UprightConstraint, axis=NOWHERE), "nowhere"),
-    "upright towards nowhere": (ask(UprightConstraint, direction=NOWHERE), "nowhere"),
-    "an upright cone below zero": (ask(UprightConstraint, cone=-0.1), "cone"),
-    "an axis of nowhere": (ask(ParallelConstraint, HAND, axis=NOWHERE), "nowhere"),
-    "parallel to nowhere": (ask(ParallelConstraint, HAND, other_axis=NOWHERE), "nowhere"),
-    "a parallel cone below zero": (ask(ParallelConstraint, HAND, cone=-0.1), "cone"),
+    "an upright axis of nowhere": (ask(UprightConstraint, axis=NOWHERE), "has no length"),
+    "upright towards nowhere": (ask(UprightConstraint, direction=NOWHERE), "has no length"),
+    "an upright cone below zero": (ask(UprightConstraint, cone=-0.1), "maximum angle"),
+    "an axis of nowhere": (ask(ParallelConstraint, HAND, axis=NOWHERE), "has no length"),
+    "parallel to nowhere": (ask(ParallelConstraint, HAND, other_axis=NOWHERE), "has no length"),
+    "a parallel cone below zero": (ask(ParallelConstraint, HAND, cone=-0.1), "maximum angle"),
     "parallel to itself": (ask(ParallelConstraint, HAND, other=HAND), "itself"),
-    "a rail to nowhere": (ask(RailConstraint, direction=NOWHERE), "nowhere"),
+    "a rail to nowhere": (ask(RailConstraint, direction=NOWHERE), "has no length"),
     "a rail without length": (ask(RailConstraint, length=0.0), "length"),
     "a rail of no number": (ask(RailConstraint, length=NAN), "length"),
     "a rail at infinity": (ask(RailConstraint, centre=(0.0, INF, 0.0)), "finite"),
-    "a circle in no time": (lambda: CirclePlace(seconds=0.0), "more than 0"),
+    "a circle in no time": (lambda: CirclePlace(seconds=0.0), "greater than 0"),
     "a circle of no radius": (lambda: CirclePlace(radius=NAN), "finite"),
     "a circle at infinity": (lambda: CirclePlace(centre=(0.0, 0.0, INF)), "finite"),
 }
@@ -300,51 +306,54 @@ STAGE: dict[str, Refused] = {
     "a mesh of no vertex": (lambda: mesh((0, 0, 0), (1, 0, 0), (0, 1, 0), corners=(0, 1, 3)), "not a vertex"),
     "a mesh without an area": (lambda: mesh((0, 0, 0), (1, 0, 0), (2, 0, 0)), "with an area"),
     "a mesh of nothing": (lambda: mesh(), "with an area"),
-    "a prop of a mesh without one": (lambda: Prop("Thing", shape=PropShape.MESH), "load a mesh"),
-    "put down before picked up": (lambda: Carried("performer 0", begin=2.0, end=1.0), "later one"),
+    "a prop of a mesh without one": (lambda: Prop("Thing", shape=PropShape.MESH), "Load it from a file first"),
+    "put down before picked up": (lambda: Carried("performer 0", begin=2.0, end=1.0), "after it is picked up"),
     "a clip before all time": (lambda: Clip("motion", 0, 10, start=-1e12), "cannot be true: it is at most"),
     "a clip almost at rest": (
         lambda: Clip("motion", 0, 10, speed=KeyedNumber((0, 1), (1, 0.05))),
         "speed lies between",
     ),
     "a clip too fast": (lambda: Clip("motion", 0, 10, speed=KeyedNumber((0, 1), (1, 11.0))), "speed lies between"),
-    "a clip of more than a fist": (lambda: Clip("motion", 0, 5, grip=1.5), "grip lies between -1"),
+    "a clip of more than a fist": (lambda: Clip("motion", 0, 5, grip=1.5), "must be between -1"),
     "a performer beyond the sun": (lambda: Performer("Anna", "woman", position=(1e200, 0.0)), "cannot be true"),
     "a pose at no time": (lambda: KeyedPoses((NAN,), (PoseOffsets(),)), "finite"),
     "a turn without end": (lambda: pose(head=(0.0, INF, 0.0)), "finite"),
-    "a segment turned twice": (lambda: PoseOffsets((*HEADING, *HEADING)), "turns each part of the body once"),
+    "a segment turned twice": (lambda: PoseOffsets((*HEADING, *HEADING)), "rotate each segment only once"),
     "no pose": (lambda: KeyedPoses((), ()), "at least one: 0 and 0"),
     "two poses at once": (lambda: KeyedPoses((1.0, 1.0), (PoseOffsets(), PoseOffsets())), "1.000 s"),
     "a correction heavier than one": (
         lambda: Correction("Head", "p", ALWAYS, KeyedPoses((1.0,), (PoseOffsets(HEADING),)), weight=1.5),
         "weight",
     ),
-    "a behaviour without states": (lambda: replace(FIGHTER, states=()), "needs a state to begin in"),
+    "a behaviour without states": (lambda: replace(FIGHTER, states=()), "needs at least one state"),
     "a beginning that is no state": (
         lambda: replace(FIGHTER, start="Nap"),
-        "would begin in 'Nap', which is not one of its states",
+        "the start state 'Nap' does not exist",
     ),
     "a state twice": (lambda: replace(FIGHTER, states=(*FIGHTER.states, GUARD)), "two states are called 'Guard'"),
     "a transition to no state": (
         lambda: replace(FIGHTER, transitions=(Transition("Guard", "Nap", (NEAR,)),)),
-        "from 'Guard' to 'Nap' needs a state called 'Nap', and there is none",
+        "from 'Guard' to 'Nap' refers to a missing state, 'Nap'",
     ),
-    "two roles of one body": (lambda: replace(FIGHTER, cast=(Role("a"), Role("a", "b"))), "in one role only"),
+    "two roles of one body": (
+        lambda: replace(FIGHTER, cast=(Role("a"), Role("a", "b"))),
+        "can use a behaviour only once",
+    ),
     "a partner of itself": (lambda: Role("a", "a"), "A character cannot be its own partner"),
     "a transition for nothing": (lambda: Transition("Guard", "Strike", ()), "needs a condition"),
     "a blend below zero": (
         lambda: Transition("Guard", "Strike", (NEAR,), -1.0),
-        "a blend takes 0 to 5 seconds, got -1.0",
+        "the blend time must be 0 to 5 seconds, not -1.0",
     ),
     "a state without a name": (lambda: State("  "), "needs a name"),
     "a state nowhere": (lambda: State("Nap", place=(NAN, 0.0)), "two finite numbers"),
-    "nearer than zero": (lambda: DistanceCondition(distance=-0.1), "zero or more, got -0.1"),
-    "a wait without end": (lambda: TimeCondition(INF), "zero or more seconds"),
+    "nearer than zero": (lambda: DistanceCondition(distance=-0.1), "0 or more, not -0.1"),
+    "a wait without end": (lambda: TimeCondition(INF), "0 or more seconds"),
     "an event without a name": (lambda: EventCondition(" "), "An event needs a name"),
     "a key that is none": (lambda: KeyCondition(""), "A key is a letter"),
-    "no distance to keep": (lambda: KeepDistance(distance=0.0), "more than zero"),
-    "less than no room": (lambda: KeepDistance(room=-1.0), "zero or more, got -1.0"),
-    "a lean by nothing": (lambda: LeanAway(metres=0.0), "more than zero metres"),
+    "no distance to keep": (lambda: KeepDistance(distance=0.0), "greater than zero"),
+    "less than no room": (lambda: KeepDistance(room=-1.0), "0 or more, not -1.0"),
+    "a lean by nothing": (lambda: LeanAway(metres=0.0), "greater than 0 metres"),
 }
 
 TABLES = {**BODIES, **CAPTURES, **CONSTRAINTS, **CURVES, **STAGE}
@@ -363,5 +372,5 @@ def test_what_cannot_be_is_refused_in_a_sentence(case: str) -> None:
     weight=st.floats(max_value=-1e-9) | st.floats(min_value=1.000001) | st.just(NAN),
 )
 def test_a_weight_of_a_chain_beyond_0_and_1_is_refused_by_name(part: str, weight: float) -> None:
-    with pytest.raises(ValueError, match=f"lies between 0 and 1: {part} is"):
+    with pytest.raises(ValueError, match=f"must be between 0 and 1: {part} is"):
         Chain(**{part: weight})

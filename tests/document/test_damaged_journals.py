@@ -17,7 +17,7 @@ from studio.document import journal as journals
 from studio.document.document import Document
 from studio.document.recovery import (
     DAMAGED_FOLDER,
-    decline_session,
+    move_damaged_session,
     put_damaged_aside,
     recoverable_sessions,
     recovered_session,
@@ -81,7 +81,7 @@ def test_no_damage_is_passed_over_in_silence_and_nothing_is_deleted(
             try:
                 recovered = recovered_session(session)
             except StudioError as error:
-                decline_session(session, str(error))
+                move_damaged_session(session, str(error))
                 told += 1
             else:
                 assert recovered.problems or state(recovered.project) == last

@@ -285,7 +285,7 @@ def test_a_second_window_has_the_project_for_reading(make_document: Any, tmp_pat
     first.save(path)
     second.open(path)
     assert "another window" in second.read_only
-    with pytest.raises(StudioError, match="Save As"):
+    with pytest.raises(StudioError, match="Save as"):
         second.save()
     second.save(tmp_path / "copy.studio")
     assert not second.read_only
@@ -344,7 +344,7 @@ def test_a_damaged_project_is_not_saved_over_its_file(make_document: Any, tmp_pa
     other.problem_reported.connect(told.append)
     other.open(path)
     assert told
-    with pytest.raises(StudioError, match="Save As"):
+    with pytest.raises(StudioError, match="Save as"):
         other.save()
 
 

@@ -11,7 +11,7 @@ from studio.document.channels import channels_of, key_values, with_values
 from studio.document.document import Document
 from studio.document.keyed_fields import KeyedField
 from studio.document.length_units import LENGTH_CHOICES, length_text, shown_unit, use_lengths
-from studio.engine.residual_measures import ANGLE, LENGTH_MEASURE
+from studio.engine.residual_measures import ANGLE_MEASURE, LENGTH_MEASURE
 from studio.panels.fields import NumberField
 from studio.panels.inspector import Inspector
 from tests.builders import make_project
@@ -40,7 +40,7 @@ def test_the_same_length_is_told_in_the_unit_that_is_chosen(lengths, choice):
     words = LENGTH_MEASURE.text_of
     texts = length_text(1.66, "m", 2), length_text(0.025, "cm", 1, "+"), words(0.0004), words(0.042), words(1.2)
     assert (*texts, shown_unit("cm/s").symbol) == TEXTS[choice]
-    assert ANGLE.text_of(0.1) == "5.7°"
+    assert ANGLE_MEASURE.text_of(0.1) == "5.7°"
     assert shown_unit("°") == shown_unit("°/s").__class__("°")
 
 

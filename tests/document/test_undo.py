@@ -338,11 +338,11 @@ def test_contradictory_constraints_are_refused_when_added_or_changed_and_nothing
     document = Document(make_project(constraints=2))
     first, second = document.project.constraints.values()
     rival = replace(second, name="Rival", priority=0, target=(0.0, 0.0, 1.0))
-    with pytest.raises(StudioError, match="'Rival' contradicts 'Target 0'"):
+    with pytest.raises(StudioError, match="'Rival' conflicts with 'Target 0'"):
         document.add("constraints", rival, "Add")
-    with pytest.raises(StudioError, match="'Rival' contradicts 'Target 0'"):
+    with pytest.raises(StudioError, match="'Rival' conflicts with 'Target 0'"):
         document.replace("constraints", "constraint 1", rival, "Change")
-    with pytest.raises(StudioError, match="contradicts"):
+    with pytest.raises(StudioError, match="conflicts"):
         add_and_change(document, rival)
     assert tuple(document.project.constraints.values()) == (first, second)
     assert document.undo_stack.count() == 0

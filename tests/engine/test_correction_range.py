@@ -11,7 +11,7 @@ from studio.core.stage.correction import PoseOffsets, new_correction, range_arou
 from studio.core.stage.holding import REACH_SPEED
 from studio.core.stage.local_pose import POSE_REGIONS, local_pose, turns_to
 from studio.engine.correction_range import fitted_range
-from studio.engine.performance import row_at
+from studio.engine.posed_performer import row_at
 
 GROWTH = 1.2
 """Contacts and balance of the body may add something to the fitted tenth."""

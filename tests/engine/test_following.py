@@ -18,7 +18,7 @@ from studio.core.stage.project import Motion, Project
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
 from studio.engine.live_adaptation import LiveAdaptation, normalized_with_actor
-from studio.engine.performance import posed_performers
+from studio.engine.posed_performer import posed_performers
 from studio.viewport.handles import constraint_handles
 from tests.builders import make_constraint, make_project
 from tests.core.motions import ALWAYS

@@ -20,7 +20,7 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import adapt_performers
 from studio.core.stage.project import GROUND_ID
 from studio.document.document import Document
-from studio.engine.frames import LONG_SECONDS, PIECE_FRAMES
+from studio.engine.frames import EDITED_FRAME_BUDGET_SECONDS, PIECE_FRAMES
 from studio.engine.live_adaptation import LiveAdaptation, normalized_with_actor
 from studio.engine.standing_solver import GroundingSolver
 from tests.builders import make_constraint, make_project
@@ -185,7 +185,7 @@ def test_a_frame_that_costs_long_keeps_no_picture_waiting_but_the_first(qapp: An
 
     def slow(request: Any, first: int, last: int | None) -> Any:
         begun = time.thread_time()
-        while last is not None and time.thread_time() - begun < 2 * LONG_SECONDS:
+        while last is not None and time.thread_time() - begun < 2 * EDITED_FRAME_BUDGET_SECONDS:
             pass
         solved.append(threading.current_thread() is threading.main_thread())
         return solver(request, first, last)

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from studio.core.stage.project import Project
-from studio.engine.live_play import STAGE_STEP, UNSEEN_STEP, _Worker
+from studio.engine.live_play import STAGE_STEP_SECONDS, UNSEEN_STEP_SECONDS, _Worker
 from tests.patience import SECONDS
 
 
@@ -22,7 +22,7 @@ class Stage:
         return {}
 
 
-@pytest.mark.parametrize(("drawn", "apart"), [(False, UNSEEN_STEP), (True, STAGE_STEP)])
+@pytest.mark.parametrize(("drawn", "apart"), [(False, UNSEEN_STEP_SECONDS), (True, STAGE_STEP_SECONDS)])
 def test_a_step_waits_for_a_picture_of_the_last_one_but_not_for_long(drawn, apart):
     stage, broken = Stage(), []
     worker = _Worker(stage, lambda: None, broken.append)

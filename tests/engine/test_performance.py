@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
 from studio.core.stage.placement import Placement
-from studio.engine.performance import PosedPerformer, motion_time, posed_performers, row_at, stage_time
+from studio.engine.posed_performer import PosedPerformer, motion_time, posed_performers, row_at, stage_time
 from tests.builders import make_project
 from tests.viewport.standing import FRAMES, RATE, results_of
 

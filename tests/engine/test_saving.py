@@ -49,7 +49,7 @@ def test_a_save_that_fails_leaves_the_document_as_it_was(qtbot: Any, runner: Tas
     document.add("props", Prop("Box"), "Add")
     with qtbot.waitSignal(runner.failed) as failure:
         save_in_background(document, runner, tmp_path / "gone" / "walk.studio")
-    assert "Save As" in failure.args[1]
+    assert "Save as" in failure.args[1]
     assert (document.path, document.dirty) == (None, True)
 
 

@@ -13,16 +13,16 @@ from PySide6.QtWidgets import QApplication
 
 from studio.document.document import Document
 from studio.engine import frames
-from studio.engine.frames import BUDGET
+from studio.engine.frames import FRAME_BUDGET_SECONDS
 from studio.engine.live_adaptation import LiveAdaptation
-from studio.engine.mouse_timestamps import BUSY, RestTimer
+from studio.engine.mouse_timestamps import BUSY_DELAY_SECONDS, RestTimer
 from studio.engine.standing_solver import GroundingSolver
 from tests.builders import make_project
 from tests.patience import SECONDS
 
 BODIES, PICTURES = 5, 8
 LONG_SECONDS = 0.08
-"""In place of ``frames.LONG_SECONDS``, so that less than half of the time is burnt."""
+"""In place of ``frames.EDITED_FRAME_BUDGET_SECONDS``, so that less than half of the time is burnt."""
 ACTIVE = "performer 0"
 
 
@@ -74,7 +74,7 @@ def test_a_hand_does_not_rest_while_the_window_is_too_busy_to_hear_of_it(qapp: A
     rest = RestTimer(50)
     rest.rested.connect(lambda: told.append(time.monotonic()))
     rest.begin()
-    time.sleep(0.05 + 3.0 * BUSY)
+    time.sleep(0.05 + 3.0 * BUSY_DELAY_SECONDS)
     busy_until = time.monotonic()
     while not told and time.monotonic() < busy_until + SECONDS:
         QApplication.processEvents()
@@ -83,7 +83,7 @@ def test_a_hand_does_not_rest_while_the_window_is_too_busy_to_hear_of_it(qapp: A
 
 @pytest.fixture
 def begin(qapp: Any, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., Drag]]:
-    monkeypatch.setattr(frames, "LONG_SECONDS", LONG_SECONDS)
+    monkeypatch.setattr(frames, "EDITED_FRAME_BUDGET_SECONDS", LONG_SECONDS)
     drags: list[Drag] = []
 
     def make(burn: Callable[[int], float]) -> Drag:
@@ -120,7 +120,7 @@ def test_a_body_that_is_always_too_slow_is_in_every_turn_of_the_worker(begin: An
 
 def test_whom_a_slow_drag_concerns_too_is_at_most_as_many_turns_behind_as_bodies_are_left(begin: Any) -> None:
     """They play the same character; bodies that the drag does not concern take no turn from them."""
-    drag = begin(lambda _: 2.0 * BUDGET)
+    drag = begin(lambda _: 2.0 * FRAME_BUDGET_SECONDS)
     document, also = drag.document, "performer 3"
     document.replace(
         "performers", also, replace(document.project.performers[also], character_id="character 0"), "Same character"

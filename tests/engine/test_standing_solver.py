@@ -9,7 +9,7 @@ import pytest
 from studio.core.grounds.ground import Ground
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.standing import stand
-from studio.engine.standing_solver import KEPT_STANDING, GroundingSolver
+from studio.engine.standing_solver import MAX_CACHED_GROUNDINGS, GroundingSolver
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_constraint
 from tests.core.motions import walk
@@ -37,7 +37,7 @@ def test_a_measure_that_is_dragged_lets_no_other_body_stand_anew(stood: list[Ada
     child, giant = (AdaptRequest(MOTION, body, CONTACTS, (make_constraint(),)) for body in (CHILD, GIANT))
     for request in (child, giant):
         solver(request, 0, None)
-    for step in range(2 * KEPT_STANDING):
+    for step in range(2 * MAX_CACHED_GROUNDINGS):
         body = replace(CHILD, head=CHILD.head * (1.0 + 0.01 * (step + 1)))
         solver(replace(child, morphology=body), FRAME, FRAME)
     stood.clear()

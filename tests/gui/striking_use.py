@@ -5,7 +5,7 @@ import numpy as np
 from studio.core.constraints.position import PositionConstraint
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.placement import Placement
-from studio.engine.performance import row_at
+from studio.engine.posed_performer import row_at
 
 
 def struck_place(window, key):

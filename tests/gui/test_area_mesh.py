@@ -37,7 +37,7 @@ def test_a_mesh_becomes_the_shape_of_the_selected_area(qtbot, bench, tmp_path):
     path.write_text(OBJ)
     said = []
     bench.message_posted.connect(lambda message: said.append(message.sentence))
-    with pytest.raises(StudioError, match="Select an area"):
+    with pytest.raises(StudioError, match="Select a volume"):
         put_area_mesh(bench, path)
     document.selection.set(("constraints", "area"))
     before = document.project.constraints["area"]

@@ -16,7 +16,7 @@ from studio.io.figure.body import remapped_character
 from studio.io.figure.body_maps import naming_families
 from studio.io.importing import ImportOptions, load_character
 from studio.panels.body_map_section import BodyMapSection, body_of_capture, body_of_character
-from studio.panels.constraint_editors.body_figure import SCALE, SEGMENT_SHAPES
+from studio.panels.constraint_editors.body_figure import BODY_FIGURE_SCALE, SEGMENT_SHAPES
 from tests.builders import make_capture
 from tests.io.character_files import Gltf
 from tests.io.test_remapped import SWAPPED_ARMS
@@ -45,7 +45,7 @@ def section(window, hero):
 
 
 def map_by_mouse(section, part, joint):
-    QTest.mouseClick(section._parts, LEFT, pos=(SEGMENT_SHAPES[part].center() * SCALE).toPoint())
+    QTest.mouseClick(section._parts, LEFT, pos=(SEGMENT_SHAPES[part].center() * BODY_FIGURE_SCALE).toPoint())
     click_joint(section, joint)
 
 
@@ -92,7 +92,7 @@ def test_exchanged_arms_are_mended_by_mouse_and_undone(section, hero):
 
 def test_the_chest_is_chosen_by_mouse(section, hero):
     found, document, key = section
-    QTest.mouseClick(found._parts, LEFT, pos=(SEGMENT_SHAPES[BodyPart.THORAX].center() * SCALE).toPoint())
+    QTest.mouseClick(found._parts, LEFT, pos=(SEGMENT_SHAPES[BodyPart.THORAX].center() * BODY_FIGURE_SCALE).toPoint())
     click_joint(found, "spine")
     assert document.project.characters[key].build.layout.spine_count == 2
     click_joint(found, "chest")
@@ -145,7 +145,9 @@ def test_the_window_goes_on_meanwhile_and_a_cancelled_one_changes_nothing(sectio
 
     monkeypatch.setattr(character_import, "remapped_character", slow)
     runner, before = found.window().bench.runner, document.project.characters[key]
-    QTest.mouseClick(found._parts, LEFT, pos=(SEGMENT_SHAPES[BodyPart.LEFT_HAND].center() * SCALE).toPoint())
+    QTest.mouseClick(
+        found._parts, LEFT, pos=(SEGMENT_SHAPES[BodyPart.LEFT_HAND].center() * BODY_FIGURE_SCALE).toPoint()
+    )
     QTest.mouseClick(found._joints, LEFT, pos=found._joints.place_of("leftHand").toPoint())
     [task] = runner.running  # the click has come back
     runner.cancel(task)
@@ -157,7 +159,9 @@ def test_the_window_goes_on_meanwhile_and_a_cancelled_one_changes_nothing(sectio
 
 def test_a_character_that_was_changed_meanwhile_is_kept_and_the_user_told(section):
     found, document, key = section
-    QTest.mouseClick(found._parts, LEFT, pos=(SEGMENT_SHAPES[BodyPart.LEFT_HAND].center() * SCALE).toPoint())
+    QTest.mouseClick(
+        found._parts, LEFT, pos=(SEGMENT_SHAPES[BodyPart.LEFT_HAND].center() * BODY_FIGURE_SCALE).toPoint()
+    )
     QTest.mouseClick(found._joints, LEFT, pos=found._joints.place_of("leftHand").toPoint())
     changed = replace(document.project.characters[key], name="Other")
     document.replace("characters", key, changed, "Rename")

@@ -16,7 +16,7 @@ from studio.core.mesh.skin import Blending, bound_pose
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Performer
 from studio.document.commands.replace import same_value
-from studio.engine.performance import Placement, PosedPerformer
+from studio.engine.posed_performer import Placement, PosedPerformer
 from studio.io.importing import load_character
 from studio.io.project.project_file import new_document_id, read_project, write_project
 from studio.viewport.bodies import BodyVisual

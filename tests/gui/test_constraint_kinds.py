@@ -20,8 +20,8 @@ from studio.core.quality.metrics import centre_of_mass
 from studio.core.rotations import from_euler
 from studio.core.stage.prop import Prop
 from studio.document.document import Document
-from studio.engine.moments import TargetContext
-from studio.panels.constraint_editors.body_figure import SCALE, SEGMENT_SHAPES, BodyFigure
+from studio.engine.target_context import TargetContext
+from studio.panels.constraint_editors.body_figure import BODY_FIGURE_SCALE, SEGMENT_SHAPES, BodyFigure
 from studio.panels.fields import NumberField
 from studio.panels.inspector import Inspector
 from studio.viewport.gizmo import GIZMO_AXES
@@ -217,7 +217,7 @@ def test_a_point_has_no_distance_from_itself_and_the_form_says_so(studio, qtbot)
     before = add(studio, "distance")
     with qtbot.waitSignal(document.problem_reported) as told:
         choose(inspector, "Distance from", "Right wrist")
-    assert "no distance from itself" in told.args[0]
+    assert "of a point from itself" in told.args[0]
     assert current(document) is before
 
 
@@ -225,7 +225,7 @@ def test_balance_is_fixed_where_the_centre_of_mass_is_now_and_moved_on_the_groun
     viewport, document, inspector = studio
     assert add(studio, "balance").place is None
     assert viewport.gizmo() is None
-    press(inspector, "Centre of mass: Target")
+    press(inspector, "Centre of mass: Position")
     pose = viewport.posed["performer 0"]
     expected = centre_of_mass(pose.motion)[pose.row, :2]
     assert current(document).place == pytest.approx(tuple(expected), abs=1e-9)
@@ -242,7 +242,7 @@ def test_balance_recruits_free_arms_and_the_free_leg_until_they_are_locked_on_th
     assert (chain.free_arms, chain.free_legs) == (1.0, 1.0)
     figure = inspector.editor.findChild(BodyFigure)
     for part, link in ((BodyPart.LEFT_FOREARM, "free_arms"), (BodyPart.RIGHT_THIGH, "free_legs")):
-        QTest.mouseClick(figure, LEFT, pos=(SCALE * SEGMENT_SHAPES[part].center()).toPoint())
+        QTest.mouseClick(figure, LEFT, pos=(BODY_FIGURE_SCALE * SEGMENT_SHAPES[part].center()).toPoint())
         assert getattr(current(document).chain, link) == 0.0
     enter(inspector, "Weight of Other arms", "0.4")
     assert current(document).chain.free_arms == 0.4
@@ -531,10 +531,10 @@ def test_turns_distances_headings_and_balance_are_keyed_or_follow_from_their_for
     assert current(document).heading.values[1] == pytest.approx(np.pi / 4)
     assert current(document).centre.values[1][0] == 1.25
     add(studio, "balance")
-    press(inspector, "Centre of mass: Support")
+    press(inspector, "Centre of mass: Support polygon")
     enter(inspector, "Margin", "3")
     assert current(document).place == Support(0.03)
-    press(inspector, "Centre of mass: Target")
+    press(inspector, "Centre of mass: Position")
     choose(inspector, "Target type", "Animated")
     enter(inspector, "Position Y", "0.4")
     assert current(document).place.values[0][1] == 0.4

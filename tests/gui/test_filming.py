@@ -155,7 +155,7 @@ os.write(1, bytes(160 * 90 * 4))
 def test_a_cancelled_film_ends_what_draws_it_and_leaves_nothing(qtbot, window, tmp_path, monkeypatch, name):
     pid = tmp_path / "pid"
     for_ever = f"{HALF}\nopen({str(pid)!r}, 'w').write(str(os.getpid()))\ntime.sleep(1000)"
-    monkeypatch.setattr(filming, "RENDERER", (sys.executable, "-c", for_ever))
+    monkeypatch.setattr(filming, "RENDER_COMMAND", (sys.executable, "-c", for_ever))
     runner = window.bench.runner
     runner.progressed.connect(lambda task, share, _: share > 0.3 and pid.exists() and runner.cancel(task))
     filming.render_film(window.bench, tmp_path / "out" / name, SMALL, 30.0)
@@ -167,7 +167,7 @@ def test_a_cancelled_film_ends_what_draws_it_and_leaves_nothing(qtbot, window, t
 
 @pytest.mark.parametrize("name", ["shots", "walk.mp4"])
 def test_a_crash_of_what_draws_is_a_sentence_and_leaves_nothing(qtbot, window, tmp_path, monkeypatch, name):
-    monkeypatch.setattr(filming, "RENDERER", (sys.executable, "-c", f"{HALF}\nos.abort()"))
+    monkeypatch.setattr(filming, "RENDER_COMMAND", (sys.executable, "-c", f"{HALF}\nos.abort()"))
     filming.render_film(window.bench, tmp_path / "out" / name, SMALL, 30.0)
     idle(qtbot, window)
     assert "crashed at 'Frame 3 of 7'" in window.strip.text
@@ -175,7 +175,7 @@ def test_a_crash_of_what_draws_is_a_sentence_and_leaves_nothing(qtbot, window, t
 
 
 def test_a_film_that_is_cut_short_is_told(qtbot, window, tmp_path, monkeypatch):
-    monkeypatch.setattr(filming, "RENDERER", (sys.executable, "-c", HALF))
+    monkeypatch.setattr(filming, "RENDER_COMMAND", (sys.executable, "-c", HALF))
     filming.render_film(window.bench, tmp_path / "out" / "walk.mp4", SMALL, 30.0)
     idle(qtbot, window)
     assert "could not be written whole" in window.strip.text

@@ -17,7 +17,7 @@ from studio.core.captures.contacts import ContactInterval, Touch
 from studio.core.stage.prop import Prop
 from studio.core.stage.staging import SPACING, side_by_side
 from studio.document import colours
-from studio.engine.performance import swept_points
+from studio.engine.posed_performer import swept_points
 from studio.io.bvh.writer import write_bvh
 from studio.io.project.character_file import bundled_characters
 from studio.panels.command_palette import plain_text

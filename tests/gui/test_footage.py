@@ -12,7 +12,7 @@ from studio.app import relinking
 from studio.app.verbs.media import add_footage
 from studio.core.errors import StudioError
 from studio.core.stage.footage import Footage
-from studio.engine.footage_frames import READ_AHEAD, FootageFrame, FootageFrames
+from studio.engine.footage_frames import READ_AHEAD_FRAMES, FootageFrame, FootageFrames
 from studio.io.media.film import write_film
 from studio.io.media.footage_file import MOST_FOOTAGE_SIDE, footage_frames, read_footage, sequence_of
 from studio.io.media.media_files import MediaMissing, find_media
@@ -121,15 +121,15 @@ def wait_for(qtbot, frames, frame):
 def test_frames_are_read_ahead_in_both_directions_and_memory_is_bounded(qtbot, tmp_path):
     path = write_numbered_film(tmp_path / "walk.mp4", 200, 30.0)
     size = numbered(0).nbytes
-    frames = FootageFrames(cached_bytes=(2 * READ_AHEAD + 5) * size)
+    frames = FootageFrames(cached_bytes=(2 * READ_AHEAD_FRAMES + 5) * size)
     try:
         for index in (150, 149, 148, 3, 199, 100):
             assert number_in(wait_for(qtbot, frames, FootageFrame(path, 30.0, 200, index))) == index
         ahead = FootageFrame(path, 30.0, 200, 100)
-        qtbot.waitUntil(lambda: (path, 100 + READ_AHEAD) in frames._kept, timeout=PATIENCE)
+        qtbot.waitUntil(lambda: (path, 100 + READ_AHEAD_FRAMES) in frames._kept, timeout=PATIENCE)
         wait_for(qtbot, frames, FootageFrame(path, 30.0, 200, ahead.index - 1))
-        assert (path, ahead.index - 1 - READ_AHEAD) in frames._kept
-        assert frames.bytes_kept <= (2 * READ_AHEAD + 5) * size
+        assert (path, ahead.index - 1 - READ_AHEAD_FRAMES) in frames._kept
+        assert frames.bytes_kept <= (2 * READ_AHEAD_FRAMES + 5) * size
         assert frames.bytes_kept == sum(each.nbytes for each in frames._kept.values())
     finally:
         frames.close()
@@ -172,7 +172,7 @@ def test_the_panel_shows_the_frame_of_the_playhead_with_its_offset_and_rate(qtbo
     seen(qtbot, view, 6)
     document.playhead.set_time(0.1)
     assert view.image.isNull()
-    assert "no frame at this time" in view.words
+    assert "no frame here" in view.words
     for _ in range(2):
         document.undo_stack.undo()
     assert document.project.footage[key] == footage
@@ -210,7 +210,7 @@ def test_footage_is_shown_once_its_file_is_back_where_it_was_and_relinked_there(
     write_project(project_file, document.project, new_document_id())
     away = path.rename(tmp_path / "away")
     document.show_opened(read_project(project_file))
-    assert view.words == "walk.mp4 cannot be shown."
+    assert view.words == "walk.mp4 cannot be shown: the file is missing or unreadable."
     away.rename(path)
     monkeypatch.setattr(relinking, "ask_file", lambda bench, title, kind, then: then(path))
     window.strip.press("Relink…")

@@ -7,7 +7,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
 from studio.app.application import import_views, make_application, make_window, show_views
-from studio.app.guided_tour import END_SENTENCE, STEPS
+from studio.app.guided_tour import END_SENTENCE, TOUR_STEPS
 from studio.app.sample import SAMPLE_MOTION_ID
 from studio.app.settings import Settings
 from studio.document.document import Document
@@ -46,7 +46,7 @@ def begin(qtbot, window):
 def at_step(window):
     """Number of the step that is shown; None when none is."""
     shown = window.tour_strip.text
-    return next((number for number, step in enumerate(STEPS, 1) if step.sentence in shown), None)
+    return next((number for number, step in enumerate(TOUR_STEPS, 1) if step.sentence in shown), None)
 
 
 def test_the_tour_goes_on_with_what_the_mouse_does(qtbot, window):

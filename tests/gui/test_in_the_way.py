@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 from studio.app.application import import_views, show_views
 from studio.app.strike_edit import _known_capture
 from studio.document.priorities import shared_priorities_after_move
-from studio.panels.library_delegate import EYE_WIDTH
+from studio.panels.library_delegate import EYE_COLUMN_PX
 from tests.builders import make_capture, make_constraint, make_project
 from tests.gui.viewport_use import LEFT, NONE
 from tests.gui.window_use import drop
@@ -29,7 +29,7 @@ def project():
 
 def eye(library, performer_id):
     rect = library.row_rect(("performers", performer_id))
-    return QPoint(rect.right() - EYE_WIDTH // 2, rect.center().y())
+    return QPoint(rect.right() - EYE_COLUMN_PX // 2, rect.center().y())
 
 
 def shown(document):

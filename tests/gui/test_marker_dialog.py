@@ -75,7 +75,7 @@ def test_a_map_is_finished_by_clicks_applied_and_undone(qtbot, window, dialog) -
     assert not dialog.apply.isEnabled()
     for role in LEGS:
         put(dialog, role)
-    assert dialog.words.text() == "The legs can be solved; the arms stay in rest pose."
+    assert dialog.words.text() == "The legs can be solved; the arms will stay in the rest pose."
     qtbot.mouseClick(dialog.apply, Qt.MouseButton.LeftButton)
     qtbot.waitUntil(lambda: capture_of(window, dialog).body_map is not None, timeout=PATIENCE)
     document = window.bench.document

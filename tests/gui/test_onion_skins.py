@@ -9,7 +9,7 @@ from PySide6.QtTest import QTest
 
 from studio.app.preferences_dialog import PreferencesDialog
 from studio.document import colours
-from studio.engine.performance import posed_performers
+from studio.engine.posed_performer import posed_performers
 from studio.panels.fields import NumberField
 from studio.viewport.onion_skins import OnionSkins, kept_ghosts, onion_ghosts
 from tests.builders import make_morphology, make_project

@@ -6,7 +6,7 @@ import pytest
 from PySide6.QtWidgets import QAbstractItemView, QComboBox, QLabel, QLineEdit, QTableView, QWidget
 
 from studio.core.stage.prop import Prop
-from studio.panels.strikes import OF_A_POSE, READY
+from studio.panels.strikes import POSE_CLIPS_HINT, READY_HINT
 from tests.builders import make_project
 from tests.gui.test_strikes import opened
 from tests.gui.window_use import PATIENCE, wait_until_idle
@@ -71,10 +71,10 @@ def test_strikes_of_a_pose_are_not_listed_once_another_project_is_open(window, q
     window.bench.document.remove("props", "box", "Remove")
     made.list_clips(made.library.clips[:2])
     assert made.panel.results.count() == 2
-    assert made.panel.hint.text() == OF_A_POSE
+    assert made.panel.hint.text() == POSE_CLIPS_HINT
     window.bench.document.new(type(window.bench.document.project)())
     wait_until_idle(qtbot, window)
-    assert made.panel.hint.text() != OF_A_POSE
+    assert made.panel.hint.text() != POSE_CLIPS_HINT
     assert made.panel.results.count() == len(made.library.clips)
     assert not made.panel.use.isEnabled()
 
@@ -87,7 +87,7 @@ def test_strikes_for_a_performer_that_is_gone_are_found_again(window, qtbot, lib
     assert window.bench.live.wait_until_solved(PATIENCE / 1000)
     made.search()
     wait_until_idle(qtbot, window)
-    assert made.panel.hint.text() == READY
+    assert made.panel.hint.text() == READY_HINT
     document.undo_stack.undo()
     assert window.bench.live.wait_until_solved(PATIENCE / 1000)
     wait_until_idle(qtbot, window)

@@ -19,7 +19,7 @@ from studio.core.stage.held_grips import gripped_prop
 from studio.core.stage.mirrored_props import constraint_as_played
 from studio.core.stage.prop import Carried, InHand, Prop
 from studio.document.clip_edits import mirror_clip
-from studio.engine.performance import posed_performers
+from studio.engine.posed_performer import posed_performers
 from studio.engine.prop_places import prop_at, wrists_from
 from studio.panels.fields import Choice
 from tests.gui.viewport_use import drag, on_arrow, settle

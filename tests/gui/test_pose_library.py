@@ -12,7 +12,7 @@ from studio.app.application import show_viewport
 from studio.app.pose_library import PoseLibrary
 from studio.core.rotations import from_rotation_vector, inverse, multiply, to_rotation_vector
 from studio.core.stage.local_pose import POSE_REGIONS, local_pose
-from studio.engine.performance import pose_of
+from studio.engine.posed_performer import pose_of
 from studio.library.saved_poses import read_pose
 from studio.viewport import picking
 from tests.patience import PATIENCE

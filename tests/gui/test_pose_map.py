@@ -40,7 +40,7 @@ def test_a_click_lists_the_clips_of_the_group(view, window):
     QTest.mouseClick(view, Qt.MouseButton.LeftButton, pos=view.cell(5).center().toPoint())
     wanted = striking.mapping._map.clips_of(5, striking.library.table)
     assert [clip.number for clip in striking.listed] == [striking.library.clips[each].number for each in wanted]
-    assert striking.panel.hint.text() == strikes.OF_A_POSE
+    assert striking.panel.hint.text() == strikes.POSE_CLIPS_HINT
 
 
 def test_the_group_under_the_mouse_is_a_ghost_on_the_active_body(view, window):

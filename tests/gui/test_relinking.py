@@ -84,7 +84,7 @@ def test_relinking_tells_where_a_source_lies_that_is_found(qtbot, window, walk, 
     assert str(walk) in window.strip.text
     window.strip.press("Choose another…")
     dialogs = window.findChildren(QFileDialog)
-    assert [dialog.windowTitle() for dialog in dialogs] == ["Source file of walk"]
+    assert [dialog.windowTitle() for dialog in dialogs] == ["Locate the source file of walk"]
     dialogs[0].reject()
 
 

@@ -14,7 +14,7 @@ from studio.core.constraints.look_at import EYES, LookAtConstraint
 from studio.core.constraints.scope import Scope
 from studio.core.curves.activation import ActivationCurve
 from studio.document.document import Document
-from studio.viewport.opening import CHIPS
+from studio.viewport.opening import CHIPS_HEIGHT_PX
 from studio.viewport.overlay import Overlay
 from studio.viewport.widget import Viewport
 from tests.builders import make_project
@@ -123,4 +123,4 @@ def test_feet_stand_above_the_sentence_that_is_said_as_the_stage_opens(window, q
     viewport.frame_all()
     settle(viewport)
     pixels, _ = viewport.camera.project(points, viewport.view_size)
-    assert CHIPS <= pixels[:, 1].min() < pixels[:, 1].max() <= above
+    assert CHIPS_HEIGHT_PX <= pixels[:, 1].min() < pixels[:, 1].max() <= above

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QWidget
 from studio.app.strike_target import StrikeTarget
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.stage.prop import Prop
-from studio.document.dragging import STRIKE, carried_row
+from studio.document.dragging import STRIKE_MIME, row_drag_data
 from studio.library.clip_labels import Limb
 from studio.viewport import picking
 from studio.viewport.dropping import BodyDrops
@@ -119,7 +119,7 @@ def test_over_the_3d_view_the_body_under_the_mouse_is_chosen_and_takes_it(docume
     view, taken = QWidget(), []
     view.posed = view.camera = view.view_size = None
     qtbot.addWidget(view)
-    drops = BodyDrops(view, document, STRIKE)
+    drops = BodyDrops(view, document, STRIKE_MIME)
     drops.dropped.connect(lambda *what: taken.append(what))
     key = next(iter(document.project.performers))
     monkeypatch.setattr(picking, "body_at", lambda *_: None)
@@ -131,7 +131,7 @@ def test_over_the_3d_view_the_body_under_the_mouse_is_chosen_and_takes_it(docume
 
 def drop(widget, where, take, row=0):
     left, keys = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
-    content = carried_row(STRIKE, row)  # the event borrows it
+    content = row_drag_data(STRIKE_MIME, row)  # the event borrows it
     event = QDropEvent(where, Qt.DropAction.CopyAction, content, left, keys)
     take(event)
     return event

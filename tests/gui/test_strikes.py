@@ -46,7 +46,7 @@ def solved(window, qtbot):
 def test_a_new_library_has_the_bundled_strikes(window, qtbot, tmp_path):
     striking = opened(window, qtbot, tmp_path / "new")
     assert window.docks["Strikes"].isVisible()
-    assert striking.panel.hint.text() == strikes.NO_TARGET
+    assert striking.panel.hint.text() == strikes.NO_TARGET_HINT
     assert len(striking.library.clips) == 14
 
 
@@ -59,9 +59,9 @@ def test_a_strike_is_found_played_and_made_to_hit_and_one_undo_takes_it_back(str
     striking.panel.limb.setCurrentIndex(1 + Limb.LEFT_ARM)  # the body of this project reaches the box with it
     solved(window, qtbot)
     qtbot.mouseClick(find_button(striking.panel), Qt.MouseButton.LeftButton)
-    assert striking.panel.hint.text() == strikes.TRYING
+    assert striking.panel.hint.text() == strikes.EVALUATING_HINT
     wait_until_idle(qtbot, window)
-    assert striking.panel.hint.text() == strikes.READY
+    assert striking.panel.hint.text() == strikes.READY_HINT
     assert "from the target" in striking.panel.results.item(0).text()
     ranks = [(not each.hits, each.found.cost) for each in striking.found]
     assert ranks == sorted(ranks)
@@ -99,20 +99,20 @@ def test_what_is_chosen_is_searched_for_at_once(striking, window, qtbot):
     solved(window, qtbot)
     panel, key = striking.panel, add_box(window)
     wait_until_idle(qtbot, window)
-    assert panel.hint.text() == strikes.READY
+    assert panel.hint.text() == strikes.READY_HINT
     assert "from the target" in panel.results.item(0).text()
     choose_by_keys(panel.limb, 1 + Limb.RIGHT_LEG)
     wait_until_idle(qtbot, window)
     assert {clip.label.limb for clip in striking.listed} == {Limb.RIGHT_LEG}
     window.bench.document.remove("props", key, "Delete box")
-    assert panel.hint.text() == strikes.NO_TARGET
+    assert panel.hint.text() == strikes.NO_TARGET_HINT
 
 
 def test_a_new_project_lists_no_clips_of_a_pose_that_was_selected_before(striking, window, qtbot):
     striking.list_clips(striking.library.clips[:2])
     window.bench.document.new(Project())
     wait_until_idle(qtbot, window)
-    assert striking.panel.hint.text() == strikes.NO_TARGET
+    assert striking.panel.hint.text() == strikes.NO_TARGET_HINT
     assert striking.panel.results.count() == len(striking.library.clips)
 
 
@@ -120,7 +120,7 @@ def test_without_a_box_it_says_that_one_is_needed(striking, window, qtbot):
     striking.add_folder(example_captures_folder())
     wait_until_idle(qtbot, window)
     striking.search()
-    assert striking.panel.hint.text() == strikes.NO_TARGET
+    assert striking.panel.hint.text() == strikes.NO_TARGET_HINT
     add_box(window)
     assert striking.panel.target.currentText() == "Target"
 
@@ -130,11 +130,11 @@ def test_strikes_are_ranked_as_soon_as_the_body_is_solved(striking, window, qtbo
     with monkeypatch.context() as patch:
         patch.setattr(LiveAdaptation, "ready", False)  # what searches is still being compiled
         striking.search()
-        assert striking.panel.hint.text() == strikes.UNSOLVED
+        assert striking.panel.hint.text() == strikes.UNSOLVED_HINT
         assert striking.panel.results.count() == 14
     window.bench.live.adapted.emit(window.bench.document.active_performer_id)
     wait_until_idle(qtbot, window)
-    assert striking.panel.hint.text() == strikes.READY
+    assert striking.panel.hint.text() == strikes.READY_HINT
     assert "from the target" in striking.panel.results.item(0).text()
 
 

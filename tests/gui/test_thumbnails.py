@@ -12,7 +12,7 @@ from PySide6.QtTest import QTest
 from studio.core.stage.project import Project
 from studio.io.project.character_file import bundled_characters
 from studio.panels import thumbnails
-from studio.panels.library_delegate import PICTURED
+from studio.panels.library_delegate import COLLECTIONS_WITH_PICTURE
 from studio.panels.thumbnails import capture_picture, character_picture
 from tests.builders import make_capture, make_project
 from tests.patience import SECONDS
@@ -55,7 +55,7 @@ def test_every_row_gets_its_picture_drawn_beside_the_window_and_only_once(window
     monkeypatch.setattr(thumbnails, "character_picture", counted)
     library, document = window.library, window.bench.document
     key = document.add("characters", bundled_characters()["child"], "Add")
-    items = [row.item for row in library.model.rows if row.item and row.item[0] in PICTURED]
+    items = [row.item for row in library.model.rows if row.item and row.item[0] in COLLECTIONS_WITH_PICTURE]
     assert ("characters", key) in items
     wait_for(lambda: all(library.thumbnails.of(*item) is not None for item in items))
     count = len(threads)

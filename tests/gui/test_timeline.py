@@ -6,7 +6,7 @@ from PySide6.QtGui import QHelpEvent, QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 
-from studio.timeline.transport import LAST_FRAME
+from studio.timeline.transport import MAX_FRAME
 from tests.gui.hand import RATE, frames, in_lane, pixels
 
 
@@ -240,8 +240,8 @@ def test_the_playhead_is_wiped_from_where_it_was_painted_last_also_by_a_zoom(doc
 
 
 def test_a_range_as_long_as_its_field_takes_is_painted_from_very_near(document, timeline):
-    timeline.transport.last.setValue(LAST_FRAME)
-    document.playhead.set_frame(LAST_FRAME)
+    timeline.transport.last.setValue(MAX_FRAME)
+    document.playhead.set_frame(MAX_FRAME)
     for factor in (1e9, 1e-9):
         timeline.tracks.axis.zoom(factor, 700)
         assert not timeline.grab().isNull()

@@ -14,7 +14,7 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.project import Motion
 from studio.document import clip_edits
 from studio.document.document import Document
-from studio.document.dragging import carried_capture
+from studio.document.dragging import capture_drag_data
 from studio.panels.inspector import Inspector
 from studio.panels.library_panel import LibraryPanel
 from studio.timeline.hover import hover_text
@@ -174,7 +174,7 @@ def test_a_split_beside_the_clip_is_refused_in_a_sentence(document, timeline, qt
     document.playhead.set_frame(0)
     with qtbot.waitSignal(document.problem_reported) as said:
         choose(timeline, place(timeline, SECOND, 100), "Split at playhead")
-    assert "Move the playhead into it" in said.args[0]
+    assert "Move it between" in said.args[0]
     assert document.undo_stack.count() == 0
 
 
@@ -268,10 +268,10 @@ def test_files_are_left_to_the_window(timeline):
 
 def test_a_drop_beside_the_rows_goes_to_the_end_of_the_active_row(document, timeline):
     end = clip(document, "punch").start + 90 / RATE
-    content = carried_capture("other")
+    content = capture_drag_data("other")
     event = QDropEvent(QPointF(400, 300), Qt.DropAction.CopyAction, content, LEFT, NONE)
     timeline.tracks.dropEvent(event)
-    assert document.project.performers[FIRST].clips[-1].start == pytest.approx(end - clip_edits.BLEND)
+    assert document.project.performers[FIRST].clips[-1].start == pytest.approx(end - clip_edits.DEFAULT_BLEND_SECONDS)
 
 
 def test_the_form_of_a_clip_changes_it_and_undo_takes_it_back(document, live, qtbot):

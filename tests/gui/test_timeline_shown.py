@@ -12,7 +12,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.constraints.scope import Scope
 from studio.core.stage.project import Project
 from studio.document import colours
-from studio.engine.empty_stage import HIDDEN
+from studio.engine.empty_stage import ALL_HIDDEN_PROMPT
 from studio.timeline.curves import Quantity
 from studio.timeline.hover import hover_text
 from studio.timeline.strip_states import StripState
@@ -185,7 +185,7 @@ def test_with_nobody_shown_the_line_asks_for_a_character(document, timeline):
     for key, performer in document.project.performers.items():
         document.replace("performers", key, replace(performer, visible=False), "")
     assert timeline.row_rect("ruler").isEmpty()
-    assert timeline.tracks.prompt == HIDDEN
+    assert timeline.tracks.prompt == ALL_HIDDEN_PROMPT
 
 
 def test_the_transport_plays_steps_and_goes_to_the_ends(document, timeline):

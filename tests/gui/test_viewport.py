@@ -8,7 +8,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QPushButton
 
 from studio.document.document import Document
-from studio.engine.empty_stage import HIDDEN
+from studio.engine.empty_stage import ALL_HIDDEN_PROMPT
 from studio.viewport.stage_picture import StageScene
 from studio.viewport.widget import Viewport
 from tests.builders import make_project
@@ -182,7 +182,7 @@ def test_while_nobody_performs_the_view_says_what_is_under_way_and_else_what_to_
     assert viewport.notice == ""
     for key, performer in document.project.performers.items():
         document.replace("performers", key, replace(performer, visible=False), "Hide")
-    assert viewport.notice == HIDDEN
+    assert viewport.notice == ALL_HIDDEN_PROMPT
 
 
 def test_the_playhead_may_move_when_what_is_shown_is_gone(studio):

@@ -88,11 +88,11 @@ def test_the_example_in_the_guide_is_read(tmp_path):
         ({"constraints": [{**WRIST, "chain": {"arm": 1}}]}, r"'Right wrist'\): 'chain.arm' is not known"),
         ({"constraints": [{**WRIST, "chain": {"limb": 7}}]}, r"'Right wrist'\), chain: .*limb is 7"),
         ({"constraints": [{**WRIST, "chain": {"segments": [["thorax", 7]]}}]}, "chain: .*thorax is 7"),
-        ({"constraints": [{**WRIST, "chain": {"segments": [["left_hand", 0]]}}]}, "left hand has no weight of its own"),
+        ({"constraints": [{**WRIST, "chain": {"segments": [["left_hand", 0]]}}]}, "hand cannot have a weight override"),
         ({"constraints": [{**WRIST, "chain": {"segments": [["tail", 0]]}}]}, "chain: segments: one of pelvis"),
         (
             {"constraints": [{**WRIST, "weight": -1}]},
-            r"'Right wrist'\), a weight is a finite number of 0 or more, got -1",
+            r"'Right wrist'\), the weight must be a finite number of 0 or more, not -1",
         ),
         (
             {"constraints": [{**WRIST, "point": {"part": "tail"}}]},
@@ -105,16 +105,22 @@ def test_the_example_in_the_guide_is_read(tmp_path):
             {"constraints": [{**WRIST, "activation": {**WRIST["activation"], "full": 9}}]},
             r"'Right wrist'\), activation: .*in order",
         ),
-        ({"constraints": [{**WRIST, "priority": -1}]}, r"'Right wrist'\), a priority is 0 \(highest\) or more, got -1"),
+        (
+            {"constraints": [{**WRIST, "priority": -1}]},
+            r"'Right wrist'\), the priority must be 0 \(highest\) or more, not -1",
+        ),
         ({"constraints": [{**WRIST, "priority": 0.5}]}, r"'Right wrist'\), priority: a whole number expected"),
         ({"constraints": [{**WRIST, "priority": NAN}]}, r"'Right wrist'\), priority: a whole number expected"),
-        ({"constraints": [{**WRIST, "target": [0, NAN, 0]}]}, r"'Right wrist'\), a target is three finite numbers"),
-        ({"constraints": [{**WRIST, "target": [0, 0, -INFINITY]}]}, r"'Right wrist'\), a target is three finite"),
+        (
+            {"constraints": [{**WRIST, "target": [0, NAN, 0]}]},
+            r"'Right wrist'\), a target must be three finite numbers",
+        ),
+        ({"constraints": [{**WRIST, "target": [0, 0, -INFINITY]}]}, r"'Right wrist'\), a target must be three finite"),
         ({"constraints": [{**WRIST, "target": NAN}]}, r"'Right wrist'\), target: a list expected, not 'nan'"),
         ({"constraints": [{**WRIST, "chain": {"limb": NAN}}]}, r"'Right wrist'\), chain: .*limb is nan"),
         (
             {"constraints": [{**WRIST, "point": {"part": "head", "offset": [0, 0, NAN]}}]},
-            r"'Right wrist'\), point: A point's offset is three finite",
+            r"'Right wrist'\), point: A point's offset must be three finite",
         ),
         (
             {"constraints": [{**WRIST, "activation": {**WRIST["activation"], "end": INFINITY}}]},
@@ -151,9 +157,9 @@ def test_a_file_that_is_not_there_is_named(tmp_path):
 
 def test_contradictions_and_doubles_are_named_with_their_place_in_the_file(tmp_path):
     other = {**WRIST, "name": "Other wrist", "target": [0.0, 0.0, 1.0]}
-    with pytest.raises(StudioError, match=r"constraints\[1\]: 'Other wrist' contradicts 'Right wrist'"):
+    with pytest.raises(StudioError, match=r"constraints\[1\]: 'Other wrist' conflicts with 'Right wrist'"):
         read_constraints(written(tmp_path, {"constraints": [WRIST, other]}), "motion")
-    with pytest.raises(StudioError, match=r"constraints\[1\]: 'Again' asks the same as 'Right wrist'"):
+    with pytest.raises(StudioError, match=r"constraints\[1\]: 'Again' duplicates 'Right wrist'"):
         read_constraints(written(tmp_path, {"constraints": [WRIST, {**WRIST, "name": "Again"}]}), "motion")
     assert (
         len(read_constraints(written(tmp_path, {"constraints": [WRIST, {**other, "priority": 1}]}), "m").constraints)

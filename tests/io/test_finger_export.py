@@ -37,7 +37,7 @@ from studio.core.solver.request import AdaptRequest
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Project
 from studio.core.stage.prop import InHand, Prop
-from studio.engine.performance import posed_performers
+from studio.engine.posed_performer import posed_performers
 from studio.io.export import Take, skin_of, take_of_adapted, take_of_standing, write_take
 from studio.io.export_options import ExportOptions
 from studio.io.importing import load_capture, load_character

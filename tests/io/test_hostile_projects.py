@@ -199,11 +199,11 @@ TOLD: dict[str, tuple[Callable[[dict[str, bytes]], bytes], str]] = {
     "a character without legs": (project(lambda record: record["characters"][0]["build"].pop("leg")), "leg"),
     "a character with a negative thigh": (inside("characters", "build", leg=[[-1, 1], [1, 1]]), "length above zero"),
     "a vertex beyond single precision": (inside("characters", "skin", vertices=[[1e300, 0, 0]]), "numbers|skin"),
-    "a behaviour without states": (behaviour(states=[]), "needs a state to begin in"),
-    "a behaviour that begins nowhere": (behaviour(start="Nap"), "which is not one of its states"),
+    "a behaviour without states": (behaviour(states=[]), "needs at least one state"),
+    "a behaviour that begins nowhere": (behaviour(start="Nap"), "does not exist"),
     "a transition to no state": (
         behaviour(transitions=[{"source": "Guard", "target": "Nap", "conditions": [{"kind": "clip_end"}]}]),
-        "needs a state called 'Nap', and there is none",
+        "refers to a missing state, 'Nap'",
     ),
     "a transition that waits for nothing": (
         behaviour(transitions=[{"source": "Guard", "target": "Guard", "conditions": []}]),

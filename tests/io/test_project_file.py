@@ -236,7 +236,7 @@ def test_a_save_is_whole_or_absent_at_every_size_limit(saved: Path) -> None:
 
 
 def test_a_folder_that_cannot_be_written_is_told_with_another_way(saved: Path) -> None:
-    with pytest.raises(FolderNotWritable, match="Save As"):
+    with pytest.raises(FolderNotWritable, match="Save as"):
         write_project(saved.parent / "gone" / "walk.studio", make_project(), ID)
 
 
@@ -345,7 +345,7 @@ def test_constraints_that_contradict_each_other_are_opened_whole_and_remarked_on
     assert opened.project.constraints == project.constraints
     assert (opened.problems, opened.read_only) == ((), False)
     [remark] = opened.remarks
-    assert remark.startswith("'Rival' contradicts 'Target 0'")
+    assert remark.startswith("'Rival' conflicts with 'Target 0'")
 
 
 def test_a_project_whose_ground_is_lost_stands_on_a_level_one():

@@ -9,14 +9,14 @@ from studio.core.solver.request import AdaptRequest
 from studio.io.project.character_file import bundled_characters
 from studio.live import vmc
 from studio.live.driving import ReceivedPose, driven_frame
+from studio.live.live_grounding import LiveGrounding
 from studio.live.osc import encode_message
-from studio.live.planting import LiveGrounding
-from studio.live.tracker import TRACKED_RANGE, Inbox
+from studio.live.tracker import TRACKED_RANGE_METRES, Inbox
 from tests.core.motions import walk
 
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
 WALK = walk(20)[0]
-PLACES = (0.0, 1e-30, 1e-6, 1e-3, 0.3, TRACKED_RANGE, -TRACKED_RANGE, 1e30)
+PLACES = (0.0, 1e-30, 1e-6, 1e-3, 0.3, TRACKED_RANGE_METRES, -TRACKED_RANGE_METRES, 1e30)
 
 
 def hostile_inbox(random: Random) -> Inbox:

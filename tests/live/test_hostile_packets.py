@@ -7,7 +7,7 @@ import numpy as np
 
 from studio.live import vmc
 from studio.live.osc import bundles, encode_message
-from studio.live.tracker import MOST_NAMES, TRACKED_RANGE, Inbox
+from studio.live.tracker import MAX_NAMES, TRACKED_RANGE_METRES, Inbox
 
 PACKETS = 20_000
 NUMBERS = (0.0, 1.0, -1e30, 1e38, math.nan, math.inf, 0.7)
@@ -37,7 +37,7 @@ def test_hostile_packets_are_counted_or_taken_and_nothing_else() -> None:
     assert counts.accepted + counts.malformed == PACKETS
     assert min(counts.accepted, counts.malformed, counts.refused_values) > PACKETS // 100
     bones = inbox.bones()
-    assert 0 < len(bones) <= MOST_NAMES
+    assert 0 < len(bones) <= MAX_NAMES
     for bone in bones.values():
         assert np.isfinite(bone.rotation).all()
-        assert np.abs(bone.position).max() <= TRACKED_RANGE
+        assert np.abs(bone.position).max() <= TRACKED_RANGE_METRES

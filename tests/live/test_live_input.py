@@ -20,8 +20,8 @@ from studio.core.solver.request import AdaptRequest
 from studio.io.project.character_file import bundled_characters
 from studio.live import tracker
 from studio.live.driving import ReceivedPose, driven_frame
+from studio.live.live_grounding import LiveGrounding
 from studio.live.osc import encode_message
-from studio.live.planting import LiveGrounding
 from studio.live.recording import Recorder, Replay, read_recording, write_recording
 from studio.live.streamer import Broadcast, StreamedPose, packets_of
 from studio.live.tracker import LOOPBACK, Inbox, UdpInput
@@ -100,7 +100,7 @@ def test_a_flood_is_taken_no_faster_than_a_window_can_bear():
             while time.monotonic() - begun < 0.5:
                 out.sendto(b"x" * 64, ("127.0.0.1", listener.port))
             seconds = time.monotonic() - begun
-        most = tracker.MOST_A_SLICE * (seconds / tracker.SLICE + 2)
+        most = tracker.MAX_PACKETS_PER_SLICE * (seconds / tracker.SLICE_SECONDS + 2)
         assert 0 < inbox.counts.malformed <= most
     finally:
         listener.close()

@@ -26,7 +26,7 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
 from studio.io.project.character_file import bundled_characters
 from studio.live.driving import ReceivedPose, driven_frame
-from studio.live.planting import LiveGrounding
+from studio.live.live_grounding import LiveGrounding
 from studio.live.streamer import packets_of
 from studio.live.tracker import Inbox
 from tests.core.motions import ALWAYS, walk

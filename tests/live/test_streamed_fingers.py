@@ -11,7 +11,7 @@ from studio.core.body.rest_pose import rest_pose
 from studio.core.rigs.finger_rest import bend, relative_rotations
 from studio.core.rotations import to_matrix
 from studio.core.stage.clip import Clip
-from studio.engine.performance import pose_of
+from studio.engine.posed_performer import pose_of
 from studio.jobs.performances import stage_performances
 from studio.live import vmc
 from studio.live.streamer import packets_of

@@ -16,7 +16,7 @@ from studio.live import vmc
 from studio.live.osc import encode_message
 from studio.live.recording import read_recording, write_recording
 from studio.live.streamer import LARGEST_BUNDLE, Streamer, packets_of
-from studio.live.tracker import MOST_NAMES, TRACKED_RANGE, Inbox, UdpInput
+from studio.live.tracker import MAX_NAMES, TRACKED_RANGE_METRES, Inbox, UdpInput
 from tests.builders import make_morphology
 from tests.core.motions import walk
 from tests.patience import eventually
@@ -119,17 +119,17 @@ def test_what_is_no_number_is_refused_and_what_is_absurd_is_clamped():
     assert inbox.counts.refused_values == 5
     assert inbox.position_of(["a"]) is None
     inbox.receive(bone_message("a", 1e30, 0.0, 0.0, *still))
-    assert abs(inbox.position_of(["a"])).max() == TRACKED_RANGE
+    assert abs(inbox.position_of(["a"])).max() == TRACKED_RANGE_METRES
 
 
 def test_hostile_packets_are_counted_and_leave_the_memory_as_it_is():
     inbox = Inbox()
     random = np.random.default_rng(1)
     noise = [random.integers(0, 256, 64).astype(np.uint8).tobytes() for _ in range(50)]
-    names = [bone_message(f"name {k}", *([0.0] * 6), 1.0) for k in range(2 * MOST_NAMES)]
+    names = [bone_message(f"name {k}", *([0.0] * 6), 1.0) for k in range(2 * MAX_NAMES)]
     for packet in names:
         inbox.receive(packet)
-    assert inbox.counts.refused_values == MOST_NAMES
+    assert inbox.counts.refused_values == MAX_NAMES
     tracemalloc.start()
     before = tracemalloc.get_traced_memory()[0]
     for _ in range(40):

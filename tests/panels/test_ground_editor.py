@@ -12,7 +12,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.stage.project import GROUND_ID
 from studio.document.document import Document
 from studio.panels.fields import Choice, NumberField
-from studio.panels.ground_editor import GROUND_CHOICES, MADE_HERE, GroundEditor
+from studio.panels.ground_editor import GROUND_CHOICES, NUMERIC_GROUND_KINDS, GroundEditor
 from tests.builders import make_project
 from tests.solved_live import SolvedLive
 
@@ -40,7 +40,7 @@ def named(editor, kind, name):
 
 def choose(editor, kind):
     choice = named(editor, Choice, "Ground type")
-    place = [each for each, _ in GROUND_CHOICES if each in MADE_HERE].index(kind)
+    place = [each for each, _ in GROUND_CHOICES if each in NUMERIC_GROUND_KINDS].index(kind)
     choice.setCurrentIndex(place)
     choice.activated.emit(place)
 

@@ -14,7 +14,7 @@ from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Performer
 from studio.document.document import Document
 from studio.io.project.character_file import bundled_characters
-from studio.panels.constraint_editors.body_figure import SCALE, SEGMENT_SHAPES, BodyFigure
+from studio.panels.constraint_editors.body_figure import BODY_FIGURE_SCALE, SEGMENT_SHAPES, BodyFigure
 from studio.panels.constraint_editors.priority import OrderList
 from studio.panels.constraint_editors.worst_residuals import BodyResidual, ResidualTable, residuals_of, words_of
 from studio.panels.fields import Choice, NumberField
@@ -27,7 +27,7 @@ LEFT = Qt.MouseButton.LeftButton
 
 def segment_place(part):
     """Place at which a segment of the figure is clicked."""
-    return (SCALE * SEGMENT_SHAPES[part].center()).toPoint()
+    return (BODY_FIGURE_SCALE * SEGMENT_SHAPES[part].center()).toPoint()
 
 
 @pytest.fixture
@@ -182,7 +182,7 @@ def test_locking_the_last_free_part_is_refused_in_a_sentence(inspector, document
     QTest.mouseClick(figure, LEFT, pos=segment_place(BodyPart.RIGHT_CLAVICLE))
     with qtbot.waitSignal(document.problem_reported) as told:
         QTest.mouseClick(figure, LEFT, pos=segment_place(BodyPart.RIGHT_FOREARM))
-    assert "without any free part" in told.args[0]
+    assert "No part of the IK chain may move" in told.args[0]
     assert document.project.constraints["constraint 0"].chain.limb == 1.0
 
 
@@ -198,7 +198,7 @@ def test_an_activation_is_shown_and_set_in_the_time_of_the_stage(inspector, docu
     rate = document.project.frame_rate_of(later)
     assert start.value() == pytest.approx(later.stage_seconds(curve.start, rate), abs=1e-3)
     assert end.value() == pytest.approx(later.stage_seconds(curve.end, rate), abs=1e-3)
-    assert f"({curve.end:.3f} s of the motion)" in end.toolTip()
+    assert f"({curve.end:.3f} s of the clip)" in end.toolTip()
     end.setValue(end.value() + 0.5)
     changed = document.project.constraints["constraint 0"].activation
     assert changed.end == pytest.approx(curve.end + 1.0, abs=2e-3)
@@ -287,7 +287,7 @@ def test_a_tie_that_would_double_a_constraint_is_refused_in_a_sentence(inspector
     tie = inspector.findChild(QCheckBox, "tie")
     with qtbot.waitSignal(document.problem_reported) as told:
         QTest.mouseClick(tie, LEFT, pos=QPoint(8, 8))
-    assert "asks the same as 'Target 0'" in told.args[0]
+    assert "duplicates 'Target 0'" in told.args[0]
     assert not tie.isChecked()
     assert document.history == ()
 

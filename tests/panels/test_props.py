@@ -20,7 +20,7 @@ from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
 from studio.document.obstacles import obstacles_of, set_obstacle
-from studio.engine.performance import posed_performers
+from studio.engine.posed_performer import posed_performers
 from studio.engine.prop_places import moved_prop, prop_at, turned_prop
 from studio.io.project.entity_json import entity_record
 from studio.io.project.project_file import new_document_id, read_project, write_project

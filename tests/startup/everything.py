@@ -36,7 +36,7 @@ from studio.library.indexing import index_folders
 from studio.library.library import Library
 from studio.library.searching import StrikeQuery, search_strikes
 from studio.live.driving import ReceivedPose, driven_frame
-from studio.live.planting import LiveGrounding
+from studio.live.live_grounding import LiveGrounding
 from studio.live.streamer import packets_of
 from studio.live.tracker import Inbox
 from studio.resources_folder import example_captures_folder

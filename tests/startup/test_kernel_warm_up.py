@@ -109,14 +109,14 @@ def test_a_cold_cache_is_filled_by_two_processes_and_then_fetched(cold):
 def test_a_verb_says_what_it_waits_for_and_how_far_that_is(cold, capsys):
     kernel_warm_up.compile_first()
     told = capsys.readouterr().err.splitlines()
-    assert "The solver is compiled, once on this machine" in told[0]
+    assert "Compiling the solver, once on this machine" in told[0]
     assert told[-1] == "100% The solver is ready"
     assert cold == FETCHED
 
 
 def test_who_only_reads_says_so_where_that_is_still_to_be_compiled_and_else_nothing(cold, tmp_path, capsys):
     kernel_warm_up.print_wait_reason()
-    assert capsys.readouterr().err == "What reads motions is compiled, once on this machine: some ten seconds.\n"
+    assert capsys.readouterr().err == "Compiling the file readers, once on this computer: about ten seconds.\n"
     (tmp_path / kernel_warm_up.LAST_TO_READ.replace("*", "1")).touch()
     kernel_warm_up.print_wait_reason()
     assert capsys.readouterr().err == ""
@@ -152,7 +152,7 @@ def test_a_warm_up_that_was_stopped_is_told_of_the_next_time_too(cold, capsys):
     warming = kernel_warm_up.WarmUp(held=True)
     warming.stop()
     kernel_warm_up.compile_first()
-    assert "The solver is compiled" in capsys.readouterr().err
+    assert "Compiling the solver" in capsys.readouterr().err
 
 
 def test_while_it_is_held_other_processes_compile_and_this_one_fetches_nothing(cold):

@@ -7,7 +7,7 @@ from studio.core.curves.activation import ActivationCurve
 from studio.timeline.axis import TimeAxis
 from studio.timeline.curves import foot_speed
 from studio.timeline.gestures.activation import time_of, with_time
-from studio.timeline.shown import HANDLES, ItemPart
+from studio.timeline.shown import HANDLE_PARTS, ItemPart
 from studio.timeline.snapping import Snapped, snapped_time
 from tests.builders import make_project
 from tests.timeline.fakes import make_result
@@ -15,11 +15,11 @@ from tests.timeline.fakes import make_result
 CURVE = ActivationCurve(1.0, 2.0, 3.0, 4.0)
 
 
-@given(st.sampled_from(HANDLES), st.floats(0, 5))
+@given(st.sampled_from(HANDLE_PARTS), st.floats(0, 5))
 def test_a_handle_goes_where_it_is_put_and_pushes_only_what_is_in_its_way(part, time):
     moved = with_time(CURVE, part, time)
     assert time_of(moved, part) == time
-    for other in HANDLES:
+    for other in HANDLE_PARTS:
         before = time_of(CURVE, other)
         assert time_of(moved, other) in (before, time)
         if min(time, time_of(CURVE, part)) > before or max(time, time_of(CURVE, part)) < before:

@@ -17,7 +17,7 @@ from studio.timeline.shown import RowContext
 from studio.timeline.subject import ActiveMotion
 from studio.timeline.tracks.brush import font
 from studio.timeline.tracks.clip import elided_text
-from studio.timeline.tracks.contacts import LEAST_BAR, seen_bars
+from studio.timeline.tracks.contacts import MIN_CONTACT_BAR_PX, seen_bars
 
 RATE = 60.0
 WORDS = "front_leg_low · 67 frames at 60 fps · mirrored"
@@ -65,14 +65,14 @@ def test_bars_that_lie_apart_are_drawn_one_by_one(gaps: list[tuple[int, int]]) -
     shown.axis.zoom(1e6, 200.0)  # as near as can be, the first frames in sight
     seen = [(shown.x_of_frame(first), shown.x_of_frame(last)) for first, last in spans]
     seen = [pair for pair in seen if pair[0] <= shown.axis.right]
-    wide = [((left + right - LEAST_BAR) / 2, (left + right + LEAST_BAR) / 2) for left, right in seen]
+    wide = [((left + right - MIN_CONTACT_BAR_PX) / 2, (left + right + MIN_CONTACT_BAR_PX) / 2) for left, right in seen]
     expected = [max(pair, bar, key=lambda each: each[1] - each[0]) for pair, bar in zip(seen, wide, strict=True)]
     assert seen_bars(shown, spans) == [pytest.approx(bar) for bar in expected]
 
 
 def test_an_hour_of_contacts_is_as_many_bars_as_fit() -> None:
     spans = spans_of([(20, 20)] * 5000)
-    assert len(seen_bars(make_shown(spans[-1][1]), spans)) <= 1000 / LEAST_BAR
+    assert len(seen_bars(make_shown(spans[-1][1]), spans)) <= 1000 / MIN_CONTACT_BAR_PX
 
 
 @given(st.integers(2, 900), st.integers(0, 2**32 - 1))

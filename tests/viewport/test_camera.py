@@ -5,7 +5,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from studio.viewport.camera import VIEWS, OrbitCamera
+from studio.viewport.camera import NAMED_VIEWS, OrbitCamera
 
 SIZE = (1200.0, 700.0)
 angles = st.floats(-math.pi, math.pi)
@@ -57,7 +57,7 @@ def test_panning_by_one_pixel_moves_the_target_by_one_pixel():
 
 
 def test_the_side_view_shows_forward_to_the_right_and_the_top_view_left_upwards():
-    side = OrbitCamera(azimuth=VIEWS["side"][0], elevation=VIEWS["side"][1])
-    top = OrbitCamera(azimuth=VIEWS["top"][0], elevation=VIEWS["top"][1])
+    side = OrbitCamera(azimuth=NAMED_VIEWS["side"][0], elevation=NAMED_VIEWS["side"][1])
+    top = OrbitCamera(azimuth=NAMED_VIEWS["top"][0], elevation=NAMED_VIEWS["top"][1])
     assert side.axes[0] == pytest.approx([1.0, 0.0, 0.0], abs=1e-12)
     assert top.axes[1] == pytest.approx([0.0, 1.0, 0.0], abs=1e-12)

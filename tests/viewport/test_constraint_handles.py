@@ -11,7 +11,7 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedNumber
 from studio.core.rotations import from_matrix
-from studio.engine.performance import posed_performers
+from studio.engine.posed_performer import posed_performers
 from studio.viewport.body_points import point_path
 from studio.viewport.handles import Handle, constraint_handles
 from tests.builders import make_constraint, make_project

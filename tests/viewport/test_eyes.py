@@ -9,7 +9,15 @@ from studio.core.stage.project import Project
 from studio.core.stage.prop import Prop
 from studio.engine.prop_places import props_at
 from studio.viewport.camera import OrbitCamera
-from studio.viewport.eyes import EYE_SEPARATION, EyePosition, Stereo, StereoScene, StereoView, anaglyph, side_by_side
+from studio.viewport.eyes import (
+    EYE_SEPARATION_FRACTION,
+    EyePosition,
+    Stereo,
+    StereoScene,
+    StereoView,
+    anaglyph,
+    side_by_side,
+)
 from studio.viewport.stage_picture import StageScene
 from studio.viewport.stills import AveragedPicture
 
@@ -72,7 +80,7 @@ def test_side_by_side_has_the_left_eye_at_the_left(width):
     assert picture[120, 319, 0] == 100
     assert scene.looked[0][0] == (160, 120)  # all that one eye would see
     apart = scene.looked[1][1].right - scene.looked[0][1].right
-    assert apart == pytest.approx(EYE_SEPARATION * CAMERA.distance)
+    assert apart == pytest.approx(EYE_SEPARATION_FRACTION * CAMERA.distance)
 
 
 def test_an_anaglyph_has_the_left_eye_in_red_and_the_right_one_in_green_and_blue():

@@ -8,8 +8,8 @@ from studio.viewport.gizmo import (
     ARROW_PIXELS,
     BALL_HANDLE,
     GIZMO_AXES,
-    PLANES,
-    SHORTEST_ARROW,
+    MIN_ARROW_PIXELS,
+    PLANE_NORMAL_AXES,
     Gizmo,
     arrow_pixels,
     moved_axes,
@@ -36,10 +36,12 @@ def test_the_grip_of_an_arrow_is_the_point_of_its_axis_under_the_mouse(axis, way
     assert gizmo.grip(axis, x, y) == pytest.approx(point, abs=1e-9)
 
 
-@given(st.sampled_from([*PLANES, BALL_HANDLE]), st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
+@given(st.sampled_from([*PLANE_NORMAL_AXES, BALL_HANDLE]), st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
 def test_the_grip_of_a_plane_is_the_point_of_that_plane_under_the_mouse(part, along, across):
     gizmo = make_gizmo()
-    first, second = gizmo.camera.axes[:2] if part == BALL_HANDLE else np.delete(np.eye(3), PLANES[part], axis=0)
+    first, second = (
+        gizmo.camera.axes[:2] if part == BALL_HANDLE else np.delete(np.eye(3), PLANE_NORMAL_AXES[part], axis=0)
+    )
     point = gizmo.origin + along * first + across * second
     x, y = gizmo.camera.project(point, SIZE)[0][0]
     assert gizmo.grip(part, x, y) == pytest.approx(point, abs=1e-9)
@@ -71,5 +73,5 @@ def test_a_part_moves_the_axes_it_is_named_after():
 def test_arrows_shrink_beside_a_small_body_as_long_as_they_can_be_gripped():
     lengths = [arrow_pixels(height) for height in (10.0, 150.0, 210.0, 400.0)]
     assert lengths == sorted(lengths)
-    assert (lengths[0], lengths[-1]) == (SHORTEST_ARROW, ARROW_PIXELS)
+    assert (lengths[0], lengths[-1]) == (MIN_ARROW_PIXELS, ARROW_PIXELS)
     assert lengths[2] == pytest.approx(70.0)

@@ -3,7 +3,7 @@
 import pytest
 
 from studio.core.stage.placement import Placement
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.viewport.handles import constraint_handles
 from tests.core.test_props import GIVEN, handing, looped, performed
 

@@ -9,8 +9,8 @@ from studio.core.captures.contacts import ContactPoint
 from studio.core.constraints.base import BodyPoint
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.grounds.steps import Steps
-from studio.engine.performance import posed_performers
-from studio.viewport.opening import CHIPS, opening_camera
+from studio.engine.posed_performer import posed_performers
+from studio.viewport.opening import CHIPS_HEIGHT_PX, opening_camera
 from studio.viewport.paths import contact_marks, selection_rings, trail_keys, trails
 from tests.builders import make_constraint, make_contact, make_project
 from tests.viewport.standing import RATE, results_of
@@ -98,7 +98,7 @@ def test_the_opening_camera_shows_every_body_between_the_chips_and_a_sentence_be
     for size in ((1200.0, 700.0), (700.0, 560.0)):
         camera = opening_camera(posed, size, covered_below=covered)
         pixels, _ = camera.project(np.concatenate([pose.points for pose in posed.values()]), size)
-        assert (pixels[:, 1] >= CHIPS - 1.0).all()
+        assert (pixels[:, 1] >= CHIPS_HEIGHT_PX - 1.0).all()
         assert (pixels[:, 1] <= size[1] - covered + 1.0).all()
 
 

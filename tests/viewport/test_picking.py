@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from studio.core.stage.prop import Prop
-from studio.engine.performance import posed_performers
+from studio.engine.posed_performer import posed_performers
 from studio.engine.prop_places import props_at
 from studio.viewport.body_points import body_joints, point_path
 from studio.viewport.camera import OrbitCamera

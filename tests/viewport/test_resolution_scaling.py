@@ -2,7 +2,7 @@
 
 from itertools import pairwise
 
-from studio.viewport.resolution_scaling import RETRY, SHARES, SLOW_PICTURES, ResolutionScaling
+from studio.viewport.resolution_scaling import RESOLUTION_FRACTIONS, RETRY_IMAGES, SLOW_PICTURES, ResolutionScaling
 
 FULL, SLOW = (900, 600), 0.02
 
@@ -32,9 +32,9 @@ def test_slow_pictures_now_and_then_among_quick_ones_change_nothing() -> None:
 
 def test_after_a_rest_more_is_tried_again() -> None:
     sharpness = ResolutionScaling(SLOW)
-    for _ in range(SLOW_PICTURES * len(SHARES)):
+    for _ in range(SLOW_PICTURES * len(RESOLUTION_FRACTIONS)):
         sharpness.note_duration(2.0 * SLOW)
-    for _ in SHARES:
+    for _ in RESOLUTION_FRACTIONS:
         sharpness.note_rest()
     assert sharpness.size(FULL) == FULL
 
@@ -43,7 +43,7 @@ def test_after_a_slow_while_all_pixels_come_back_though_nothing_rests() -> None:
     sharpness = ResolutionScaling(SLOW)
     for _ in range(SLOW_PICTURES):
         sharpness.note_duration(2.0 * SLOW)
-    for _ in range(2 * RETRY):
+    for _ in range(2 * RETRY_IMAGES):
         sharpness.note_duration(0.6 * SLOW)
     assert sharpness.size(FULL) == FULL
 

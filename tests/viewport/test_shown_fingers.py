@@ -11,7 +11,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.solver.adapt import body_point_positions
 from studio.core.stage.project import Project
 from studio.core.stage.prop import InHand, Prop
-from studio.engine.performance import PosedPerformer, pose_of, posed_performers
+from studio.engine.posed_performer import PosedPerformer, pose_of, posed_performers
 from studio.jobs.performances import stage_performances
 from studio.viewport.bodies import pose_skin
 from studio.viewport.camera import OrbitCamera

@@ -1,1 +1,1 @@
-"""Functions of the actions; each takes the workbench."""
+"""Functions of the actions; each takes the Workbench."""

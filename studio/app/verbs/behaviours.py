@@ -1,4 +1,4 @@
-"""Behaviours of the active body: the panel, and ready-made ones."""
+"""Actions on the behaviour of the active performer: its panel, and ready-made states."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,28 +16,30 @@ from studio.core.stage.project import Project, new_id
 from studio.document.behaviour_commands import add_behaviour, edit_behaviour, set_cast, state_key
 
 STRIKE_KEY = "X"
-WARD_EASE, WARD_HOLD = 0.2, 1 / 120
-"""Seconds in which a warding arm comes and goes, and to each side of a hit in which it meets the fist."""
-STRIKES = ("kick", "punch", "strike", "jab", "hook", "blow")
+WARD_EASE_SECONDS, WARD_HOLD_SECONDS = 0.2, 1 / 120
+"""Seconds over which a blocking arm fades in and out, and seconds before and after the hit during which it meets the
+fist.
+"""
+STRIKE_WORDS = ("kick", "punch", "strike", "jab", "hook", "blow")
 WARD_WORDS = ("ward", "block", "parry", "guard")
 
-Ready = Callable[[Behaviour], Behaviour]
+BehaviourChange = Callable[[Behaviour], Behaviour]
 
 
 def show_behaviour(bench: Workbench) -> None:
-    """Show the diagram of the active body's behaviour."""
+    """Show the behaviour of the active performer."""
     bench.window.show_dock("Behaviour")
 
 
 def keep_distance(bench: Workbench) -> None:
-    """Add keeping at striking distance of the partner."""
+    """Add a reaction that keeps striking distance to the partner."""
     _make(bench, "Keep striking distance", ready_made.with_distance_kept)
 
 
 def add_ward_off(bench: Workbench) -> None:
-    """Add a parry of attacks, with a motion of the project."""
+    """Add a state that blocks attacks, with a motion of the project."""
     _with_motion(
-        bench, "Block with clip", WARD_WORDS,
+        bench, "Choose the clip to block with", WARD_WORDS,
         lambda clip: _make(
             bench, "Block when attacked", lambda old: ready_made.with_parry(old, clip, _when_hit(bench, clip))
         ),
@@ -45,37 +47,38 @@ def add_ward_off(bench: Workbench) -> None:
 
 
 def add_lean_away(bench: Workbench) -> None:
-    """Add leaning away from the partner's fist."""
+    """Add a reaction that leans away from the partner's fist."""
     _make(bench, "Lean away from the fist", ready_made.with_lean_away)
 
 
 def add_strike(bench: Workbench) -> None:
-    """Add a strike on a key, with a motion of the project."""
+    """Add a state that strikes when a key is pressed, with a motion of the project."""
     _with_motion(
-        bench, "Strike with clip", STRIKES,
+        bench, "Choose the clip to strike with", STRIKE_WORDS,
         lambda clip: _make(bench, "Strike on key press", lambda old: ready_made.with_strike(old, clip, STRIKE_KEY)),
     )  # fmt: skip
 
 
-READY_MADE: dict[str, tuple[str, str, Callable[[Workbench], None]]] = {
+READY_MADE_PARTS: dict[str, tuple[str, str, Callable[[Workbench], None]]] = {
     "keep_distance": (
-        "Keep striking distance", "Steps towards and away from its partner, and faces it", keep_distance,
+        "Keep striking distance", "Step towards or away from the partner, and face it", keep_distance,
     ),
     "ward_off": (
-        "Block when attacked", "The forearm meets the fist of a partner that strikes", add_ward_off,
+        "Block when attacked", "Meet the fist of an attacking partner with the forearm", add_ward_off,
     ),
     "lean_away": (
-        "Lean away from the fist", "The torso leans back while the partner's fist is near the head", add_lean_away,
+        "Lean away from the fist", "Lean the torso back while the partner's fist is near the head", add_lean_away,
     ),
     "strike_on_key": (
-        "Strike on key press", f"During live play, {STRIKE_KEY} strikes and sends an event to the partner", add_strike,
+        "Strike on key press", f"Strike when {STRIKE_KEY} is pressed in live play, and send an event to the partner",
+        add_strike,
     ),
 }  # fmt: skip
-"""By their id: text, tooltip, and what makes it."""
+"""Text, tooltip and function of each ready-made part of a behaviour, by action id."""
 
 
 def _pair(bench: Workbench) -> tuple[str, str]:
-    """Active body and its partner: the present one, else the nearest visible body."""
+    """Ids of the active performer and its partner; without a partner, of the nearest visible performer."""
     project, performer_id = bench.document.project, bench.document.active_performer_id
     if performer_id is None:
         raise StudioError("Select a character first: a behaviour belongs to a character.")
@@ -92,8 +95,8 @@ def _pair(bench: Workbench) -> tuple[str, str]:
     return performer_id, min(away, key=lambda key: away[key], default="")
 
 
-def _make(bench: Workbench, text: str, ready: Ready) -> None:
-    """Add to the active body's behaviour, or make one with its first clip; one undo step."""
+def _make(bench: Workbench, text: str, ready: BehaviourChange) -> None:
+    """Change the active performer's behaviour by ``ready``, or first create one from its first clip; one undo step."""
     document = bench.document
     performer_id, partner_id = _pair(bench)
     behaviour_id = document.project.behaviour_of(performer_id)
@@ -117,7 +120,9 @@ def _make(bench: Workbench, text: str, ready: Ready) -> None:
 
 
 def _with_motion(bench: Workbench, title: str, names: tuple[str, ...], make: Callable[[Clip], None]) -> None:
-    """Use the only motion of the project with one of these names, or let the user choose."""
+    """Call ``make`` with a clip of the only motion whose name has one of the words ``names``; if there is not exactly
+    one, let the user choose.
+    """
     project = bench.document.project
     _pair(bench)
     usable = {
@@ -137,8 +142,8 @@ def _with_motion(bench: Workbench, title: str, names: tuple[str, ...], make: Cal
 
 
 def _when_hit(bench: Workbench, clip: Clip) -> ActivationCurve:
-    """Seconds, in the motion of a clip that begins with the partner's strike, at which the blow hits;
-    else all of it.
+    """Activation of a block: around the time at which the partner's strike hits, in seconds of the clip; the whole clip
+    if no hit is found.
     """
     project = bench.document.project
     _, partner_id = _pair(bench)
@@ -152,12 +157,16 @@ def _when_hit(bench: Workbench, clip: Clip) -> ActivationCurve:
     struck = float(blow.stage_seconds(hit_frame / rate, rate)) - blow.start
     hit = float(clip.motion_seconds(clip.start + struck, project.frame_rate_of(clip)))
     return ActivationCurve(
-        hit - WARD_HOLD - WARD_EASE, hit - WARD_HOLD, hit + WARD_HOLD, hit + WARD_HOLD + WARD_EASE, EaseShape.SMOOTH
+        hit - WARD_HOLD_SECONDS - WARD_EASE_SECONDS,
+        hit - WARD_HOLD_SECONDS,
+        hit + WARD_HOLD_SECONDS,
+        hit + WARD_HOLD_SECONDS + WARD_EASE_SECONDS,
+        EaseShape.SMOOTH,
     )
 
 
 def _whole(project: Project, motion_id: str) -> Clip:
-    """New clip of a motion, trimmed like one in a row, else whole."""
+    """New clip of a motion, trimmed as an existing clip of it, else of full length."""
     for clip in project.clips.values():
         if clip.motion_id == motion_id:
             return replace(clip, start=0.0, repeats=1, id=new_id())

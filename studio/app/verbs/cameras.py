@@ -9,7 +9,7 @@ from studio.panels.message_strip import Lifetime
 
 
 def slot_recaller(slot: int) -> Callable[[Workbench], None]:
-    """Function that looks through the camera of a slot. It raises StudioError if there is none."""
+    """Function of the action that looks through the camera in a slot. It raises StudioError if the slot is empty."""
 
     def run(bench: Workbench) -> None:
         camera_id = camera_in_slot(bench.document.project, slot)
@@ -21,7 +21,7 @@ def slot_recaller(slot: int) -> Callable[[Workbench], None]:
 
 
 def slot_storer(slot: int) -> Callable[[Workbench], None]:
-    """Function that stores the view in a slot."""
+    """Function of the action that stores the current view in a slot."""
 
     def run(bench: Workbench) -> None:
         camera_id = store_camera(bench.document, bench.viewport.placement, slot)
@@ -31,7 +31,7 @@ def slot_storer(slot: int) -> Callable[[Workbench], None]:
 
 
 def add(bench: Workbench) -> None:
-    """Save the view as a new camera, and show its form."""
+    """Save the current view as a new camera, and show its form."""
     camera_id = store_camera(bench.document, bench.viewport.placement)
     bench.document.selection.set(("cameras", camera_id))
 
@@ -40,7 +40,7 @@ def choose(bench: Workbench) -> None:
     """Let the user choose a saved camera, look through it, and show its form."""
     cameras = bench.document.project.cameras
     if not cameras:
-        raise StudioError("No camera is saved yet. Save the view by View > Add camera.")
+        raise StudioError("No camera is saved yet. Save the view with View > Add camera.")
 
     def looker(camera_id: str) -> Callable[[], None]:
         def look() -> None:

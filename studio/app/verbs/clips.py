@@ -1,4 +1,4 @@
-"""Edits of the selected clips, and new clips from the captures of the project."""
+"""Actions on the selected clips, and new clips of the project's motions."""
 
 from collections.abc import Callable
 from functools import partial
@@ -9,7 +9,7 @@ from studio.document import clip_edits
 
 
 def chosen_clip(bench: Workbench) -> str | None:
-    """The selected clip, else the active body's only one."""
+    """Id of the selected clip, else of the active performer's only one."""
     document = bench.document
     selected = [key for key in document.selection.of("clips") if key in document.project.clips]
     if selected:
@@ -19,14 +19,20 @@ def chosen_clip(bench: Workbench) -> str | None:
 
 
 def add(bench: Workbench) -> None:
-    """Let the user choose a capture, and append it to the rows of the selected bodies, or of all visible ones."""
-    _choose(bench, "Add clip from", lambda keys, motion_id: clip_edits.add_clip(bench.document, keys, motion_id))
+    """Let the user choose a motion, and append it to the tracks of the selected performers, or of all visible ones."""
+    _choose(
+        bench, "Choose the motion to add", lambda keys, motion_id: clip_edits.add_clip(bench.document, keys, motion_id)
+    )
 
 
 def add_layer(bench: Workbench) -> None:
-    """Let the user choose a capture, and add it as a layer over the upper body from the playhead on."""
+    """Let the user choose a motion, and add it from the playhead on as a layer over the upper body."""
     now = bench.document.playhead.time
-    _choose(bench, "Add layer from", lambda keys, motion_id: clip_edits.add_layer(bench.document, keys, motion_id, now))
+    _choose(
+        bench,
+        "Choose the motion to add as a layer",
+        lambda keys, motion_id: clip_edits.add_layer(bench.document, keys, motion_id, now),
+    )
 
 
 def _choose(bench: Workbench, text: str, put: Callable[[list[str], str], str]) -> None:
@@ -75,7 +81,7 @@ def duplicate(bench: Workbench) -> None:
 
 
 def make_own(bench: Workbench) -> None:
-    """Make the active body's clip its own, to be edited alone."""
+    """Give the active performer its own copy of a shared clip."""
     performer_id, clip_id = bench.document.active_performer_id, _clip(bench)
     if performer_id is not None:
         _select(bench, clip_edits.detach_clip(bench.document, performer_id, clip_id))

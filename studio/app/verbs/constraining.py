@@ -1,4 +1,4 @@
-"""New constraints, one verb for all kinds."""
+"""Actions that add constraints and change their priorities."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -13,21 +13,23 @@ from studio.document.priorities import shift_priorities
 from studio.io.meshes.mesh_file import SUFFIXES, MeshFile, read_mesh
 from studio.panels.message_strip import Lifetime
 
-NO_JOINT = "Click a joint in the 3D view first, or press Shift+J to choose one: the constraint will hold it."
+NO_JOINT_MESSAGE = "Click a joint in the 3D view first, or press Shift+J to choose one: the constraint will hold it."
 
 
 def constraint_adder(kind: str) -> Callable[[Workbench], None]:
-    """Function that adds a constraint of ``kind`` at the joint picked in the viewport, or to the active body."""
+    """Function of the action that adds a constraint of ``kind`` at the joint picked in the 3D view, or to the active
+    performer.
+    """
 
     def add(bench: Workbench) -> None:
         if bench.viewport.add_constraint_at_pick(kind) is None:
-            raise StudioError(NO_JOINT)
+            raise StudioError(NO_JOINT_MESSAGE)
 
     return add
 
 
 def choose_joint(bench: Workbench) -> None:
-    """Let the user pick a joint of the active body from a searchable list."""
+    """Let the user pick a joint of the active performer from a searchable list."""
     from studio.viewport.body_points import body_joints  # late: a window opens before its views are loaded
     from studio.viewport.picking import PickedJoint
 
@@ -44,21 +46,21 @@ def choose_joint(bench: Workbench) -> None:
 
 
 def pick_skin(bench: Workbench) -> None:
-    """Let the next click in the 3D view pick a point on a skin."""
+    """Let the next click in the 3D view pick a point on the skin."""
     bench.viewport.begin_skin_pick()
 
 
 def load_area_mesh(bench: Workbench) -> None:
-    """Ask for the file of a mesh as the shape of the selected area."""
+    """Ask for a mesh file as the shape of the selected volume constraint."""
     kinds = f"Meshes ({' '.join(f'*{suffix}' for suffix in SUFFIXES)})"
-    ask_file(bench, "Load mesh for area", kinds, lambda path: put_area_mesh(bench, path))
+    ask_file(bench, "Load mesh for volume", kinds, lambda path: put_area_mesh(bench, path))
 
 
 def put_area_mesh(bench: Workbench, path: Path) -> None:
-    """Read a mesh in the background, then set it on the selected area; one undo step."""
+    """Read a mesh in the background, then make it the shape of the selected volume constraint; one undo step."""
     area_id = selected_area(bench)
     if area_id is None:
-        raise StudioError("Select an area constraint first: the mesh becomes its shape.")
+        raise StudioError("Select a volume constraint first: the mesh becomes its shape.")
 
     def done(file: MeshFile) -> None:
         area = bench.document.project.constraints.get(area_id)
@@ -71,14 +73,16 @@ def put_area_mesh(bench: Workbench, path: Path) -> None:
 
 
 def selected_area(bench: Workbench) -> str | None:
-    """The selected constraint if it is an area."""
+    """Id of the first selected volume constraint; None if there is none."""
     constraints = bench.document.project.constraints
     selected = bench.document.selection.of("constraints")
     return next((key for key in selected if isinstance(constraints.get(key), AreaConstraint)), None)
 
 
 def priority_shifter(step: int) -> Callable[[Workbench], None]:
-    """Function that moves the selected constraints together up (-1) or down (1) in their motion's order."""
+    """Function of the action that moves the selected constraints up (``step`` -1) or down (1) in the priority order of
+    their motion.
+    """
 
     def run(bench: Workbench) -> None:
         constraints = bench.document.project.constraints
@@ -95,6 +99,6 @@ def priority_shifter(step: int) -> Callable[[Workbench], None]:
 
 
 def selected_constraint(bench: Workbench) -> str | None:
-    """Constraint that was selected last."""
+    """Id of the constraint that was selected last; None if it is not a constraint."""
     chosen = bench.document.selection.of("constraints")
     return chosen[-1] if chosen and chosen[-1] in bench.document.project.constraints else None

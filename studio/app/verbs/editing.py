@@ -1,4 +1,4 @@
-"""Edits: undo, deletion, copies, visibility."""
+"""Actions of the Edit menu and of visibility: undo, delete, copy, hide."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -19,7 +19,7 @@ from studio.document.clip_edits import name_of, remove_clips
 from studio.document.clipboard import paste_json, selection_as_json
 from studio.document.correction_edits import set_key as set_correction_key
 from studio.document.key_edits import delete_keys, set_keys
-from studio.engine.performance import swept_points
+from studio.engine.posed_performer import swept_points
 
 EDITED_PARTS = ("clips", "states", "transitions")
 SMALL_THINGS = (
@@ -39,7 +39,9 @@ def redo(bench: Workbench) -> None:
 
 
 def duplicate(bench: Workbench) -> None:
-    """Duplicate each selected constraint, last in priority; a clip, after it; states, beside."""
+    """Duplicate the selection: constraints with the lowest priority, a clip after itself, states beside their
+    originals.
+    """
     document = bench.document
     if document.selection.of("states"):
         bodies = [item for item in document.selection.items if item[0] == "performers"]
@@ -64,9 +66,9 @@ def duplicate(bench: Workbench) -> None:
 
 
 def delete(bench: Workbench) -> None:
-    """Remove the selected keys, or else the selected entities and their dependents.
+    """Delete the selected keys; if there are none, the selected entities and everything that depends on them.
 
-    A constraint or a clip is selected together with its body, which is kept then.
+    A performer that is selected together with its constraint or clip is kept.
     """
     document = bench.document
     if document.keys.items:
@@ -84,7 +86,7 @@ def delete(bench: Workbench) -> None:
 
 
 def copy(bench: Workbench) -> None:
-    """Copy the selected keys, constraints, contacts and corrections to the system's clipboard, as JSON."""
+    """Copy the selected keys, constraints, contacts and corrections to the system clipboard, as JSON."""
     text = selection_as_json(bench.document)
     if not text:
         raise StudioError("Select constraints, contacts, corrections or keys to copy first.")
@@ -92,17 +94,17 @@ def copy(bench: Workbench) -> None:
 
 
 def paste_copied(bench: Workbench) -> None:
-    """Paste from the clipboard, also from another window."""
+    """Paste from the system clipboard, also from another window."""
     paste_json(bench.document, QGuiApplication.clipboard().text())
 
 
 def paste_mirrored(bench: Workbench) -> None:
-    """Paste with left and right exchanged."""
+    """Paste with left and right swapped."""
     paste_json(bench.document, QGuiApplication.clipboard().text(), mirrored=True)
 
 
 def set_key(bench: Workbench) -> None:
-    """Set a key of the selection at the playhead. Raises StudioError if nothing in it can be keyed."""
+    """Set a key at the playhead on the selection. Raises StudioError if nothing in it can be keyed."""
     document = bench.document
     corrections = [key for key in document.selection.of("corrections") if key in document.project.corrections]
     for key in corrections:
@@ -115,7 +117,7 @@ def set_key(bench: Workbench) -> None:
 
 
 def hide(bench: Workbench) -> None:
-    """Hide the selected bodies, or show them if they are hidden."""
+    """Hide the selected characters, or show them if they are hidden."""
     document = bench.document
     keys = document.selection.of("performers") or filter(None, (document.active_performer_id,))
     performers = {key: document.project.performers[key] for key in keys}
@@ -127,7 +129,7 @@ def hide(bench: Workbench) -> None:
 
 
 def solo(bench: Workbench) -> None:
-    """Show only the selected bodies; show all if they are shown alone already."""
+    """Show only the selected characters; show all if only they are visible already."""
     document = bench.document
     performers = document.project.performers
     kept = document.selection.of("performers") or (document.active_performer_id,)
@@ -139,7 +141,7 @@ def solo(bench: Workbench) -> None:
 
 
 def show_all(bench: Workbench) -> None:
-    """Show every body."""
+    """Show all characters."""
     document = bench.document
     with document.group("Show all characters"):
         for key, performer in document.project.performers.items():
@@ -147,7 +149,7 @@ def show_all(bench: Workbench) -> None:
 
 
 def line_up(bench: Workbench) -> None:
-    """Put the selected bodies, or all visible ones, in a row across the direction of their motion's travel."""
+    """Place the selected characters, or all visible ones, side by side across the direction of travel."""
     document = bench.document
     project, chosen = document.project, document.selection.of("performers")
     keys = chosen if len(chosen) > 1 else [key for key, each in project.performers.items() if each.visible]
@@ -164,14 +166,14 @@ def line_up(bench: Workbench) -> None:
 
 
 def preferences(bench: Workbench) -> None:
-    """Show the preferences."""
+    """Show the preferences dialog."""
     from studio.app.preferences_dialog import PreferencesDialog  # it lists the actions, of which this is one
 
     PreferencesDialog(bench).show()
 
 
 def escape(bench: Workbench) -> None:
-    """Cancel a gesture, or close the message, or else clear the selection."""
+    """Cancel a drag; without one close the message, or else clear the selection."""
     view = bench.viewport if bench.has_viewport else None
     if view is not None and (view.cancel_gesture() or view.joint_picked is not None):
         view.pick(None)
@@ -187,14 +189,14 @@ def select_ground(bench: Workbench) -> None:
 
 
 def select_capture(bench: Workbench) -> None:
-    """Show the import report of the playing capture."""
+    """Show the import report of the capture that is playing."""
     motion = bench.document.project.motions.get(bench.document.active_motion_id or "")
     if motion is not None:
         bench.document.selection.set(("captures", motion.capture_id))
 
 
 def _deletion(bench: Workbench, items: Sequence[tuple[str, str]]) -> str:
-    """Undo text of a deletion: performers leave the stage, and their characters stay in the library."""
+    """Undo text for deleting ``items``; it tells performers, which leave the stage, from characters of the library."""
     collections = {collection for collection, _ in items}
     what = _name(bench, *items[0]) if len(items) == 1 else f"{len(items)} items"
     if collections == {"performers"}:

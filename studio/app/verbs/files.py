@@ -1,4 +1,4 @@
-"""Files: projects opened and saved, captures read, adapted motions written. Long work runs in the background."""
+"""Actions of the File menu: open, save, import and export. Long work runs in the background."""
 
 import re
 from collections.abc import Callable
@@ -8,7 +8,7 @@ from PySide6.QtCore import QBuffer, QIODevice, Qt
 from PySide6.QtGui import QImageWriter
 
 from studio.app import capture_import, character_import, sample
-from studio.app.file_dialogs import PROJECTS, ask_file, ask_new_file, characters, motions
+from studio.app.file_dialogs import PROJECT_FILTER, ask_file, ask_new_file, characters, motions
 from studio.app.verbs import media
 from studio.app.workbench import Workbench
 from studio.core.captures.remarks import remarks_on
@@ -20,8 +20,8 @@ from studio.io.project.project_file import ChangedOnDisk, OpenedProject, read_pr
 from studio.io.registry import Progress, ReadCharacter
 from studio.library.scenes import BundledScene
 
-THUMBNAIL_WIDTH = 256
-NUMBERED = re.compile(r"^(.*?)[_ .-]?(\d+)$")
+THUMBNAIL_WIDTH_PX = 256
+NUMBERED_STEM = re.compile(r"^(.*?)[_ .-]?(\d+)$")
 
 
 def new(bench: Workbench) -> None:
@@ -30,22 +30,22 @@ def new(bench: Workbench) -> None:
 
 
 def open_sample(bench: Workbench) -> None:
-    """Open the bundled motion on five bodies."""
+    """Open the sample project."""
     bench.window.run_when_saved(lambda: sample.open_sample(bench))
 
 
 def scene_opener(scene: BundledScene) -> Callable[[Workbench], None]:
-    """Function that opens a scene."""
+    """Function of the action that opens an example scene."""
     return lambda bench: bench.window.run_when_saved(lambda: sample.open_scene(bench, scene))
 
 
 def open_project(bench: Workbench) -> None:
     """Ask for a project file and open it."""
-    ask_file(bench, "Open project", PROJECTS, lambda path: open_path(bench, path))
+    ask_file(bench, "Open project", PROJECT_FILTER, lambda path: open_path(bench, path))
 
 
 def open_path(bench: Workbench, path: Path) -> None:
-    """Open a project in place of this one; import captures, characters, footage and sounds into this one."""
+    """Open a project in place of the current one, or import a capture, character, footage or sound into it."""
     suffix = path.suffix.lower()
     if suffix == ".studio":
         bench.window.run_when_saved(lambda: _open(bench, path))
@@ -74,7 +74,7 @@ def _import(bench: Workbench, path: Path) -> None:
 
 
 def save(bench: Workbench) -> None:
-    """Save to the project's own file; without one ask for it."""
+    """Save to the project's file; ask for a file if there is none."""
     if bench.document.path is None:
         save_as(bench)
     else:
@@ -84,7 +84,7 @@ def save(bench: Workbench) -> None:
 def save_as(bench: Workbench) -> None:
     """Ask for a file and save to it."""
     name = bench.document.path.name if bench.document.path else "untitled.studio"
-    ask_new_file(bench, "Save project", PROJECTS, name, lambda path: save_to(bench, path))
+    ask_new_file(bench, "Save project", PROJECT_FILTER, name, lambda path: save_to(bench, path))
 
 
 def save_increment(bench: Workbench) -> None:
@@ -96,8 +96,8 @@ def save_increment(bench: Workbench) -> None:
 
 
 def next_increment(path: Path) -> Path:
-    """Next numbered name without a file."""
-    found = NUMBERED.match(path.stem)
+    """Next numbered path that does not exist."""
+    found = NUMBERED_STEM.match(path.stem)
     name, number = (found[1], int(found[2])) if found else (path.stem, 1)
     while True:
         number += 1
@@ -107,7 +107,7 @@ def next_increment(path: Path) -> Path:
 
 
 def save_to(bench: Workbench, path: Path, overwrite: bool = False) -> None:
-    """Write the project; errors are reported with what can be done instead."""
+    """Write the project to ``path``; errors are reported with what the user can do."""
 
     def saved() -> None:
         _remember(bench, path)
@@ -122,12 +122,12 @@ def save_to(bench: Workbench, path: Path, overwrite: bool = False) -> None:
 
 
 def stage_thumbnail(bench: Workbench) -> bytes | None:
-    """PNG of the stage as drawn last; None before the first time."""
+    """PNG image of the 3D view as last drawn; None if it was never drawn."""
     if not bench.has_viewport or bench.viewport.drawn_image.isNull():
         return None
     buffer = QBuffer()
     buffer.open(QIODevice.OpenModeFlag.WriteOnly)
-    image = bench.viewport.drawn_image.scaledToWidth(THUMBNAIL_WIDTH, Qt.TransformationMode.SmoothTransformation)
+    image = bench.viewport.drawn_image.scaledToWidth(THUMBNAIL_WIDTH_PX, Qt.TransformationMode.SmoothTransformation)
     QImageWriter(buffer, b"PNG").write(image)
     return bytes(buffer.data().data())
 
@@ -151,7 +151,7 @@ def export(bench: Workbench) -> None:
 
 
 def adapt_folder(bench: Workbench) -> None:
-    """Show the dialog that adapts every capture of a folder; not modal."""
+    """Show the non-modal dialog for adapting a folder of captures."""
     from studio.app.batch_dialog import BatchDialog
 
     BatchDialog(bench).show()

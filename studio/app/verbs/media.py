@@ -12,7 +12,7 @@ from studio.panels.message_strip import Lifetime
 
 
 def ask_sound(bench: Workbench) -> None:
-    """Ask for a sound, or a film with one."""
+    """Ask for a sound file, or for a video with sound."""
     ask_file(bench, "Add sound", MEDIA_FILTERS["sounds"], lambda path: add_sound(bench, path))
 
 
@@ -36,12 +36,14 @@ def toggle_muted(bench: Workbench) -> None:
 
 
 def ask_footage(bench: Workbench) -> None:
-    """Ask for a film, or for one of numbered pictures."""
+    """Ask for a video, or for one image of a numbered sequence."""
     ask_file(bench, "Add footage", MEDIA_FILTERS["footage"], lambda path: add_footage(bench, path))
 
 
 def add_footage(bench: Workbench, path: Path) -> None:
-    """Count the frames in the background, then add the footage to the timeline and show it; one undo step."""
+    """Count the frames of a video or image sequence in the background, then add it to the timeline and show it; one
+    undo step.
+    """
 
     def done(footage: Footage) -> None:
         footage_id = bench.document.add("footage", footage, f"Add {footage.name}")

@@ -1,9 +1,9 @@
-"""Time: play, step, jump, range, shuttle."""
+"""Actions of time: play, step, jump, play range, playback speed."""
 
 from studio.app.workbench import Workbench
 from studio.core.solver.performers.rows import stage_span
 
-MOST_PLAYBACK_SPEED = 8.0
+MAX_PLAYBACK_SPEED = 8.0
 
 
 def toggle(bench: Workbench) -> None:
@@ -12,12 +12,12 @@ def toggle(bench: Workbench) -> None:
 
 
 def next_frame(bench: Workbench) -> None:
-    """Step one frame on."""
+    """Go to the next frame."""
     bench.document.playhead.step(1)
 
 
 def previous_frame(bench: Workbench) -> None:
-    """Step one frame back."""
+    """Go to the previous frame."""
     bench.document.playhead.step(-1)
 
 
@@ -67,31 +67,31 @@ def previous_label(bench: Workbench) -> None:
 
 
 def range_from_here(bench: Workbench) -> None:
-    """Begin the range at the playhead."""
+    """Set the start of the play range to the playhead."""
     playhead = bench.document.playhead
     playhead.set_range(playhead.frame, max(playhead.last, playhead.frame))
 
 
 def range_to_here(bench: Workbench) -> None:
-    """End the range at the playhead."""
+    """Set the end of the play range to the playhead."""
     playhead = bench.document.playhead
     playhead.set_range(min(playhead.first, playhead.frame), playhead.frame)
 
 
 def whole_range(bench: Workbench) -> None:
-    """Set the range to all of the stage."""
+    """Set the play range to the whole stage."""
     span = stage_span(bench.document.project)
     if span is not None:
         bench.document.playhead.set_range(span.first, span.last)
 
 
 def shuttle_back(bench: Workbench) -> None:
-    """Play backwards; again, twice as fast."""
+    """Play backwards; each further call doubles the speed."""
     _shuttle(bench, -1.0)
 
 
 def shuttle_forward(bench: Workbench) -> None:
-    """Play forwards; again, twice as fast."""
+    """Play forwards; each further call doubles the speed."""
     _shuttle(bench, 1.0)
 
 
@@ -102,12 +102,12 @@ def stop(bench: Workbench) -> None:
 
 
 def toggle_loop(bench: Workbench) -> None:
-    """Loop at the end of the range, or stop there."""
+    """Toggle looping of playback over the range."""
     bench.document.playhead.loop = not bench.document.playhead.loop
 
 
 def _shuttle(bench: Workbench, direction: float) -> None:
     playhead = bench.document.playhead
     along = playhead.playing and playhead.speed * direction > 0
-    playhead.speed = max(min(2.0 * playhead.speed, MOST_PLAYBACK_SPEED), -MOST_PLAYBACK_SPEED) if along else direction
+    playhead.speed = max(min(2.0 * playhead.speed, MAX_PLAYBACK_SPEED), -MAX_PLAYBACK_SPEED) if along else direction
     playhead.play()

@@ -1,4 +1,4 @@
-"""Actions of the view: camera, ghost, tools, panels, palette."""
+"""Actions of the View menu: camera, ghosts, tools and panels."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,12 +15,12 @@ from studio.viewport.eyes import Stereo
 
 
 def frame_selection(bench: Workbench) -> None:
-    """Frame the selection."""
+    """Move the camera so that the selection fills the view."""
     bench.viewport.frame_selection()
 
 
 def frame_all(bench: Workbench) -> None:
-    """Frame all bodies."""
+    """Move the camera so that all characters are in view."""
     bench.viewport.frame_all()
 
 
@@ -40,37 +40,37 @@ def top(bench: Workbench) -> None:
 
 
 def perspective(bench: Workbench) -> None:
-    """Show the initial three-quarter view."""
+    """Show the default three-quarter view."""
     bench.viewport.set_view("perspective")
 
 
 def toggle_ghost(bench: Workbench) -> None:
-    """Show or hide the capture on its own actor's body beside the adapted one."""
+    """Show or hide the source motion on the actor's own body beside the active character."""
     bench.viewport.set_ghost_shown(not bench.viewport.ghost_shown)
 
 
 def toggle_onion_skins(bench: Workbench) -> None:
-    """Show or hide the selected bodies at frames before and after the playhead."""
+    """Show or hide onion skins of the selected characters."""
     bench.viewport.set_onion_shown(not bench.viewport.onion_shown)
 
 
 def keep_ghost(bench: Workbench) -> None:
-    """Keep a ghost of the selected bodies at the playhead."""
+    """Add a ghost of the selected characters at the playhead."""
     bench.viewport.keep_ghosts()
 
 
 def clear_ghosts(bench: Workbench) -> None:
-    """Remove all kept ghosts."""
+    """Remove all added ghosts."""
     bench.viewport.clear_ghosts()
 
 
 def toggle_following(bench: Workbench) -> None:
-    """Let the camera follow the selected character, or stop that."""
+    """Toggle if the camera follows the selected character."""
     bench.viewport.set_following(not bench.viewport.following)
 
 
 def toggle_stereo(stereo: Stereo) -> Callable[[Workbench], None]:
-    """Toggle a stereo mode."""
+    """Function of the action that toggles a stereo mode."""
 
     def toggle(bench: Workbench) -> None:
         now = bench.viewport.stereo_view
@@ -80,12 +80,12 @@ def toggle_stereo(stereo: Stereo) -> Callable[[Workbench], None]:
 
 
 def toggle_markers(bench: Workbench) -> None:
-    """Show or hide the recorded markers, plates and forces of an optical capture."""
+    """Show or hide the recorded markers, force plates and forces of an optical capture."""
     bench.viewport.set_markers_shown(not bench.viewport.markers_shown)
 
 
 def toggle_marker_names(bench: Workbench) -> None:
-    """Show or hide the name of every marker."""
+    """Show or hide the labels of all markers."""
     bench.viewport.recording.set_named(not bench.viewport.recording.named)
 
 
@@ -95,12 +95,12 @@ def toggle_dope_sheet(bench: Workbench) -> None:
 
 
 def toggle_curve_editor(bench: Workbench) -> None:
-    """Switch the timeline's plot to the curve editor, or back."""
+    """Switch the timeline's graph to the curve editor, or back."""
     bench.timeline.edit_curves(not bench.timeline.editing_curves)
 
 
 def fold_rows(bench: Workbench) -> None:
-    """Fold constraints and plot of the timeline to a line each, or unfold them."""
+    """Collapse constraint tracks and the graph of the timeline to one line each, or expand them."""
     bench.timeline.fold_rows()
 
 
@@ -110,27 +110,27 @@ def select_tool(bench: Workbench) -> None:
 
 
 def move_tool(bench: Workbench) -> None:
-    """Activate the gizmo that moves targets and props."""
+    """Activate the move gizmo for targets and props."""
     _take_tool(bench, "move")
 
 
 def rotate_tool(bench: Workbench) -> None:
-    """Activate the gizmo that rotates targets, areas, props and bodies."""
+    """Activate the rotate gizmo for targets, volumes, props and characters."""
     _take_tool(bench, "rotate")
 
 
 def scale_tool(bench: Workbench) -> None:
-    """Activate the gizmo that resizes areas and props."""
+    """Activate the scale gizmo for volumes and props."""
     _take_tool(bench, "scale")
 
 
 def toggle_correcting(bench: Workbench) -> None:
-    """Let the gizmo pose joints as corrections, or move and rotate the selection."""
+    """Toggle pose correction, in which the gizmo poses joints on a correction layer instead of moving the selection."""
     bench.viewport.set_correcting(not bench.viewport.correcting)
 
 
 def next_gizmo_axes(bench: Workbench) -> None:
-    """Switch the gizmo to the axes of the next space."""
+    """Switch the gizmo to the next orientation: world, local, parent, screen."""
     bench.viewport.next_gizmo_space()
 
 
@@ -140,7 +140,7 @@ def palette(bench: Workbench) -> None:
 
 
 def search_library(bench: Workbench) -> None:
-    """Put the focus into the search field of the library."""
+    """Focus the search field of the library."""
     bench.window.search_library()
 
 
@@ -150,18 +150,18 @@ def console(bench: Workbench) -> None:
 
 
 def shortcuts(bench: Workbench) -> None:
-    """Show the sheet of all shortcuts."""
+    """Show the list of all shortcuts."""
     bench.window.show_shortcuts()
 
 
 def guide(bench: Workbench) -> None:
-    """Open the guide in the system's reader. Raises StudioError if there is none."""
+    """Open the guide in the system's viewer. Raises StudioError if there is none."""
     if not QDesktopServices.openUrl(QUrl.fromLocalFile(str(guide_file()))):
         raise StudioError(f"No program opens {guide_file()}. It is a Markdown file: open it with any text editor.")
 
 
 def formats(bench: Workbench) -> None:
-    """List the known formats, their jobs, and those that could not be loaded."""
+    """List the known file formats, if they can be read or written, and those that failed to load."""
     known = known_formats()
     rows = [(f"{each.name}  {' '.join(each.suffixes)}", _uses(each)) for each in known.formats]
     rows += [(sentence, "failed") for sentence in known.failures]
@@ -169,7 +169,7 @@ def formats(bench: Workbench) -> None:
 
 
 def plug_ins(bench: Workbench) -> None:
-    """List the additions of installed packages, with the error of those that cannot be loaded."""
+    """List the plug-ins of installed packages, and the errors of those that failed to load."""
     groups = {
         plug_in_groups.VERBS_GROUP: plug_in_groups.verb_of,
         plug_in_groups.PANELS_GROUP: plug_in_groups.panel_of,
@@ -200,7 +200,7 @@ def tour(bench: Workbench) -> None:
 
 
 def problems(bench: Workbench) -> None:
-    """Show the table of constraints by body."""
+    """Show the problem table."""
     bench.window.show_dock("Problems")
 
 

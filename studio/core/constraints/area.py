@@ -42,8 +42,8 @@ class AreaConstraint(Constraint):
 
     kind: ClassVar[str] = "area"
     shown: ClassVar[KindInfo] = KindInfo(
-        "Add table (area) constraint", "A table under the picked joint, which it does not sink into", "#D98A6A",
-        held_by="centre", handle="centre", picks=True,
+        "Add volume constraint", "Keep the picked joint out of a volume: a table under it, until you choose another",
+        "#D98A6A", held_by="centre", handle="centre", picks=True,
     )  # fmt: skip
     shape: AreaShape = AreaShape.TABLE
     centre: Place = (0.0, 0.0, 0.0)
@@ -61,20 +61,20 @@ class AreaConstraint(Constraint):
     def __post_init__(self) -> None:
         super().__post_init__()
         object.__setattr__(self, "shape", AreaShape(self.shape))
-        object.__setattr__(self, "centre", checked_place(self.centre, self, "the centre of an area"))
-        object.__setattr__(self, "size", finite_vector(self.size, f"'{self.name}': the size of an area"))
+        object.__setattr__(self, "centre", checked_place(self.centre, self, "the centre of a volume"))
+        object.__setattr__(self, "size", finite_vector(self.size, f"'{self.name}': the size of a volume"))
         if not (isinstance(self.heading, KeyedNumber) or math.isfinite(self.heading)):
-            raise ValueError(f"'{self.name}': a heading is a finite number of radians, got {self.heading}.")
+            raise ValueError(f"'{self.name}': the heading must be a finite number of radians, not {self.heading}.")
         TURN_RANGE.check(self.heading.values if isinstance(self.heading, KeyedNumber) else self.heading)
         if not isinstance(self.tilt, KeyedTurn):
             object.__setattr__(self, "tilt", unit_quaternion(self.tilt))
         if self.shape is AreaShape.MESH and self.mesh is None:
-            raise ValueError(f"'{self.name}': an area with the shape of a mesh needs one. Load it from a file.")
+            raise ValueError(f"'{self.name}': the shape 'mesh' needs a mesh. Load it from a file.")
         if (self.whole or self.margin) and (self.inside or self.on_surface):
             subject = "a whole body" if self.whole else "a point with a margin"
-            raise ValueError(f"'{self.name}': {subject} stays outside of an area. Set the side to outside.")
+            raise ValueError(f"'{self.name}': {subject} can only stay outside a volume. Set the region to outside.")
         if not 0.0 <= self.margin < math.inf:
-            raise ValueError(f"'{self.name}': the margin of an area is a finite length, got {self.margin}.")
+            raise ValueError(f"'{self.name}': the margin of a volume must be 0 or more metres, not {self.margin}.")
         used: dict[AreaShape, tuple[float, ...]] = {
             AreaShape.SPHERE: self.size[:1],
             AreaShape.CYLINDER: (self.size[0], self.size[2]),
@@ -85,4 +85,4 @@ class AreaConstraint(Constraint):
         else:
             empty = any(edge <= 0.0 for edge in used.get(self.shape, self.size))
         if empty:
-            raise ValueError(f"'{self.name}': an area needs a size above zero.")
+            raise ValueError(f"'{self.name}': the size of a volume must be greater than zero.")

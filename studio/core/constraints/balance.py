@@ -21,8 +21,8 @@ class Support:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.margin) and self.margin >= 0.0):
-            raise ValueError(f"The margin of a support is zero or more metres, got {self.margin}.")
-        PLACE_RANGE.check(self.margin, "The margin of a support")
+            raise ValueError(f"The margin of the support polygon must be 0 or more metres, not {self.margin}.")
+        PLACE_RANGE.check(self.margin, "The margin of the support polygon")
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ class BalanceConstraint(Constraint):
 
     kind: ClassVar[str] = "balance"
     shown: ClassVar[KindInfo] = KindInfo(
-        "Add balance constraint", "Keep the centre of mass where the motion has it", "#5FB5A8", held_by="place",
-        handle="place", about="whole body",
+        "Add balance constraint", "Keep the centre of mass where it is in the source motion", "#5FB5A8",
+        held_by="place", handle="place", about="whole body",
     )  # fmt: skip
     place: tuple[float, float] | Place | Support | None = None
     vertical: bool = False
@@ -50,7 +50,7 @@ class BalanceConstraint(Constraint):
         if isinstance(place, tuple | list) and len(place) == 2:
             object.__setattr__(self, "place", tuple(float(number) for number in place))
             if not all(math.isfinite(number) for number in place):
-                raise ValueError(f"'{self.name}': a place on the ground is two finite numbers in metres.")
+                raise ValueError(f"'{self.name}': a position on the ground needs two finite numbers in metres.")
             PLACE_RANGE.check(place)
         else:
-            object.__setattr__(self, "place", checked_place(place, self, "the place of a balance"))
+            object.__setattr__(self, "place", checked_place(place, self, "the position of a balance"))

@@ -88,15 +88,15 @@ class Chain:
         object.__setattr__(self, "segments", own)
         for name, weight in [*((link, getattr(self, link)) for link in CHAIN_LINKS), *own]:
             if not (math.isfinite(weight) and 0.0 <= weight <= 1.0):
-                raise ValueError(f"A chain's weight lies between 0 and 1: {name} is {weight}.")
+                raise ValueError(f"The weights of an IK chain must be between 0 and 1: {name} is {weight}.")
         parts = [part for part, _ in own]
         for part in parts:
             if part not in SINGLE:
-                raise ValueError(f"The {part.label.lower()} has no weight of its own: use end_segment.")
+                raise ValueError(f"The {part.label.lower()} cannot have a weight override: set end_segment instead.")
             if parts.count(part) > 1:
-                raise ValueError(f"A chain gives the {part.label.lower()} two weights. Keep one of them.")
+                raise ValueError(f"The {part.label.lower()} has two weight overrides. Keep one of them.")
         if not any(getattr(self, link) for link in CHAIN_LINKS) and not any(weight for _, weight in own):
-            raise ValueError("A chain without any free part cannot move its point.")
+            raise ValueError("No part of the IK chain may move. Set at least one weight above 0.")
 
     def weight(self, part: BodyPart) -> float:
         """Weight of a segment: its own, or that of its group.
@@ -168,15 +168,16 @@ class Constraint:
 
     def __post_init__(self) -> None:
         if self.priority < 0:
-            raise ValueError(f"'{self.name}': a priority is 0 (highest) or more, got {self.priority}.")
+            raise ValueError(f"'{self.name}': the priority must be 0 (highest) or more, not {self.priority}.")
         if self.kind != "balance" and any(getattr(self.chain, link) > 0.0 for link in FREE_LIMBS):
             raise ValueError(
-                f"'{self.name}': free arms and legs help a balance alone. Set free_arms and free_legs to 0."
+                f"'{self.name}': only a balance constraint can use the other arms and legs. Set free_arms and free_legs"
+                " to 0."
             )
         weights = self.weight.values if isinstance(self.weight, KeyedNumber) else (self.weight,)
         for weight in weights:
             if not (math.isfinite(weight) and weight >= 0.0):
-                raise ValueError(f"'{self.name}': a weight is a finite number of 0 or more, got {weight}.")
+                raise ValueError(f"'{self.name}': the weight must be a finite number of 0 or more, not {weight}.")
         WEIGHT.check(weights)
 
     def weights_at(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -199,6 +200,6 @@ def finite_vector(values: object, what: str) -> Vector:
     """Three finite floats from any sequence, within the range of positions; raises ValueError naming ``what``."""
     numbers = tuple(float(value) for value in values)  # type: ignore[attr-defined]
     if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
-        raise ValueError(f"{what} is three finite numbers in metres, got {values}.")
+        raise ValueError(f"{what} must be three finite numbers in metres, not {values}.")
     PLACE_RANGE.check(numbers, what)
     return numbers

@@ -31,8 +31,8 @@ class ClearConstraint(Constraint):
 
     kind: ClassVar[str] = "clear"
     shown: ClassVar[KindInfo] = KindInfo(
-        "Arm self-collision", "Keep both arms of the active character out of its torso, head and thighs", "#D9A0A0",
-        about="arms",
+        "Add arm clearance constraint", "Keep both arms of the active character out of its torso, head and thighs",
+        "#D9A0A0", about="arms",
     )  # fmt: skip
     arms: Arms = Arms.BOTH
     margin: float = 0.0
@@ -41,4 +41,4 @@ class ClearConstraint(Constraint):
         super().__post_init__()
         object.__setattr__(self, "arms", Arms(self.arms))
         if not (math.isfinite(self.margin) and 0.0 <= self.margin <= 0.5):
-            raise ValueError(f"'{self.name}': a margin lies between 0 and 0.5 metres, got {self.margin}.")
+            raise ValueError(f"'{self.name}': the margin must be between 0 and 0.5 metres, not {self.margin}.")

@@ -22,7 +22,8 @@ class DistanceConstraint(Constraint):
 
     kind: ClassVar[str] = "distance"
     shown: ClassVar[KindInfo] = KindInfo(
-        "Add distance constraint", "From a picked wrist or hand to the other one; from another joint to a position",
+        "Add distance constraint",
+        "Keep the distance between both wrists or hands, or from another picked joint to a position",
         "#C78BD0", held_by="other", handle="other end", picks=True,
     )  # fmt: skip
     other: BodyPoint | Place = (0.0, 0.0, 0.0)
@@ -33,11 +34,13 @@ class DistanceConstraint(Constraint):
         if isinstance(self.other, FollowBody):
             object.__setattr__(self, "other", self.other.point)
         if not isinstance(self.other, BodyPoint):
-            object.__setattr__(self, "other", checked_place(self.other, self, "the place outside"))
+            object.__setattr__(self, "other", checked_place(self.other, self, "the fixed position"))
         elif self.other == self.point:
-            raise ValueError(f"'{self.name}': a point has no distance from itself. Choose another point.")
+            raise ValueError(
+                f"'{self.name}': the distance of a point from itself cannot be constrained. Choose another point."
+            )
         distances = self.distance.values if isinstance(self.distance, KeyedNumber) else (self.distance,)
         for distance in distances:
             if not (math.isfinite(distance) and distance >= 0.0):
-                raise ValueError(f"'{self.name}': a distance is zero or more metres, got {distance}.")
+                raise ValueError(f"'{self.name}': the distance must be 0 or more metres, not {distance}.")
         PLACE_RANGE.check(distances, f"'{self.name}': a distance")

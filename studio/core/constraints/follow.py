@@ -62,7 +62,7 @@ class FollowProp:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "offset", finite_vector(self.offset, "An offset from a prop"))
-        object.__setattr__(self, "share", finite_vector(self.share, "A share of a prop's size"))
+        object.__setattr__(self, "share", finite_vector(self.share, "The attachment point on a prop"))
         object.__setattr__(self, "turn", unit_quaternion(self.turn))
 
 

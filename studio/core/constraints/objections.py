@@ -27,13 +27,13 @@ def objection(constraint: Constraint, others: Iterable[Constraint]) -> str | Non
         return None
     if is_stuck(constraint):
         return (
-            f"'{constraint.name}': nothing that its chain frees can move the {constraint.point.part.label.lower()}."
-            " Free more of its chain, or choose another point."
+            f"'{constraint.name}': no free segment of the IK chain moves the {constraint.point.part.label.lower()}."
+            " Free more segments, or choose another point."
         )
     if _carries_its_goal(constraint):
         return (
-            f"'{constraint.name}' would follow a point of its own limb, which goes along with it. Follow one that this"
-            " limb does not carry."
+            f"'{constraint.name}' cannot follow a point farther out on its own limb, which moves with it. Follow a"
+            " point of another limb."
         )
     rivals = [
         each
@@ -44,8 +44,8 @@ def objection(constraint: Constraint, others: Iterable[Constraint]) -> str | Non
         if _rivals(constraint, other):
             if _asked(constraint) == _asked(other):
                 return (
-                    f"'{constraint.name}' asks the same as '{other.name}' at the same time and with the same priority."
-                    " Keep one of them."
+                    f"'{constraint.name}' duplicates '{other.name}': same settings, time and priority. Delete one of"
+                    " them."
                 )
             blended = are_blended(constraint, other)
             if constraint.kind not in _MANY and not (blended and _is_keyed(constraint.weight, other.weight)):
@@ -53,13 +53,13 @@ def objection(constraint: Constraint, others: Iterable[Constraint]) -> str | Non
                     "another priority, other times or a keyed weight" if blended else "another priority or other times"
                 )
                 return (
-                    f"'{constraint.name}' contradicts '{other.name}': both ask for the same point at the same time with"
-                    f" the same priority. Give one of them {ways}."
+                    f"'{constraint.name}' conflicts with '{other.name}': both constrain the same point at the same time"
+                    f" with the same priority. Give one of them {ways}."
                 )
     circle = _follow_cycle(constraint, rivals)
     if circle:
         names = ", ".join(f"'{each.name}'" for each in circle)
-        return f"'{constraint.name}' would follow itself in a circle, by {names}. Let one of them stay where it is."
+        return f"'{constraint.name}' would follow itself: {names} form a cycle. Give one of them a fixed target."
     return None
 
 

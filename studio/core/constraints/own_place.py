@@ -24,13 +24,13 @@ class OwnPlace:
 
     def __post_init__(self) -> None:
         if not math.isfinite(self.time):
-            raise ValueError(f"The time of an own place is a finite number of seconds, got {self.time}.")
+            raise ValueError(f"The time of a per-character target must be a finite number of seconds, not {self.time}.")
         TIME_RANGE.check(self.time)
-        object.__setattr__(self, "offset", finite_vector(self.offset, "An offset from an own place"))
+        object.__setattr__(self, "offset", finite_vector(self.offset, "The offset of a per-character target"))
         own = tuple((str(key), finite_vector(each, f"The offset of '{key}'")) for key, each in self.own)
         object.__setattr__(self, "own", own)
         if len(dict(own)) < len(own):
-            raise ValueError("An own place gives a performer two offsets. Keep one of them.")
+            raise ValueError("A per-character target has two offsets for one character. Keep one of them.")
 
     def of(self, performer_id: str) -> Self:
         """Position of one performer: with its own offset added, and without those of others."""

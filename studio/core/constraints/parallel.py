@@ -29,7 +29,8 @@ class ParallelConstraint(Constraint):
     kind: ClassVar[str] = "parallel"
     unit: ClassVar[str] = "rad"
     shown: ClassVar[KindInfo] = KindInfo(
-        "Keep parallel", "Keep the segment at the picked joint parallel to that of the other side, or to the pelvis",
+        "Add parallel constraint",
+        "Keep the segment at the picked joint parallel to that of the other side, or to the pelvis",
         "#B6A0D8", picks=True,
     )  # fmt: skip
     axis: Vector = (1.0, 0.0, 0.0)
@@ -44,12 +45,12 @@ class ParallelConstraint(Constraint):
             numbers = np.array(finite_vector(getattr(self, name), f"'{self.name}': the {words}"))
             length = float(np.linalg.norm(numbers))
             if not length > 1e-6:
-                raise ValueError(f"'{self.name}': the {words} points nowhere. Give it a length.")
+                raise ValueError(f"'{self.name}': the {words} has no length. Enter a direction.")
             object.__setattr__(self, name, tuple((numbers / length).tolist()))
         if self.other.part is self.point.part:
-            raise ValueError(f"'{self.name}': a segment is parallel to itself. Choose another one.")
+            raise ValueError(f"'{self.name}': a segment is always parallel to itself. Choose another segment.")
         if not (math.isfinite(self.cone) and 0.0 <= self.cone < math.pi):
-            raise ValueError(f"'{self.name}': a cone lies between 0 and half a turn, got {self.cone} radians.")
+            raise ValueError(f"'{self.name}': the maximum angle must be between 0 and π radians, not {self.cone}.")
 
     def carried(self, carry: "ClipTransform") -> dict[str, Any]:
         """Both axes, of the other sides' segments in a mirror."""

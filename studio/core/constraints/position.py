@@ -13,7 +13,7 @@ class PositionConstraint(Constraint):
 
     kind: ClassVar[str] = "position"
     shown: ClassVar[KindInfo] = KindInfo(
-        "Add position constraint", "Give the joint picked in the 3D view a target", "#5b93d6", held_by="target",
+        "Add position constraint", "Move the picked joint to a target position", "#5b93d6", held_by="target",
         picks=True,
     )  # fmt: skip
     target: Place = (0.0, 0.0, 0.0)

@@ -44,10 +44,10 @@ class ProceduralPosition(ABC):
     origin: OwnPlace | None = field(default=None, metadata=SPARSE)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "centre", finite_vector(self.centre, "The centre of a place that moves"))
+        object.__setattr__(self, "centre", finite_vector(self.centre, "The centre of a procedural target"))
         numbers = [value for value in vars(self).values() if isinstance(value, float | int)]
         if not all(math.isfinite(number) for number in numbers) or self.seconds <= 0.0:
-            raise ValueError("A place that moves has finite numbers, and takes more than 0 seconds for a round.")
+            raise ValueError("A procedural target needs finite numbers and a period greater than 0 seconds.")
         ROUND.check(self.seconds)
         TIME_RANGE.check(self.since)
         TURN_RANGE.check(self.heading)
@@ -89,7 +89,7 @@ class CirclePlace(ProceduralPosition):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        PLACE_RANGE.check(self.radius, "A radius")
+        PLACE_RANGE.check(self.radius, "The radius of a circle")
         TURN_RANGE.check(self.tilt)
 
     def mirrored(self) -> Self:
@@ -113,7 +113,7 @@ class PendulumPlace(ProceduralPosition):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        PLACE_RANGE.check(self.length, "A pendulum")
+        PLACE_RANGE.check(self.length, "The length of a pendulum")
         TURN_RANGE.check(self.angle)
 
     def _offsets(self, rounds: FloatArray) -> FloatArray:
@@ -135,9 +135,9 @@ class NoisePlace(ProceduralPosition):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        object.__setattr__(self, "reach", finite_vector(self.reach, "The reach of a place that wanders"))
+        object.__setattr__(self, "reach", finite_vector(self.reach, "The amplitude of a noise target"))
         if not 0 <= self.seed < 2**32:
-            raise ValueError(f"The seed of a place that wanders is a whole number of 0 or more, not {self.seed}.")
+            raise ValueError(f"The seed of a noise target must be a whole number of 0 or more, not {self.seed}.")
 
     def mirrored(self) -> Self:
         x, y, z = self.reach

@@ -38,7 +38,7 @@ class RailConstraint(Constraint):
 
     kind: ClassVar[str] = "rail"
     shown: ClassVar[KindInfo] = KindInfo(
-        "Keep on rail", "A line through the picked joint along its path, on which the joint may slide", "#7FB8C9",
+        "Add rail constraint", "Let the picked joint slide along a line through it, or over a plane", "#7FB8C9",
         held_by="centre", handle="centre", picks=True,
     )  # fmt: skip
     shape: RailShape = RailShape.LINE
@@ -53,10 +53,10 @@ class RailConstraint(Constraint):
         numbers = np.array(finite_vector(self.direction, f"'{self.name}': the direction"))
         size = float(np.linalg.norm(numbers))
         if not size > 1e-6:
-            raise ValueError(f"'{self.name}': the direction points nowhere. Give it a length.")
+            raise ValueError(f"'{self.name}': the direction has no length. Enter a direction.")
         object.__setattr__(self, "direction", tuple((numbers / size).tolist()))
         if not (math.isfinite(self.length) and self.length > 0.0):
-            raise ValueError(f"'{self.name}': a rail has a length above 0, got {self.length} m.")
+            raise ValueError(f"'{self.name}': the length of a rail must be greater than 0, not {self.length} m.")
         PLACE_RANGE.check(self.length, f"'{self.name}': a length")
 
     def carried(self, carry: "ClipTransform") -> dict[str, Any]:

@@ -16,7 +16,7 @@ class Scope:
 
     def __post_init__(self) -> None:
         if self.performer_id and self.clip_id:
-            raise ValueError("A scope names a performer or a clip, not both. A clip already belongs to its performer.")
+            raise ValueError("A scope can be a character or a clip, not both. A clip already belongs to its character.")
 
     @property
     def is_narrow(self) -> bool:

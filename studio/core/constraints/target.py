@@ -18,7 +18,7 @@ def checked_place(place: object, constraint: Constraint, what: str) -> Place:
     """``place`` as a valid value; raises ValueError naming the constraint and ``what``."""
     if isinstance(place, KeyedPlace | KeyedOwnPlace | ProceduralPlace | OwnPlace | Follow):
         if isinstance(place, FollowBody) and place.point == constraint.point:
-            raise ValueError(f"'{constraint.name}': a point cannot follow itself. Choose another one to follow.")
+            raise ValueError(f"'{constraint.name}': a point cannot follow itself. Choose another point.")
         return place
     return finite_vector(place, f"'{constraint.name}': {what}")
 
@@ -27,7 +27,7 @@ def checked_turn(turn: object, constraint: Constraint) -> Turn:
     """Valid rotation, checked like ``checked_place``."""
     if isinstance(turn, KeyedTurn | Follow):
         if isinstance(turn, FollowBody) and turn.point.part == constraint.point.part:
-            raise ValueError(f"'{constraint.name}': a segment cannot follow itself. Choose another one to follow.")
+            raise ValueError(f"'{constraint.name}': a segment cannot follow itself. Choose another segment.")
         return turn
     try:
         return unit_quaternion(turn)  # type: ignore[arg-type]

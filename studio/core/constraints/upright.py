@@ -28,7 +28,7 @@ class UprightConstraint(Constraint):
     kind: ClassVar[str] = "upright"
     unit: ClassVar[str] = "rad"
     shown: ClassVar[KindInfo] = KindInfo(
-        "Keep upright", "Keep an axis of the segment at the picked joint pointing as it does now, within a cone",
+        "Add upright constraint", "Keep the axis of the picked segment that points up now within a cone around up",
         "#A9B96F", picks=True,
     )  # fmt: skip
     axis: Vector = (0.0, 0.0, 1.0)
@@ -41,10 +41,10 @@ class UprightConstraint(Constraint):
             numbers = np.array(finite_vector(getattr(self, name), f"'{self.name}': the {name}"))
             length = float(np.linalg.norm(numbers))
             if not length > 1e-6:
-                raise ValueError(f"'{self.name}': the {name} points nowhere. Give it a length.")
+                raise ValueError(f"'{self.name}': the {name} has no length. Enter a direction.")
             object.__setattr__(self, name, tuple((numbers / length).tolist()))
         if not (math.isfinite(self.cone) and 0.0 <= self.cone < math.pi):
-            raise ValueError(f"'{self.name}': a cone lies between 0 and half a turn, got {self.cone} radians.")
+            raise ValueError(f"'{self.name}': the maximum angle must be between 0 and π radians, not {self.cone}.")
 
     def carried(self, carry: "ClipTransform") -> dict[str, Any]:
         """Axis and direction where a clip plays, rotated and mirrored."""

@@ -41,7 +41,7 @@ class State:
         if not self.name:
             raise ValueError("A state needs a name.")
         if not all(math.isfinite(number) for number in self.place):
-            raise ValueError(f"'{self.name}': a place in the diagram is two finite numbers.")
+            raise ValueError(f"'{self.name}': the position in the diagram must be two finite numbers.")
         PLACE_RANGE.check(self.place)
 
 
@@ -60,9 +60,9 @@ class Transition:
     def __post_init__(self) -> None:
         where = f"'{self.source}' to '{self.target}'"
         if not self.conditions:
-            raise ValueError(f"{where}: a transition needs a condition, or it would not wait at all.")
+            raise ValueError(f"{where}: a transition needs a condition. Add one first.")
         if not (math.isfinite(self.blend) and 0.0 <= self.blend <= LONGEST_BLEND):
-            raise ValueError(f"{where}: a blend takes 0 to {LONGEST_BLEND:g} seconds, got {self.blend}.")
+            raise ValueError(f"{where}: the blend time must be 0 to {LONGEST_BLEND:g} seconds, not {self.blend}.")
 
 
 @dataclass(frozen=True)
@@ -93,24 +93,26 @@ class Behaviour:
 
     def __post_init__(self) -> None:
         if not self.states:
-            raise ValueError(f"'{self.name}': a behaviour needs a state to begin in.")
+            raise ValueError(f"'{self.name}': a behaviour needs at least one state.")
         names = [state.name for state in self.states]
         object.__setattr__(self, "start", self.start or names[0])
         for name in names:
             if names.count(name) > 1:
                 raise ValueError(f"'{self.name}': two states are called '{name}'. Rename one of them.")
         if self.start not in names:
-            raise ValueError(f"'{self.name}' would begin in '{self.start}', which is not one of its states.")
+            raise ValueError(
+                f"'{self.name}': the start state '{self.start}' does not exist. Choose another start state."
+            )
         for each in self.transitions:
             for end in (each.source, each.target):
                 if end not in names:
                     raise ValueError(
-                        f"'{self.name}': the transition from '{each.source}' to '{each.target}' needs a state"
-                        f" called '{end}', and there is none."
+                        f"'{self.name}': the transition from '{each.source}' to '{each.target}' refers to a missing"
+                        f" state, '{end}'."
                     )
         players = [role.performer_id for role in self.cast]
         if len(set(players)) < len(players):
-            raise ValueError(f"'{self.name}': a character plays a behaviour in one role only.")
+            raise ValueError(f"'{self.name}': a character can use a behaviour only once.")
 
     def state(self, name: str) -> State | None:
         """State of that name, or None."""

@@ -48,7 +48,7 @@ def without_states(behaviour: Behaviour, names: Collection[str]) -> Behaviour:
     """
     states = tuple(each for each in behaviour.states if each.name not in names)
     if not states:
-        raise ValueError(f"'{behaviour.name}' keeps one state to begin in. Remove the whole behaviour instead.")
+        raise ValueError(f"The last state of '{behaviour.name}' cannot be deleted. Delete the behaviour instead.")
     kept = tuple(each for each in behaviour.transitions if not {each.source, each.target} & set(names))
     start = states[0].name if behaviour.start in names else behaviour.start
     return replace(behaviour, states=states, transitions=kept, start=start)

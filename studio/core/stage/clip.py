@@ -44,21 +44,23 @@ class Clip:
 
     def __post_init__(self) -> None:
         if not 0 <= self.first <= self.last:
-            raise ValueError(f"A clip runs from a frame to a later one, not from {self.first} to {self.last}.")
+            raise ValueError(
+                f"The last frame of a clip must be after its first frame: {self.first} to {self.last} is empty."
+            )
         if not math.isfinite(self.start):
-            raise ValueError(f"A clip begins at a finite time, not at {self.start}.")
+            raise ValueError(f"A clip must start at a finite time, not at {self.start}.")
         TIME_RANGE.check((self.start, self.ease))
         check_speed(self.speed)
         if not 1 <= self.repeats <= MOST_REPEATS:
-            raise ValueError(f"A clip plays from 1 to {MOST_REPEATS} times, not {self.repeats} times.")
+            raise ValueError(f"The loop count of a clip must be from 1 to {MOST_REPEATS}, not {self.repeats}.")
         if not all(math.isfinite(number) for number in (self.turn, *self.offset)):
-            raise ValueError("A clip's turn and offset are finite numbers.")
+            raise ValueError("The rotation and the offset of a clip must be finite numbers.")
         PLACE_RANGE.check(self.offset)
         TURN_RANGE.check(self.turn)
         if not (math.isfinite(self.ease) and self.ease >= 0.0):
-            raise ValueError(f"A clip takes over in some seconds, or 0 for as many as it needs, not in {self.ease}.")
+            raise ValueError(f"The blend time of a clip must be 0 (automatic) or more seconds, not {self.ease}.")
         if self.grip is not None and not -1.0 <= self.grip <= 1.0:
-            raise ValueError(f"A grip lies between -1 (open) and 1 (fists), got {self.grip}.")
+            raise ValueError(f"The hand pose of a clip must be between -1 (open) and 1 (fists), not {self.grip}.")
 
     def length(self, frame_rate: float) -> float:
         """Duration in seconds on the stage of the clip of a motion of ``frame_rate``, with all its repeats."""

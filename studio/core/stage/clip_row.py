@@ -69,7 +69,7 @@ def clip_halves(clip: Clip, frame_rate: float, time: float, names: Iterator[str]
     whole = min(max(math.floor((time - clip.start) / once), 0), clip.repeats - 1) if once > 0.0 else 0
     played = whole * length + round(frame_at(clip, frame_rate, time - whole * once)) - clip.first
     if not 0 < played < clip.repeats * length:
-        raise ValueError("A clip is split between its first frame and its last. Move the playhead into it.")
+        raise ValueError("The playhead is outside the clip. Move it between the first and the last frame of the clip.")
     whole, cut = divmod(played, length)
     first, middle, last, rest = clip.first, clip.first + cut, clip.last, clip.repeats - whole
     stretches = [(first, last, whole), (first, last, rest)]

@@ -36,7 +36,7 @@ class DistanceCondition:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.distance) and self.distance >= 0.0):
-            raise ValueError(f"A distance is zero or more, got {self.distance}.")
+            raise ValueError(f"The distance must be 0 or more, not {self.distance}.")
         PLACE_RANGE.check(self.distance)
 
     def is_met(self, senses: ConditionInput, seconds: float) -> bool:
@@ -54,7 +54,7 @@ class TimeCondition:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.seconds) and self.seconds >= 0.0):
-            raise ValueError(f"A state lasts for zero or more seconds, not for {self.seconds}.")
+            raise ValueError(f"The time must be 0 or more seconds, not {self.seconds}.")
         TIME_RANGE.check(self.seconds)
 
     def is_met(self, senses: ConditionInput, seconds: float) -> bool:

@@ -34,9 +34,9 @@ class PoseOffsets:
     hips: Vector = STILL
 
     def __post_init__(self) -> None:
-        turns = {BodyPart(part): finite_vector(turn, f"The turn of the {part}") for part, turn in self.turns}
+        turns = {BodyPart(part): finite_vector(turn, f"The rotation of the {part}") for part, turn in self.turns}
         if len(turns) < len(self.turns):
-            raise ValueError("A key turns each part of the body once.")
+            raise ValueError("A correction key can rotate each segment only once.")
         kept = tuple((part, turns[part]) for part in BodyPart if turns.get(part, STILL) != STILL)
         object.__setattr__(self, "turns", kept)
         object.__setattr__(self, "hips", finite_vector(self.hips, "The displacement of the hips"))
@@ -81,7 +81,7 @@ class KeyedPoses(Keys):
 
     def _checked(self, value: Any) -> PoseOffsets:
         if not isinstance(value, PoseOffsets):
-            raise ValueError(f"The value of a key of a correction is a pose, got {value}.")
+            raise ValueError(f"The value of a correction key must be a pose, not {value}.")
         return value
 
     @classmethod
@@ -142,7 +142,7 @@ class Correction:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.weight) and 0.0 <= self.weight <= 1.0):
-            raise ValueError(f"'{self.name}': the weight of a correction lies between 0 and 1, got {self.weight}.")
+            raise ValueError(f"'{self.name}': the weight of a correction must be between 0 and 1, not {self.weight}.")
 
     def fractions(self, times: ArrayLike) -> FloatArray:
         """Weights (N,) at ``times`` (N,) seconds: activation times weight, 0 if disabled."""

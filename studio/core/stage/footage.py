@@ -26,9 +26,9 @@ class Footage:
     def __post_init__(self) -> None:
         least, most = FOOTAGE_RATES
         if not all(least <= rate <= most for rate in (self.file_rate, self.frame_rate)):
-            raise ValueError(f"The footage '{self.name}' has from {least:g} to {most:g} frames a second.")
+            raise ValueError(f"The frame rate of the footage '{self.name}' must be from {least:g} to {most:g} fps.")
         if self.frames < 1 or not math.isfinite(self.start):
-            raise ValueError(f"The footage '{self.name}' has at least a frame and begins at a finite second.")
+            raise ValueError(f"The footage '{self.name}' needs at least one frame and a finite start time.")
         TIME_RANGE.check((self.start,))
 
     @property

@@ -56,8 +56,8 @@ class Layer:
     def __post_init__(self) -> None:
         object.__setattr__(self, "region", Region(self.region))
         if not (math.isfinite(self.weight) and 0.0 <= self.weight <= 1.0):
-            raise ValueError(f"A layer's weight lies between 0 and 1, got {self.weight}.")
+            raise ValueError(f"The weight of a layer must be between 0 and 1, not {self.weight}.")
         if not all(math.isfinite(seconds) and seconds >= 0.0 for seconds in (self.fade_in, self.fade_out)):
-            raise ValueError("A layer's fades last 0 or more seconds; 0 means as many as they need.")
+            raise ValueError("The fades of a layer must be 0 (automatic) or more seconds.")
         if self.reference < -1:
-            raise ValueError(f"A layer is compared with a frame of its motion, not with {self.reference}.")
+            raise ValueError(f"The reference frame of a layer must be a frame of its motion, not {self.reference}.")

@@ -55,9 +55,9 @@ class LocalPose:
             raise ValueError(f"It has no rotation of the {missing[0]}.")
         for part, rotation in self.rotations.items():
             if not all(map(isfinite, rotation)):
-                raise ValueError(f"The rotation of the {part.label.lower()} is no rotation: {rotation}.")
+                raise ValueError(f"The rotation of the {part.label.lower()} is invalid: {rotation}.")
         if not isfinite(self.hips_height):
-            raise ValueError(f"The height of the hips is a number, got {self.hips_height}.")
+            raise ValueError(f"The height of the hips must be a number, not {self.hips_height}.")
 
 
 def local_pose(layout: BodyLayout, rotations: FloatArray, hips_height: float) -> LocalPose:

@@ -37,9 +37,9 @@ class KeepDistance:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.distance) and self.distance > 0.0):
-            raise ValueError(f"A distance to keep is more than zero, got {self.distance}.")
+            raise ValueError(f"The distance must be greater than zero, not {self.distance}.")
         if not (math.isfinite(self.room) and self.room >= 0.0):
-            raise ValueError(f"Room about a distance is zero or more, got {self.room}.")
+            raise ValueError(f"The tolerance must be 0 or more, not {self.room}.")
         PLACE_RANGE.check((self.distance, self.room))
 
     @property
@@ -59,7 +59,7 @@ class LeanAway:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.metres) and self.metres > 0.0):
-            raise ValueError(f"A distance to lean away is more than zero metres, got {self.metres}.")
+            raise ValueError(f"The minimum distance must be greater than 0 metres, not {self.metres}.")
         PLACE_RANGE.check(self.metres)
 
 

@@ -80,7 +80,7 @@ class Performer:
 
     def __post_init__(self) -> None:
         if not all(math.isfinite(number) for number in (*self.position, self.heading)):
-            raise ValueError(f"'{self.name}': a place on the stage is made of finite numbers.")
+            raise ValueError(f"'{self.name}': the position on the stage needs finite numbers.")
         PLACE_RANGE.check(self.position)
         TURN_RANGE.check(self.heading)
 

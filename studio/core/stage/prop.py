@@ -48,7 +48,9 @@ class Hold:
     def __post_init__(self) -> None:
         spans = [second for second in (self.begin, self.end) if second is not None]
         if not all(map(math.isfinite, spans)) or sorted(spans) != spans:
-            raise ValueError(f"A prop is held from one second to a later one, not from {self.begin} to {self.end}.")
+            raise ValueError(
+                f"A prop must be put down after it is picked up: {self.begin} to {self.end} seconds is empty."
+            )
         TIME_RANGE.check(spans)
 
     @property
@@ -157,19 +159,19 @@ class Prop:
             object.__setattr__(self, "tilt", unit_quaternion(self.tilt))
         object.__setattr__(self, "size", finite_vector(self.size, f"'{self.name}': a size"))
         if getattr(self.position, "origin", None) is not None:
-            raise ValueError(f"'{self.name}': a prop has no body whose own position its own could count from.")
+            raise ValueError(f"'{self.name}': a prop cannot have a per-character position.")
         if not isinstance(self.position, KeyedPlace | ProceduralPlace):
             object.__setattr__(self, "position", finite_vector(self.position, f"'{self.name}': a position"))
         if (isinstance(self.heading, float | int) and not math.isfinite(self.heading)) or min(self.size) <= 0.0:
-            raise ValueError(f"'{self.name}': a prop needs a finite heading and sides longer than zero.")
+            raise ValueError(f"'{self.name}': a prop needs a finite heading and a size greater than zero.")
         TURN_RANGE.check(self.heading.values if isinstance(self.heading, KeyedNumber) else self.heading)
         if self.shape is PropShape.MESH and self.mesh is None:
-            raise ValueError(f"'{self.name}': load a mesh first, then it can be the shape.")
+            raise ValueError(f"'{self.name}': the shape 'mesh' needs a mesh. Load it from a file first.")
         for one, after in zip(self.holds, self.holds[1:], strict=False):
             if one.end is None or after.begin is None or after.begin < one.end:
-                raise ValueError(f"'{self.name}': one holder must let go before the next one takes it.")
+                raise ValueError(f"'{self.name}': a character must put the prop down before another picks it up.")
         if self.later and self.held is None:
-            raise ValueError(f"'{self.name}': its holders must be in the order of time.")
+            raise ValueError(f"'{self.name}': its pick-ups must be in order of time.")
 
     @property
     def holds(self) -> tuple[InHand | Carried, ...]:

@@ -66,9 +66,11 @@ class SavedCamera:
         target: Vector = finite_vector(placement.target, f"The target of the camera '{self.name}'")
         numbers = (placement.distance, placement.azimuth, placement.elevation)
         if not all(map(math.isfinite, numbers)):
-            raise ValueError(f"The camera '{self.name}' is placed by finite numbers.")
+            raise ValueError(f"The position of the camera '{self.name}' needs finite numbers.")
         PLACE_RANGE.check(target)
         CAMERA_DISTANCE_RANGE.check(placement.distance)
         TURN_RANGE.check((placement.azimuth, placement.elevation))
         if self.slot is not None and self.slot not in CAMERA_SLOTS:
-            raise ValueError(f"The camera '{self.name}' has slot {self.slot}: there are {CAMERA_SLOTS}.")
+            raise ValueError(
+                f"The camera '{self.name}' has slot {self.slot}. Choose a slot from 1 to {CAMERA_SLOTS[-1]}."
+            )

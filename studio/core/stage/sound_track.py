@@ -32,9 +32,9 @@ class SoundTrack:
 
     def __post_init__(self) -> None:
         if not self.peaks or not all(0 <= peak <= LOUDEST_PEAK for peak in self.peaks):
-            raise ValueError(f"The sound '{self.name}' has peaks from 0 to {LOUDEST_PEAK}, at least one.")
+            raise ValueError(f"The sound '{self.name}' needs at least one peak, from 0 to {LOUDEST_PEAK}.")
         if not all(map(math.isfinite, (self.start, *self.beats))) or list(self.beats) != sorted(self.beats):
-            raise ValueError(f"The sound '{self.name}' begins at a finite second and has its beats in order.")
+            raise ValueError(f"The sound '{self.name}' needs a finite start time and beats in order of time.")
         TIME_RANGE.check((self.start, *self.beats))
 
     @property

@@ -1,1 +1,1 @@
-"""Undo commands: every change of the project is one of them."""
+"""Undo commands, through which every change of the project is made."""

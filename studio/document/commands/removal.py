@@ -9,9 +9,10 @@ from studio.document.commands.replace import Edit, with_edits_applied
 
 
 def removal_edits(project: Project, collection: str, entity_id: str) -> tuple[Edit, ...]:
-    """Edits that remove an entity and its dependents; performers only lose their clips of a removed motion.
+    """Edits that remove an entity and everything that depends on it.
 
-    A removed holder releases its prop, and a behaviour continues without a removed performer.
+    Performers of a removed motion only lose its clips, a removed holder releases its prop, and a behaviour continues
+    without a removed performer.
     """
     edits: list[Edit] = []
     for name, key in project.referring_to(collection, entity_id):

@@ -1,4 +1,4 @@
-"""ReplaceValue: the command that replaces values of the project. Every edit is one of these."""
+"""Undo command that replaces values of the project; every edit is one of these."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, is_dataclass, replace
@@ -18,7 +18,9 @@ GESTURE_COMMAND_ID = 1
 
 @dataclass(frozen=True, eq=False)
 class Edit:
-    """Change of one entity; ``old`` None is an addition, ``new`` None a removal, at index ``place``."""
+    """Change of one entity: ``old`` None is an addition, ``new`` None a removal, and ``place`` the index in the
+    collection.
+    """
 
     collection: str
     entity_id: str
@@ -28,29 +30,29 @@ class Edit:
 
     @property
     def item(self) -> tuple[str, str]:
-        """(collection, id)."""
+        """Collection and id of the entity."""
         return self.collection, self.entity_id
 
     @property
     def reverted(self) -> "Edit":
-        """Inverse edit."""
+        """Inverse of this edit."""
         return Edit(self.collection, self.entity_id, self.new, self.old, self.place)
 
 
 def with_edits_applied(project: Project, edits: Iterable[Edit]) -> Project:
-    """``project`` after all edits, in their order."""
+    """``project`` after all edits, applied in order."""
     for collection, run in groupby(edits, key=attrgetter("collection")):
         project = project.with_entities(collection, ((edit.entity_id, edit.new, edit.place) for edit in run))
     return project
 
 
 def reverted_edits(edits: tuple[Edit, ...]) -> tuple[Edit, ...]:
-    """Inverse of all edits, in reverse order, so that every index is restored."""
+    """Inverse edits in reverse order, so that every index is restored."""
     return tuple(edit.reverted for edit in reversed(edits))
 
 
 def same_value(first: Any, second: Any) -> bool:
-    """True if two entities have equal fields; ``==`` raises where these are arrays."""
+    """True if two entities have equal fields; unlike ``==`` it can compare fields that are arrays."""
     if first is second:
         return True
     if type(first) is not type(second):
@@ -65,7 +67,7 @@ def same_value(first: Any, second: Any) -> bool:
 
 
 class ReplaceValue(QUndoCommand):
-    """Edits as one undo step; those of one gesture merge, and one without a net change vanishes."""
+    """Undo step of several edits. Steps of one gesture merge, and a step without a net change is dropped."""
 
     def __init__(
         self,
@@ -75,7 +77,7 @@ class ReplaceValue(QUndoCommand):
         gesture: int | None,
         keys: frozenset[KeyRef] = frozenset(),
     ) -> None:
-        """``keys`` are those that were selected before; ``show`` returns those that are selected as it is called."""
+        """``keys`` are those selected before; ``show`` applies edits and returns the keys selected at that moment."""
         super().__init__(text)
         # A strong one closes a cycle through the stack's C++ side, which crashes the garbage collector.
         self._document_step = WeakMethod(show)
@@ -102,7 +104,7 @@ class ReplaceValue(QUndoCommand):
         return self._keys if step is None else step(edits, verb, self.text(), self.gesture, self._keys)
 
     def id(self) -> int:
-        """Group in which Qt offers commands for merging: one for all that belong to a gesture."""
+        """Id by which Qt merges commands: the same for all commands of gestures, -1 for others."""
         return -1 if self.gesture is None else GESTURE_COMMAND_ID
 
     def mergeWith(self, other: QUndoCommand) -> bool:
@@ -116,10 +118,10 @@ class ReplaceValue(QUndoCommand):
 
 
 def merged_edits(earlier: tuple[Edit, ...], later: tuple[Edit, ...]) -> tuple[Edit, ...]:
-    """Both lists of edits as one: edits of an entity become one, and those without a net change are left out.
+    """Two successive lists of edits as one: one edit per entity, without those that have no net change.
 
-    An edit joins an earlier one of its entity unless others were added or removed in between, because indices refer to
-    their moment; an addition that is removed again vanishes.
+    An edit is merged with an earlier one of its entity unless entities were added or removed in between, because
+    indices refer to that moment; an addition that is later removed is dropped.
     """
     result, last, fixed = list(earlier), {edit.item: at for at, edit in enumerate(earlier)}, -1
     for at, edit in enumerate(earlier):

@@ -94,7 +94,7 @@ def write_archive(
             _seal(part)
             _verify(part, members)
     except FolderNotWritable as error:
-        raise FolderNotWritable(f"{error} Nothing is lost: use Save As.") from error
+        raise FolderNotWritable(f"{error} Nothing is lost: use File > Save as…") from error
     written = stamp(path)
     if written is None:
         raise StudioError(f"'{path}' disappeared right after it was saved. Save it in another place.")

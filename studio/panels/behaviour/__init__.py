@@ -1,1 +1,1 @@
-"""Behaviours: the diagram of states and transitions, and the forms of its parts."""
+"""Behaviour panel: the diagram of states and transitions, and the forms of its parts."""

@@ -1,4 +1,4 @@
-"""Form of a behaviour: its name, its start state, and its performers."""
+"""Form of a behaviour: its name, its start state, and the performers that use it."""
 
 from PySide6.QtWidgets import QListWidget
 
@@ -9,11 +9,11 @@ from studio.document.document import Document
 from studio.document.mnemonics import escaped_mnemonics
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor, EntityNameField
-from studio.panels.fields import ROW_HEIGHT, Choice, Section, press_button, styled_label
+from studio.panels.fields import FORM_ROW_HEIGHT_PX, Choice, Section, press_button, styled_label
 
 
 class BehaviourEditor(Editor[Behaviour]):
-    """Form of a whole behaviour; its states are listed for use without a mouse."""
+    """Form of a whole behaviour; its states are listed as well, for use by keyboard."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -41,7 +41,7 @@ class BehaviourEditor(Editor[Behaviour]):
         self.finish()
 
     def depends_on(self, collection: str, entity_id: str) -> bool:
-        """True also for performers, which the form names."""
+        """True for the behaviour itself, and for performers, whose names the form shows."""
         return super().depends_on(collection, entity_id) or collection == "performers"
 
     def refresh(self) -> None:
@@ -65,7 +65,7 @@ class BehaviourEditor(Editor[Behaviour]):
         if names != [self._states.item(row).text() for row in range(self._states.count())]:
             self._states.clear()
             self._states.addItems(names)
-            self._states.setFixedHeight(ROW_HEIGHT * len(names) + 4)
+            self._states.setFixedHeight(FORM_ROW_HEIGHT_PX * len(names) + 4)
 
     def _make_own(self) -> None:
         performer_id = self.document.active_performer_id or ""

@@ -28,21 +28,23 @@ CONDITION_KINDS: dict[str, tuple[str, Condition]] = {
     "event": ("Event", EventCondition("attack")),
     "key": ("Key press", KeyCondition("K")),
 }
+"""Label and default value of each kind of condition."""
 PutCondition = Callable[[Callable[[], Condition] | None, str], None]
-"""Takes what makes a condition as the user wants it, None to remove it, and the text of the undo step."""
+"""Function that is called with a factory of the edited condition, or None to remove it, and the text of the undo step.
+"""
 DEFAULT_POINT = BodyPoint(BodyPart.HEAD)
 DISTANCE_UNITS = ((False, "Metres"), (True, "Leg lengths"))
 
 
 def kind_of(condition: Condition) -> str:
-    """Key in ``CONDITION_KINDS`` of a condition."""
+    """Key in ``CONDITION_KINDS`` for a condition."""
     if isinstance(condition, DistanceCondition):
         return "closer" if condition.closer else "farther"
     return condition.kind
 
 
 class ConditionSection(Section):
-    """Form of a condition, which is changed through ``put``."""
+    """Form section of one condition; edits are passed to ``put``."""
 
     def __init__(self, editor: PartEditor[Transition], title: str, condition: Condition, put: PutCondition) -> None:
         super().__init__(title)
@@ -64,7 +66,7 @@ class ConditionSection(Section):
                 self._add_name(condition)
 
     def show_condition(self, condition: Condition, project: Project) -> None:
-        """Show a condition of the document, of the kind for which this section was made."""
+        """Show a condition of the kind for which the section was made."""
         self._condition = condition
         self._kind.show_value(kind_of(condition))
         match condition:

@@ -1,4 +1,6 @@
-"""Diagram of a behaviour: boxes are dragged, arrows drawn from their edges; every change is an undo step."""
+"""Diagram of a behaviour: states are boxes that can be dragged, transitions are arrows drawn from their edges. Every
+change is an undo step.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -20,14 +22,14 @@ from studio.panels.behaviour import diagram_drags
 from studio.panels.behaviour.diagram_items import Arrow, StateBox, StateItem, TransitionItem, bow_of
 from studio.panels.behaviour.words import clip_words, condition_words, manner_words
 
-SCENE = QRectF(-4000.0, -4000.0, 8000.0, 8000.0)
+SCENE_RECT = QRectF(-4000.0, -4000.0, 8000.0, 8000.0)
 DIAGRAM_GRID = 24.0
-ZOOM_PER_STEP, LEAST_ZOOM, MOST_ZOOM = 1.0015, 0.25, 2.5
+ZOOM_PER_STEP, MIN_ZOOM, MAX_ZOOM = 1.0015, 0.25, 2.5
 DIAGRAM_MARGIN = 16.0
 
 
 class Diagram(QGraphicsView):
-    """View of one behaviour that keeps no copy of it."""
+    """View of one behaviour; it keeps no copy of it."""
 
     def __init__(self, document: Document) -> None:
         super().__init__()
@@ -40,7 +42,7 @@ class Diagram(QGraphicsView):
         self._renaming: QLineEdit | None = None
         self._whole = True
         """True while the view is fitted to the whole diagram: until the user zooms or pans."""
-        self.setScene(QGraphicsScene(SCENE, self))
+        self.setScene(QGraphicsScene(SCENE_RECT, self))
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setBackgroundBrush(QColor(colours.WELL))
         self.setAccessibleName("Diagram of the behaviour")
@@ -54,11 +56,11 @@ class Diagram(QGraphicsView):
 
     @property
     def behaviour(self) -> Behaviour | None:
-        """Behaviour in the present project."""
+        """Shown behaviour in the current project; None if it was deleted."""
         return self.document.project.behaviours.get(self.behaviour_id)
 
     def show_behaviour(self, behaviour_id: str) -> None:
-        """Draw a behaviour; fit the view to it if another one was shown before."""
+        """Draw a behaviour; fit the view if another one was shown before."""
         other = behaviour_id != self.behaviour_id
         if other:
             self.leave_gesture()
@@ -68,7 +70,7 @@ class Diagram(QGraphicsView):
             self.fit()
 
     def refresh(self) -> None:
-        """Draw everything again."""
+        """Draw all states and transitions again."""
         scene, behaviour = self.scene(), self.behaviour
         for item in (*self.states.values(), *self.arrows, *(each.words for each in self.arrows)):
             scene.removeItem(item)
@@ -82,7 +84,7 @@ class Diagram(QGraphicsView):
             scene.addItem(item)
 
     def fit(self) -> None:
-        """Fit the view to the whole diagram, without magnifying it."""
+        """Fit the whole diagram into the view, without magnifying it."""
         area = QRectF()
         for item in (*self.states.values(), *self.arrows, *(each.words for each in self.arrows)):
             area = area.united(item.boundingRect())
@@ -90,12 +92,14 @@ class Diagram(QGraphicsView):
         area.adjust(-DIAGRAM_MARGIN, -DIAGRAM_MARGIN, DIAGRAM_MARGIN, DIAGRAM_MARGIN)
         scale = min(room.width() / area.width(), room.height() / area.height(), 1.0)
         self.resetTransform()
-        self.scale(max(scale, LEAST_ZOOM), max(scale, LEAST_ZOOM))
+        self.scale(max(scale, MIN_ZOOM), max(scale, MIN_ZOOM))
         self.centerOn(area.center())
         self._whole = True
 
     def edit(self, edit: BehaviourEdit, text: str, gesture: int | None = None) -> bool:
-        """Change the behaviour; True if it exists and accepts the edit. A refused edit is reported as a message."""
+        """Change the behaviour by ``edit``; False if it was deleted or the edit is invalid, which is reported as a
+        message.
+        """
         if self.behaviour is None:
             return False
         try:
@@ -106,7 +110,9 @@ class Diagram(QGraphicsView):
         return True
 
     def add_state(self, position: QPointF | None = None) -> str:
-        """Add and select a state at ``position``, or at a free place in view; its name, empty if it was refused."""
+        """Add and select a state at ``position``, or at a free place in view. Returns its name, or an empty text if the
+        edit was refused.
+        """
         found = position or self._free_place()
         before = self.behaviour
         if before is None:
@@ -119,20 +125,20 @@ class Diagram(QGraphicsView):
         return name
 
     def connect_states(self, source: str, target: str) -> None:
-        """Add a transition and select it, so that its form shows its conditions."""
+        """Add a transition between two states and select it, so that its form is shown."""
         if self.edit(lambda old: edits.with_new_transition(old, source, target), f"Add transition to {target}"):
             last = len(self.document.project.behaviours[self.behaviour_id].transitions) - 1
             self.select(("transitions", transition_key(self.behaviour_id, last)))
 
     def select(self, *items: Item) -> None:
-        """Select parts, or the whole behaviour if none are given, together with the active performer."""
+        """Select parts of the behaviour together with the active performer; without ``items``, the whole behaviour."""
         document = self.document
         active = document.active_performer_id
         bodies = [("performers", active)] if active else []
         document.selection.set(*bodies, *(items or [("behaviours", self.behaviour_id)]))
 
     def rename(self, name: str) -> None:
-        """Edit a state's name in its box, if there is one."""
+        """Let the user edit the name of a state in its box."""
         self._end_renaming()
         if name not in self.states:
             return
@@ -175,7 +181,7 @@ class Diagram(QGraphicsView):
         return next((item for item in arrows if item.contains_point(position)), None)
 
     def item_at(self, position: QPointF) -> Item | None:
-        """Item that a click there selects; None if nothing is there."""
+        """Selection item of the box or arrow at ``position``; None if there is none."""
         state = self.state_at(position)
         if state is not None:
             return "states", state_key(self.behaviour_id, state.box.name)
@@ -185,7 +191,7 @@ class Diagram(QGraphicsView):
     # Mouse
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Begin to move, to connect, to select in a rectangle, or to pan."""
+        """Start a gesture: move states, draw a transition, select a rectangle, or pan."""
         self._end_renaming()
         if self.behaviour is None or self.gesture is not None:
             return
@@ -217,7 +223,7 @@ class Diagram(QGraphicsView):
         self.viewport().update()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Rename the state under the mouse; on empty ground add a new state."""
+        """Rename the state under the mouse, or add a state on the empty background."""
         if event.button() is not Qt.MouseButton.LeftButton or self.behaviour is None:
             return
         place = self.mapToScene(event.position().toPoint())
@@ -228,14 +234,13 @@ class Diagram(QGraphicsView):
             self.rename(name)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom about the mouse; sideways, or with Shift, pan."""
+        """Zoom about the mouse; with Shift or a sideways wheel, pan."""
         turned = event.angleDelta()
         if turned.x() or event.modifiers() & Qt.KeyboardModifier.ShiftModifier:
             self.pan(QPoint((turned.x() or turned.y()) // 2, 0))
             return
         factor = (
-            min(max(ZOOM_PER_STEP ** turned.y() * self.transform().m11(), LEAST_ZOOM), MOST_ZOOM)
-            / self.transform().m11()
+            min(max(ZOOM_PER_STEP ** turned.y() * self.transform().m11(), MIN_ZOOM), MAX_ZOOM) / self.transform().m11()
         )
         mouse = event.position().toPoint()
         before = self.mapToScene(mouse)
@@ -244,13 +249,13 @@ class Diagram(QGraphicsView):
         self.pan(-moved)
 
     def pan(self, pixels: QPoint) -> None:
-        """Scroll the view."""
+        """Scroll the view by ``pixels``."""
         self._whole = False
         for bar, way in ((self.horizontalScrollBar(), pixels.x()), (self.verticalScrollBar(), pixels.y())):
             bar.setValue(bar.value() - way)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Fit the view again if the whole diagram was in view."""
+        """Fit the diagram again if all of it was in view."""
         super().resizeEvent(event)
         if self._whole:
             self.fit()
@@ -290,7 +295,7 @@ class Diagram(QGraphicsView):
         return [("Add state here", lambda: self.add_state(position)), ("Show all", self.fit)]
 
     def event(self, event: QEvent) -> bool:
-        """Reserve Esc for the current gesture during a drag, so that no shortcut of the window takes it."""
+        """Reserve Esc for cancelling a drag, so that no shortcut of the window takes it."""
         mine = isinstance(event, QKeyEvent) and self.gesture is not None and event.key() == Qt.Key.Key_Escape
         if mine and event.type() == QEvent.Type.ShortcutOverride:
             event.accept()
@@ -298,7 +303,7 @@ class Diagram(QGraphicsView):
         return bool(super().event(event))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Esc leaves a gesture, F2 renames; other keys are the window's, not a scroll area's."""
+        """Cancel a gesture with Esc, rename a state with F2, and leave all other keys to the window."""
         chosen = [item for item in self.states.values() if item.box.selected]
         if event.key() == Qt.Key.Key_Escape and self.leave_gesture():
             return
@@ -310,7 +315,7 @@ class Diagram(QGraphicsView):
     # Drawing
 
     def drawBackground(self, painter: QPainter, area: QRectF | object) -> None:
-        """Draw a grid of dots, except when zoomed out below half size."""
+        """Draw a grid of dots, unless the view is zoomed out below half size."""
         super().drawBackground(painter, area)  # type: ignore[arg-type]
         if self.transform().m11() < 0.5:
             return
@@ -322,7 +327,7 @@ class Diagram(QGraphicsView):
             painter.drawPoints([QPointF(column * DIAGRAM_GRID, row * DIAGRAM_GRID) for column in across])
 
     def drawForeground(self, painter: QPainter, area: QRectF | object) -> None:
-        """Draw the overlay of the current gesture."""
+        """Draw the preview of the current gesture."""
         if self.gesture is not None:
             self.gesture.paint(painter)
 
@@ -360,7 +365,7 @@ class Diagram(QGraphicsView):
         return arrows
 
     def _free_place(self) -> QPointF:
-        """Centre of the view, moved down until a new box covers no other item."""
+        """Centre of the view, moved down until a new box there covers no other item."""
         taken = [item.rect for item in self.states.values()]
         taken += [area for arrow in self.arrows for area in (arrow.boundingRect(), arrow.label)]
         place = self.mapToScene(self.viewport().rect().center())
@@ -373,5 +378,5 @@ class Diagram(QGraphicsView):
 
 
 def colour_of(project: Project, performer_id: str) -> str:
-    """Colour of a performer's character."""
+    """Colour of the character of a performer."""
     return project.characters[project.performers[performer_id].character_id].colour

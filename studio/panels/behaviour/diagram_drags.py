@@ -1,4 +1,4 @@
-"""Drags in the diagram: move states, connect them, select in a rectangle, or pan."""
+"""Mouse gestures in the diagram: move states, draw transitions, select in a rectangle, or pan."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from studio.panels.behaviour.diagram_items import StateItem, exit_point
 if TYPE_CHECKING:
     from studio.panels.behaviour.diagram import Diagram
 
-SNAP = 8.0
-STARTS = 3
-"""Pixels by which the mouse has to move before a press is a drag."""
+DIAGRAM_SNAP = 8.0
+DRAG_START_PIXELS = 3
+"""Distance in pixels from which a mouse movement counts as a drag."""
 
 
 class DiagramGesture:
-    """Base of mouse gestures, from the press of a button to its release."""
+    """Base of mouse gestures, from the press to the release of a button."""
 
     def __init__(self, view: Diagram, event: QMouseEvent, position: QPointF) -> None:
         self.view, self.begin, self.now = view, position, position
@@ -30,15 +30,15 @@ class DiagramGesture:
         self.dragged = False
 
     def move(self, event: QMouseEvent, position: QPointF) -> None:
-        """Handle a move of the mouse; it is a drag from ``STARTS`` pixels on."""
+        """Handle a mouse move, which becomes a drag after ``DRAG_START_PIXELS`` pixels."""
         self.now = position
-        self.dragged = self.dragged or (event.position() - self._pressed).manhattanLength() >= STARTS
+        self.dragged = self.dragged or (event.position() - self._pressed).manhattanLength() >= DRAG_START_PIXELS
         if self.dragged:
             self.drag(event)
         self.view.viewport().update()
 
     def drag(self, event: QMouseEvent) -> None:
-        """Continue the drag."""
+        """Continue the drag to the position of ``event``."""
 
     def release(self, event: QMouseEvent, position: QPointF) -> None:
         """Finish the gesture."""
@@ -51,7 +51,7 @@ class DiagramGesture:
 
 
 def gesture_at_press(view: Diagram, event: QMouseEvent, position: QPointF) -> DiagramGesture | None:
-    """Gesture for a press at ``position``."""
+    """Gesture that a press at ``position`` starts; None if it starts none."""
     left = event.button() is Qt.MouseButton.LeftButton
     alt = bool(event.modifiers() & Qt.KeyboardModifier.AltModifier)
     if event.button() is Qt.MouseButton.MiddleButton or (left and alt):
@@ -72,7 +72,7 @@ def gesture_at_press(view: Diagram, event: QMouseEvent, position: QPointF) -> Di
 
 
 class MoveStates(DiagramGesture):
-    """Move the selected states with the mouse, on a grid, as one undo step."""
+    """Drag of the selected states, snapped to a grid, as one undo step."""
 
     def __init__(self, view: Diagram, event: QMouseEvent, position: QPointF) -> None:
         super().__init__(view, event, position)
@@ -81,7 +81,7 @@ class MoveStates(DiagramGesture):
         self._number = view.document.new_gesture()
 
     def drag(self, event: QMouseEvent) -> None:
-        """Move the states by the mouse's displacement."""
+        """Move the states by the displacement of the mouse."""
         way = self.now - self.begin
         selection, behaviour_id = self.view.document.selection, self.view.behaviour_id
         names = {e.name for e in self._before.states if ("states", state_key(behaviour_id, e.name)) in selection}
@@ -103,8 +103,8 @@ class MoveStates(DiagramGesture):
 
 
 class DrawTransition(DiagramGesture):
-    """Drag of an arrow from a box: released on another box it makes a transition, on empty ground one
-    to a new state.
+    """Drag of an arrow from the rim of a box. Released on another box it adds a transition, on the background also a
+    new state.
     """
 
     def __init__(self, view: Diagram, event: QMouseEvent, position: QPointF, source: StateItem) -> None:
@@ -112,7 +112,7 @@ class DrawTransition(DiagramGesture):
         self._source = source.box.name
 
     def release(self, event: QMouseEvent, position: QPointF) -> None:
-        """Add the transition; a click on the rim, or a release on the same box, only selects."""
+        """Add the transition. A click on the rim, or a release on the same box, only selects the state."""
         target = self.view.state_at(position)
         if not self.dragged or (target is not None and target.box.name == self._source):
             self.view.select(("states", state_key(self.view.behaviour_id, self._source)))
@@ -141,7 +141,7 @@ class DrawTransition(DiagramGesture):
 
 
 class SelectStates(DiagramGesture):
-    """Selection rectangle for states; a click selects the whole behaviour."""
+    """Drag of a selection rectangle; a click selects the whole behaviour."""
 
     def release(self, event: QMouseEvent, position: QPointF) -> None:
         """Select the states in the rectangle."""
@@ -166,7 +166,7 @@ class PanDiagram(DiagramGesture):
         view.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
 
     def drag(self, event: QMouseEvent) -> None:
-        """Pan by as much as the mouse has moved."""
+        """Pan by the displacement of the mouse."""
         self.view.pan((event.position() - self._last).toPoint())
         self._last = event.position()
 
@@ -176,4 +176,4 @@ class PanDiagram(DiagramGesture):
 
 
 def _snapped(number: float) -> float:
-    return SNAP * round(number / SNAP)
+    return DIAGRAM_SNAP * round(number / DIAGRAM_SNAP)

@@ -1,4 +1,4 @@
-"""Graphics items of a behaviour's diagram: boxes of states, arrows of transitions and labels of their conditions."""
+"""Graphics items of the behaviour diagram: boxes of states, arrows of transitions, and labels with their conditions."""
 
 import math
 from dataclasses import dataclass
@@ -10,22 +10,28 @@ from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
 from studio.document import colours
 
 STATE_WIDTHS = (132.0, 220.0)
-"""The narrowest and the widest box."""
+"""Minimum and maximum width of a box, in scene units."""
 TITLE_PX, LINE_PX, PADDING_PX = 20.0, 15.0, 9.0
-RADIUS = 5.0
-RIM = 7.0
-"""Width in scene units of the rim inside a box's edge, and half of it outside, where a drag draws an arrow."""
-BOW, NEXT_BOW = 22.0, 34.0
-"""Sideways offset of an arrow that has a counterpart, and between arrows of the same ends, in scene units."""
+BOX_CORNER_RADIUS = 5.0
+BOX_RIM_WIDTH = 7.0
+"""Width in scene units of the rim of a box, from which an arrow can be drawn; half of it is also sensitive outside the
+box.
+"""
+ARROW_BOW, NEXT_ARROW_BOW = 22.0, 34.0
+"""Sideways offset of an arrow that has a counterpart in the other direction, and additional offset per further arrow,
+in scene units.
+"""
 ARROW_PX, ARROW_REACH_PX = 9.0, 12.0
-ALONG = 0.58
-"""Fraction of an arrow's length at which its label stands, so that the labels there and back do not meet."""
-LOOP = 44.0
-GLOW = 4
+LABEL_POSITION_FRACTION = 0.58
+"""Position of the label along an arrow, as a fraction of its length, so that the labels of both directions do not
+overlap.
+"""
+LOOP_ARROW_SIZE = 44.0
+GLOW_WIDTH = 4
 
 
 def font(pixels: int, bold: bool = False) -> QFont:
-    """Application's font in a size."""
+    """Application font in a size in pixels."""
     made = QFont()
     made.setPixelSize(pixels)
     if bold:
@@ -35,7 +41,9 @@ def font(pixels: int, bold: bool = False) -> QFont:
 
 @dataclass(frozen=True)
 class StateBox:
-    """State as shown: ``lit`` is the colour of the performer that is in it, ``dots`` those of others."""
+    """State as displayed: ``lit`` is the colour of the performer that is in this state, ``dots`` are the colours of
+    other performers.
+    """
 
     name: str
     plays: str
@@ -58,7 +66,7 @@ class StateBox:
 
 
 class StateItem(QGraphicsItem):
-    """Box of a state; ``ready`` shows the rim from which an arrow can be drawn."""
+    """Graphics item of a state's box; while ``ready`` is True it shows the rim from which an arrow can be drawn."""
 
     def __init__(self, box: StateBox) -> None:
         super().__init__()
@@ -71,30 +79,32 @@ class StateItem(QGraphicsItem):
 
     def on_rim(self, position: QPointF) -> bool:
         """True if a drag from ``position`` draws an arrow instead of moving the box."""
-        inner = self.rect.adjusted(RIM, RIM, -RIM, -RIM)
+        inner = self.rect.adjusted(BOX_RIM_WIDTH, BOX_RIM_WIDTH, -BOX_RIM_WIDTH, -BOX_RIM_WIDTH)
         return self.contains_point(position) and not inner.contains(position)
 
     def contains_point(self, position: QPointF) -> bool:
         """True if ``position`` is on the box or just outside its edge."""
-        return self.rect.adjusted(-RIM / 2, -RIM / 2, RIM / 2, RIM / 2).contains(position)
+        return self.rect.adjusted(
+            -BOX_RIM_WIDTH / 2, -BOX_RIM_WIDTH / 2, BOX_RIM_WIDTH / 2, BOX_RIM_WIDTH / 2
+        ).contains(position)
 
     def paint(self, painter: QPainter, _option: QStyleOptionGraphicsItem, _widget: QWidget | None = None) -> None:
         """Draw the box and its texts."""
         box, rect = self.box, self.rect
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        for step in range(GLOW if box.lit else 0):
+        for step in range(GLOW_WIDTH if box.lit else 0):
             grown = rect.adjusted(-step * 2.0, -step * 2.0, step * 2.0, step * 2.0)
             painter.setPen(QPen(_faint(box.lit, 0.34 - 0.07 * step), 2.5))
-            painter.drawRoundedRect(grown, RADIUS + step * 2.0, RADIUS + step * 2.0)
+            painter.drawRoundedRect(grown, BOX_CORNER_RADIUS + step * 2.0, BOX_CORNER_RADIUS + step * 2.0)
         ground = colours.SELECTED_ROW if box.selected else colours.CONTROL
         painter.setBrush(QColor(colours.mixed_colour(ground, box.lit, 0.35) if box.lit else ground))
         edge = colours.SELECTED_HANDLE if box.selected else box.lit or "#3f4852"
         painter.setPen(QPen(QColor(edge), 1.6 if box.selected or box.lit else 1.0))
-        painter.drawRoundedRect(rect, RADIUS, RADIUS)
+        painter.drawRoundedRect(rect, BOX_CORNER_RADIUS, BOX_CORNER_RADIUS)
         if self.ready:
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.setPen(QPen(QColor(colours.kind_colour("position")), 2.0))
-            painter.drawRoundedRect(rect.adjusted(-2, -2, 2, 2), RADIUS + 2, RADIUS + 2)
+            painter.drawRoundedRect(rect.adjusted(-2, -2, 2, 2), BOX_CORNER_RADIUS + 2, BOX_CORNER_RADIUS + 2)
         self._paint_start(painter)
         self._paint_words(painter)
         self._paint_dots(painter)
@@ -128,7 +138,7 @@ class StateItem(QGraphicsItem):
 
 @dataclass(frozen=True)
 class Arrow:
-    """Transition as drawn: from box to box, bent aside from the straight line by ``bow``."""
+    """Transition as displayed: an arrow between two boxes, whose middle is offset sideways by ``bow``."""
 
     place: int
     source: QRectF
@@ -139,13 +149,13 @@ class Arrow:
 
 
 class TransitionItem(QGraphicsItem):
-    """Arrow of a transition; its label is a ``WordsItem`` above all arrows."""
+    """Graphics item of a transition's arrow; its label is a separate ``WordsItem`` above all arrows."""
 
     def __init__(self, arrow: Arrow) -> None:
         super().__init__()
         self.arrow, self.hovered = arrow, False
         self._path, self._angle = _path_of(arrow)
-        self.label = _label(arrow, self._path.pointAtPercent(ALONG))
+        self.label = _label(arrow, self._path.pointAtPercent(LABEL_POSITION_FRACTION))
         self.words = WordsItem(self)
         self.setZValue(1.1 if arrow.selected else 1.0)
 
@@ -178,7 +188,7 @@ class TransitionItem(QGraphicsItem):
 
 
 class WordsItem(QGraphicsItem):
-    """Label of an arrow: the conditions of its transition."""
+    """Graphics item of an arrow's label, with the conditions of the transition."""
 
     def __init__(self, of: TransitionItem) -> None:
         super().__init__()
@@ -203,12 +213,14 @@ class WordsItem(QGraphicsItem):
 
 
 def bow_of(order: int, returns: bool) -> float:
-    """Sideways offset of the ``order``-th arrow from one box to another; ``returns`` if there is an arrow back."""
-    return (BOW if returns else 0.0) + NEXT_BOW * order
+    """Sideways offset of the ``order``-th arrow between two boxes; ``returns`` is True if an arrow in the other
+    direction exists.
+    """
+    return (ARROW_BOW if returns else 0.0) + NEXT_ARROW_BOW * order
 
 
 def exit_point(rect: QRectF, position: QPointF) -> QPointF:
-    """Point at which the line from the centre of a box to a position leaves the box."""
+    """Point at which the line from the centre of a box to ``position`` leaves the box."""
     centre = rect.center()
     dx, dy = position.x() - centre.x(), position.y() - centre.y()
     share = max(abs(dx) / (rect.width() / 2 + 2.0), abs(dy) / (rect.height() / 2 + 2.0), 1e-6)
@@ -216,7 +228,7 @@ def exit_point(rect: QRectF, position: QPointF) -> QPointF:
 
 
 def _label(arrow: Arrow, middle: QPointF) -> QRectF:
-    """Rectangle of the label: on a straight arrow, outside of a bent one, so that the labels of two do not meet."""
+    """Rectangle of the label: centred on a straight arrow, outside of a bent one, so that labels do not overlap."""
     metrics = QFontMetricsF(font(11))
     width = max(metrics.horizontalAdvance(each) for each in arrow.words) + 12.0
     height = LINE_PX * len(arrow.words) + 4.0
@@ -227,14 +239,14 @@ def _label(arrow: Arrow, middle: QPointF) -> QRectF:
 
 
 def _aside(arrow: Arrow) -> QPointF:
-    """Unit vector normal to the line between the boxes, towards which an arrow bends."""
+    """Unit vector perpendicular to the line between the boxes, on the side to which the arrow bends."""
     line = QLineF(arrow.source.center(), arrow.target.center())
     length = max(line.length(), 1e-6)
     return QPointF(-line.dy() / length, line.dx() / length)
 
 
 def _path_of(arrow: Arrow) -> tuple[QPainterPath, float]:
-    """Path of the arrow, and the angle in radians at which it arrives."""
+    """Path of the arrow, and its direction at the target in radians."""
     if arrow.source == arrow.target:
         return _loop(arrow)
     start, end = arrow.source.center(), arrow.target.center()
@@ -247,7 +259,7 @@ def _path_of(arrow: Arrow) -> tuple[QPainterPath, float]:
 
 
 def _loop(arrow: Arrow) -> tuple[QPainterPath, float]:
-    rect, height = arrow.source, LOOP + arrow.bow
+    rect, height = arrow.source, LOOP_ARROW_SIZE + arrow.bow
     begin = QPointF(rect.center().x() - rect.width() / 6, rect.top() - 2.0)
     finish = QPointF(rect.center().x() + rect.width() / 6, rect.top() - 2.0)
     path = QPainterPath(begin)

@@ -1,4 +1,4 @@
-"""Form section of one manner in which a state is played."""
+"""Form section of one reaction of a state: keep distance, lean away, or reach for the partner."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,23 +16,26 @@ from studio.panels.behaviour.condition_section import DISTANCE_UNITS
 from studio.panels.behaviour.part_editor import PartEditor, PointChoice, TargetChoiceRows
 from studio.panels.fields import Choice, NumberField, Section, check_box, press_button
 
-TITLES: dict[type, str] = {KeepDistance: "Keep distance", LeanAway: "Lean away", Meet: "Reach for partner"}
+REACTION_TITLES: dict[type, str] = {KeepDistance: "Keep distance", LeanAway: "Lean away", Meet: "Reach for partner"}
 PutManner = Callable[[Callable[[], Manner] | None, str], None]
-"""Takes what makes a manner as the user wants it, None to remove it, and the text of the undo step."""
+"""Function that is called with a factory of the edited reaction, or None to remove it, and the text of the undo step.
+"""
 MANNER_LIMIT = 100.0
-TIMES = ("start", "full", "full_end", "end")
-FIRST_MEETING = ActivationCurve(0.0, 0.2, 0.8, 1.0)
-"""Default activation of a manner in which a point meets another, in seconds of the motion."""
+ACTIVATION_TIMES = ("start", "full", "full_end", "end")
+DEFAULT_REACH_ACTIVATION = ActivationCurve(0.0, 0.2, 0.8, 1.0)
+"""Default activation of a new reaction that reaches for the partner, in seconds of the clip."""
 
 
 class MannerSection(Section):
-    """Form of a manner, which is changed through ``put``."""
+    """Form section of one reaction; edits are passed to ``put``."""
 
     def __init__(self, editor: PartEditor[State], manner: Manner, put: PutManner) -> None:
-        super().__init__(TITLES[type(manner)])
+        super().__init__(REACTION_TITLES[type(manner)])
         self._manner, self._put = manner, put
-        remove = press_button("Remove", lambda: put(None, f"Remove reaction: {TITLES[type(manner)].lower()}"), "link")
-        remove.setAccessibleName(f"Remove reaction: {TITLES[type(manner)]}")
+        remove = press_button(
+            "Remove", lambda: put(None, f"Remove reaction: {REACTION_TITLES[type(manner)].lower()}"), "link"
+        )
+        remove.setAccessibleName(f"Remove reaction: {REACTION_TITLES[type(manner)]}")
         self.head.addWidget(remove)
         self._editor = editor
         self._numbers: dict[str, NumberField] = {}
@@ -54,7 +57,7 @@ class MannerSection(Section):
                 self._add_times()
 
     def show_manner(self, manner: Manner, project: Project) -> None:
-        """Show a manner of the document, of the kind for which this section was made."""
+        """Show a reaction of the kind for which the section was made."""
         self._manner = manner
         self._whom.show_whom(manner.whom, project, with_point=not isinstance(manner, KeepDistance))
         for name, field in self._numbers.items():
@@ -69,9 +72,9 @@ class MannerSection(Section):
             whole = manner.activation == WHOLE_CLIP
             with QSignalBlocker(self._always):
                 self._always.setChecked(whole)
-            for field, time in zip(self._times, TIMES, strict=True):
+            for field, time in zip(self._times, ACTIVATION_TIMES, strict=True):
                 field.setEnabled(not whole)
-                field.show_value(getattr(FIRST_MEETING if whole else manner.activation, time))
+                field.show_value(getattr(DEFAULT_REACH_ACTIVATION if whole else manner.activation, time))
 
     def _add_number(self, label: str, name: str) -> None:
         field = NumberField(label, "m", 0.0, MANNER_LIMIT, 0.05)
@@ -81,15 +84,15 @@ class MannerSection(Section):
     def _add_times(self) -> None:
         self._always = check_box("Whole clip")
         self._always.setAccessibleName("The point follows its target while the clip plays")
-        self._always.toggled.connect(lambda on: self._set(activation=WHOLE_CLIP if on else FIRST_MEETING))
+        self._always.toggled.connect(lambda on: self._set(activation=WHOLE_CLIP if on else DEFAULT_REACH_ACTIVATION))
         self.add_row("Active", self._always)
-        for label, names in (("Fade in (s)", TIMES[:2]), ("Fade out (s)", TIMES[2:])):
+        for label, names in (("Fade in (s)", ACTIVATION_TIMES[:2]), ("Fade out (s)", ACTIVATION_TIMES[2:])):
             fields = [
                 NumberField(f"{label} {name.replace('_', ' ')}", "", -MANNER_LIMIT, MANNER_LIMIT, 0.05)
                 for name in names
             ]
             for field, name in zip(fields, names, strict=True):
-                field.setToolTip("Seconds of the motion. Drag sideways to change.")
+                field.setToolTip("Seconds of the clip. Drag sideways to change.")
                 self._editor.bind(field, partial(self._set_time, name))
             self._times += fields
             self.add_row(label, *fields)
@@ -98,7 +101,7 @@ class MannerSection(Section):
         manner = self._manner
         assert isinstance(manner, Meet)
         before = manner.activation
-        start, full, end, gone = (seconds if each == name else getattr(before, each) for each in TIMES)
+        start, full, end, gone = (seconds if each == name else getattr(before, each) for each in ACTIVATION_TIMES)
         self._put(
             lambda: replace(manner, activation=ActivationCurve(start, full, end, gone, before.shape)), self._words
         )
@@ -111,4 +114,4 @@ class MannerSection(Section):
 
     @property
     def _words(self) -> str:
-        return f"Set reaction: {TITLES[type(self._manner)].lower()}"
+        return f"Set reaction: {REACTION_TITLES[type(self._manner)].lower()}"

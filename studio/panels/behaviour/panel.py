@@ -1,4 +1,4 @@
-"""Panel of behaviours: the performer, its partner, and the diagram."""
+"""Behaviour panel: the performer's behaviour, its partner, and the diagram."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ from studio.document.document import Document
 from studio.panels.behaviour.diagram import Diagram
 from studio.panels.fields import Choice, press_button, styled_label
 
-NOBODY = "Select a character to edit its behaviour for live play."
+NO_CHARACTER_HINT = "Select a character to edit its behaviour for live play."
 NO_BEHAVIOUR_HINT = (
     "{name} plays its clip track. Start with one of these, or choose a behaviour above: a state machine whose"
     " transitions react to events."
@@ -19,12 +19,12 @@ NO_BEHAVIOUR_HINT = (
 
 
 class BehaviourPanel(QWidget):
-    """Panel of behaviours; ``wanted`` requests a ready-made behaviour, by its id."""
+    """Behaviour panel; ``action_requested`` carries the id of a ready-made part to be added."""
 
     action_requested = Signal(str)
 
     def __init__(self, document: Document, ready_made: Sequence[tuple[str, str, str]]) -> None:
-        """``ready_made``: id, text and tooltip of each behaviour that can be made."""
+        """``ready_made``: id, text and tooltip of each ready-made part."""
         super().__init__()
         self.setObjectName("panel")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
@@ -44,7 +44,7 @@ class BehaviourPanel(QWidget):
         self.refresh()
 
     def show_running(self, performer_id: str, state: str) -> None:
-        """Highlight the current state of a performer while the stage runs; none for an empty state."""
+        """Highlight the current state of a performer during live play; an empty ``state`` removes the highlight."""
         running = self.diagram.running
         if running.get(performer_id, "") != state:
             running.pop(performer_id, None)
@@ -53,7 +53,7 @@ class BehaviourPanel(QWidget):
             self.diagram.refresh()
 
     def refresh(self) -> None:
-        """Show the current behaviour, and its performers."""
+        """Show the behaviour of the selection or of the active performer, and who uses it."""
         project, performer_id = self.document.project, self.document.active_performer_id
         behaviour_id = shown_behaviour(self.document) or ""
         performer = project.performers.get(performer_id or "")
@@ -72,7 +72,7 @@ class BehaviourPanel(QWidget):
             widget.setVisible(role is not None)
         for button in self._tools:
             button.setVisible(behaviour is not None)
-        self._words.setText(NO_BEHAVIOUR_HINT.format(name=performer.name) if performer else NOBODY)
+        self._words.setText(NO_BEHAVIOUR_HINT.format(name=performer.name) if performer else NO_CHARACTER_HINT)
         self._ready.setVisible(performer is not None)
         self._pages.setCurrentIndex(1 if behaviour else 0)
         self.diagram.show_behaviour(behaviour_id)
@@ -109,7 +109,7 @@ class BehaviourPanel(QWidget):
         column = QVBoxLayout(page)
         column.setContentsMargins(24, 12, 24, 12)
         column.setSpacing(12)
-        self._words = styled_label(NOBODY, "hint")
+        self._words = styled_label(NO_CHARACTER_HINT, "hint")
         self._words.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._ready = QWidget()
         row = QHBoxLayout(self._ready)

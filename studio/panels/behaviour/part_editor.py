@@ -1,4 +1,4 @@
-"""Base of the forms of a state and of a transition, which are both parts of a behaviour."""
+"""Base class of the forms of states and transitions, the parts of a behaviour."""
 
 from collections.abc import Callable
 from typing import Generic, TypeVar
@@ -18,20 +18,20 @@ PartT_co = TypeVar("PartT_co", State, Transition, covariant=True)
 
 
 class PartEditor(Editor[PartT_co], Generic[PartT_co]):
-    """Form of a part of a behaviour."""
+    """Form of a state or transition of a behaviour."""
 
     @property
     def behaviour_id(self) -> str:
-        """Id of its behaviour; empty if it was deleted."""
+        """Id of the behaviour that contains the part; empty if the part was deleted."""
         return behaviour_with(self.document.project, self.collection, self.entity_id) or ""
 
     @property
     def behaviour(self) -> Behaviour:
-        """Behaviour in the present project."""
+        """Behaviour that contains the part, in the current project."""
         return self.document.project.behaviours[self.behaviour_id]
 
     def edit(self, edit: BehaviourEdit, text: str) -> bool:
-        """Change the behaviour; True if it accepts the edit. A refused edit is reported as a message."""
+        """Change the behaviour by ``edit``; False if the edit is invalid, which is reported as a message."""
         try:
             edit_behaviour(self.document, self.behaviour_id, edit, text, self._gesture)
         except StudioError as error:
@@ -41,26 +41,28 @@ class PartEditor(Editor[PartT_co], Generic[PartT_co]):
         return True
 
     def depends_on(self, collection: str, entity_id: str) -> bool:
-        """True for performers, props and motions, which behaviours name."""
+        """True for behaviours, and for performers, props and motions, whose names the form shows."""
         return collection in ("behaviours", "performers", "props", "motions")
 
 
 class PointChoice(Choice):
-    """Choice of a point of a body; a point without a name is added when it is shown."""
+    """List of the points of a body; a point that is not in the list is added when it is shown."""
 
     def __init__(self, name: str, put: Callable[[BodyPoint], None]) -> None:
         super().__init__(name, point_choices())
         self.value_chosen.connect(put)
 
     def show_point(self, point: BodyPoint) -> None:
-        """Show the document's value."""
+        """Select ``point`` in the list."""
         if not self.offers(point):
             self.add(point, point_name(point).capitalize())
         self.show_value(point)
 
 
 class TargetChoiceRows:
-    """Rows for a target and its point; ``put`` is called with the user's choice."""
+    """Form rows for the target of a condition or reaction and the followed point on it; choices are passed to
+    ``put``.
+    """
 
     def __init__(self, section: Section, label: str, put: Callable[[BehaviourTarget], None]) -> None:
         self._whom: BehaviourTarget = FollowPartner()
@@ -68,11 +70,11 @@ class TargetChoiceRows:
         self._choice = Choice(label, ())
         self._choice.value_chosen.connect(self._chosen)
         section.add_row(label, self._choice)
-        self._point = PointChoice("Point followed", lambda point: put(_at(self._whom, point)))
-        self._caption = section.add_row("Point followed", self._point)
+        self._point = PointChoice("Followed point", lambda point: put(_at(self._whom, point)))
+        self._caption = section.add_row("Followed point", self._point)
 
     def show_whom(self, whom: BehaviourTarget, project: Project, with_point: bool = True) -> None:
-        """Show the document's values; props, and horizontal distances, have no points."""
+        """Show a target and its point. Props have no points, and ``with_point`` False hides the row."""
         self._whom = whom
         point = getattr(whom, "point", PELVIS_POINT)
         choices: list[tuple[object, str]] = [(("partner", ""), "Partner")]

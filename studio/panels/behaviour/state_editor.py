@@ -1,4 +1,4 @@
-"""Form of a state: its clip, and the manners in which it is played."""
+"""Form of a state: its clip, and the reactions while it lasts."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,12 +18,12 @@ from studio.core.stage.project import new_id
 from studio.document.behaviour_commands import state_key
 from studio.document.document import Document
 from studio.engine.live_interface import Live
-from studio.panels.behaviour.manner_section import TITLES, MannerSection, PutManner
+from studio.panels.behaviour.manner_section import REACTION_TITLES, MannerSection, PutManner
 from studio.panels.behaviour.part_editor import PartEditor
 from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, TextField, check_box, styled_label
 
-ADD = "Add reaction"
-NEW_REACTIONS: dict[str, Manner] = {TITLES[type(each)]: each for each in (KeepDistance(), LeanAway(), Meet())}
+ADD_REACTION_LABEL = "Add reaction"
+NEW_REACTIONS: dict[str, Manner] = {REACTION_TITLES[type(each)]: each for each in (KeepDistance(), LeanAway(), Meet())}
 
 
 class StateEditor(PartEditor[State]):
@@ -40,7 +40,7 @@ class StateEditor(PartEditor[State]):
         below = QWidget()
         row = QVBoxLayout(below)
         row.setContentsMargins(FIELD_ICON_PX, 12, FIELD_ICON_PX, 0)
-        self._add = Choice("Add reaction", [(None, ADD), *((title, title) for title in NEW_REACTIONS)])
+        self._add = Choice("Add reaction", [(None, ADD_REACTION_LABEL), *((title, title) for title in NEW_REACTIONS)])
         self._add.value_chosen.connect(self._add_manner)
         row.addWidget(self._add)
         row.addWidget(styled_label("Constraints of the clip stay active while the state lasts.", "hint"))
@@ -57,7 +57,9 @@ class StateEditor(PartEditor[State]):
         section.add_row("Start", self._starts)
         self._event = TextField()
         self._event.setPlaceholderText("none")
-        self._event.setToolTip("Event sent to the partner when this state begins; its transitions may wait for it")
+        self._event.setToolTip(
+            "Event sent to the partner when this state begins; the partner's transitions can wait for it"
+        )
         self._event.editingFinished.connect(self._set_event)
         section.add_row("Send event", self._event)
         return section
@@ -125,7 +127,7 @@ class StateEditor(PartEditor[State]):
             self._box.addWidget(section)
 
     def _clips(self) -> dict[object, str]:
-        """Names of everything that a state can play: nothing, each whole motion, and each clip of the project."""
+        """Label of each choice of the state's clip: none, every whole motion, and every clip of the project."""
         project = self.document.project
         found: dict[object, str] = {None: "None (holds its pose)"}
         for key, motion in project.motions.items():
@@ -160,7 +162,7 @@ class StateEditor(PartEditor[State]):
             self._set_clip("Trim clip", **{name: min(max(round(number), low), high)})
 
     def _set_clip(self, text: str, **values: object) -> None:
-        """Change values of the state's clip; a clip of the project becomes a copy of the state's own."""
+        """Change values of the state's clip; a clip of the project is first replaced by a copy owned by the state."""
         clip = self.entity.clip
         if clip is not None:
             own = new_id() if clip.id in self.document.project.clips else clip.id

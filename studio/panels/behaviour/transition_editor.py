@@ -1,4 +1,4 @@
-"""Form of a transition: source and target state, conditions, and duration of the blend."""
+"""Form of a transition: source and target state, conditions, and blend time."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,7 +18,7 @@ from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, pr
 
 
 class TransitionEditor(PartEditor[Transition]):
-    """Form of a transition. A state takes its first transition whose conditions all hold."""
+    """Form of a transition. The first transition of a state whose conditions are all true is taken."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)

@@ -1,4 +1,4 @@
-"""Texts of behaviours: conditions of transitions, clips and manners of states."""
+"""Texts that describe conditions of transitions, and clips and reactions of states."""
 
 import math
 
@@ -21,38 +21,38 @@ from studio.engine.point_names import POINT_NAMES, point_words
 
 LEFT_FIST = BodyPoint(BodyPart.LEFT_HAND, FIST_POINT.offset)
 RIGHT_FOREARM = BodyPoint(BodyPart.RIGHT_FOREARM, ARM_POINT.offset)
-NAMED = {
+FIGHT_POINT_NAMES = {
     HEAD_POINT: "head",
     FIST_POINT: "right fist",
     LEFT_FIST: "left fist",
     RIGHT_FOREARM: "right forearm",
     ARM_POINT: "left forearm",
 }
-"""Points used in fights that are not joints."""
+"""Names of points that are used in fights and are no joints."""
 _UPRIGHT = (BodyPart.PELVIS, BodyPart.ABDOMEN, BodyPart.THORAX, BodyPart.NECK, BodyPart.HEAD)
 _WAYS = (("behind", "ahead of"), ("right of", "left of"), ("below", "above"))
 
 
 def point_name(point: BodyPoint) -> str:
-    """``right fist``, ``left wrist``, ``a point 0.90 m above the pelvis``."""
-    return NAMED.get(point) or (_offset_words(point) if any(point.offset) else point_words(point))
+    """Name of a body point, for example ``right fist``, ``left wrist`` or ``a point 0.90 m above the pelvis``."""
+    return FIGHT_POINT_NAMES.get(point) or (_offset_words(point) if any(point.offset) else point_words(point))
 
 
 def _offset_words(point: BodyPoint) -> str:
-    """Distance of a point from a joint, and on the trunk its direction, in words."""
+    """Distance of a body point from its joint as text; for points on the trunk with the direction."""
     axis = max(range(3), key=lambda place: abs(point.offset[place]))
     way = _WAYS[axis][point.offset[axis] > 0.0] if point.part in _UPRIGHT else "off"
     return f"a point {length_text(math.hypot(*point.offset), 'm', 2)} {way} the {point_words(point)}"
 
 
 def point_choices() -> list[tuple[BodyPoint, str]]:
-    """All named points, those of fights first."""
+    """All named body points with their labels, those used in fights first."""
     joints = {BodyPoint(part, at_end=at_end): name for (part, at_end), name in POINT_NAMES.items()}
-    return [(point, name.capitalize()) for point, name in {**NAMED, **joints}.items()]
+    return [(point, name.capitalize()) for point, name in {**FIGHT_POINT_NAMES, **joints}.items()]
 
 
 def target_name(whom: BehaviourTarget, project: Project) -> str:
-    """Name of the target: the partner, a performer or a prop."""
+    """Name of a target: the partner, a performer or a prop."""
     match whom:
         case FollowPartner():
             return "partner"
@@ -64,7 +64,7 @@ def target_name(whom: BehaviourTarget, project: Project) -> str:
 
 
 def condition_words(condition: Condition, project: Project) -> str:
-    """Text of a transition's condition."""
+    """Condition of a transition as text."""
     match condition:
         case DistanceCondition():
             gap = condition.gap
@@ -82,7 +82,7 @@ def condition_words(condition: Condition, project: Project) -> str:
 
 
 def manner_words(manner: Manner, project: Project) -> str:
-    """Text of a manner in which a state is played, for its box."""
+    """Reaction of a state as text, for the box of the state."""
     whom = target_name(manner.whom, project)
     match manner:
         case KeepDistance():
@@ -97,7 +97,7 @@ def _point_of(whom: BehaviourTarget) -> str:
 
 
 def clip_words(state: State, project: Project) -> str:
-    """Text of the clip that a state plays, or that it holds its pose."""
+    """Name of the clip that a state plays, or the text for a state that holds its pose."""
     if state.clip is None:
         return "holds its pose"
     motion = project.motions.get(state.clip.motion_id)

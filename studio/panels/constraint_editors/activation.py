@@ -1,4 +1,4 @@
-"""Form section of a constraint's activation: start, end, the fades at both, and their shape."""
+"""Form section of a constraint's activation: start, end, ease in and out, and interpolation."""
 
 from dataclasses import replace
 
@@ -9,11 +9,11 @@ from studio.core.stage.clip import Clip
 from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section, Segments
 
-LONGEST_ACTIVATION = 3600.0
+MAX_ACTIVATION_SECONDS = 3600.0
 
 
 class ActivationSection(Section):
-    """Activation as start, end, fade in and fade out."""
+    """Form section of an activation curve as start, end, ease in and ease out."""
 
     def __init__(self, editor: Editor[Constraint]) -> None:
         super().__init__("Activation")
@@ -31,37 +31,37 @@ class ActivationSection(Section):
 
     def _seconds(self, name: str) -> NumberField:
         step = 1.0 / self._editor.document.playhead.frame_rate
-        return NumberField(name, "", 0.0, LONGEST_ACTIVATION, step, 3)
+        return NumberField(name, "", 0.0, MAX_ACTIVATION_SECONDS, step, 3)
 
     def refresh(self) -> None:
-        """Update the curve, in the stage's time of the clip that is played there; its own is the tooltip."""
+        """Show the activation in stage time, for the clip that plays there; tooltips show the time of the clip."""
         curve, self._shown_clip = self._editor.entity.activation, self._clip()
         start, full, full_end, end = map(self._on_stage, (curve.start, curve.full, curve.full_end, curve.end))
         for field, stage, own in ((self._start, start, curve.start), (self._end, end, curve.end)):
             field.show_value(stage)
-            field.setToolTip(f"{field.accessibleName()} ({own:.3f} s of the motion)" if stage != own else "")
+            field.setToolTip(f"{field.accessibleName()} ({own:.3f} s of the clip)" if stage != own else "")
         self._ease_in.show_value(full - start)
         self._ease_out.show_value(end - full_end)
         self._shape.show_value(curve.shape)
 
     def refresh_clip(self) -> None:
-        """Update the times if the playhead has come to another clip."""
+        """Update the times if the active clip has changed."""
         if self._clip() != self._shown_clip:
             self.refresh()
 
     def _clip(self) -> Clip | None:
-        """The active clip, if it plays the motion of the constraint."""
+        """Active clip if it plays the constraint's motion, else None."""
         clip = self._editor.document.active_clip
         return clip if clip is not None and clip.motion_id == self._editor.entity.motion_id else None
 
     def _on_stage(self, seconds: float) -> float:
-        """Second of the stage at which one of the motion plays."""
+        """Stage time in seconds of a time ``seconds`` of the constraint's motion."""
         clip = self._clip()
         rate = self._editor.document.project.frame_rate_of(clip) if clip is not None else 0.0
         return seconds if clip is None else float(clip.stage_seconds(seconds, rate))
 
     def _in_motion(self, seconds: float) -> float:
-        """Second of the motion that plays at one of the stage."""
+        """Time in seconds of the constraint's motion at the stage time ``seconds``."""
         clip = self._clip()
         rate = self._editor.document.project.frame_rate_of(clip) if clip is not None else 0.0
         return seconds if clip is None else float(clip.motion_seconds(seconds, rate))

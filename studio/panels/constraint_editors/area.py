@@ -1,4 +1,4 @@
-"""Form of a restricted area: its shape, position and size, and the allowed side."""
+"""Form of a volume constraint: shape, position, size, and the side on which the point must be."""
 
 import math
 from functools import partial
@@ -14,32 +14,34 @@ from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.fields import Choice, NumberField, Section, Segments, check_box
 
 SHAPE_CHOICES = (
-    (AreaShape.TABLE, "Table"),
+    (AreaShape.TABLE, "Table top"),
     (AreaShape.BOX, "Box"),
     (AreaShape.SPHERE, "Sphere"),
     (AreaShape.CYLINDER, "Cylinder"),
     (AreaShape.HALF_SPACE, "Half-space"),
 )
 MESH_CHOICE = (AreaShape.MESH, "Mesh")
-"""Offered where one is loaded: it comes from a file."""
+"""Choice that is offered only if the constraint has a mesh, which is loaded from a file."""
 SIZE_FIELDS = {
     AreaShape.SPHERE: ("Diameter", "m", (True, False, False)),
     AreaShape.CYLINDER: ("Width, height", "m", (True, False, True)),
     AreaShape.HALF_SPACE: ("Normal", "", (True, True, True)),
     AreaShape.MESH: ("", "", (False, False, False)),
 }
-"""Caption and unit of a size's three numbers, and which of them are used, by shape; other shapes have a box's edges."""
-TURNED = (AreaShape.TABLE, AreaShape.BOX, AreaShape.MESH)
-TILTED = (*TURNED, AreaShape.CYLINDER)
-LEAST_AREA_SIZE = 0.001
-AREA_UP, METRE_SIZE = (0.0, 0.0, 1.0), (1.0, 1.0, 1.0)
+"""Label, unit, and use of the three components of the size by shape; other shapes have the edge lengths of a box."""
+SHAPES_WITH_HEADING = (AreaShape.TABLE, AreaShape.BOX, AreaShape.MESH)
+SHAPES_WITH_TILT = (*SHAPES_WITH_HEADING, AreaShape.CYLINDER)
+MIN_AREA_SIZE_METRES = 0.001
+DEFAULT_HALF_SPACE_NORMAL, DEFAULT_AREA_SIZE = (0.0, 0.0, 1.0), (1.0, 1.0, 1.0)
 
 
 class AreaEditor(ConstraintEditor[AreaConstraint]):
-    """Form of an area; only the numbers of its shape are shown."""
+    """Form of a volume constraint; it shows only the values that the shape has."""
+
+    kind_words = "volume"
 
     def add_kind_rows(self, section: Section) -> None:
-        """Add the rows of shape, side, centre, size, margin, heading and tilt."""
+        """Add the rows of shape, region, centre, size, margin, heading and tilt."""
         self._shape = Choice("Shape", SHAPE_CHOICES)
         self._shape.value_chosen.connect(self._set_shape)
         section.add_row("Shape", self._shape)
@@ -84,7 +86,7 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         self._whole.setEnabled(not (area.inside or area.on_surface))
         words, unit, used = SIZE_FIELDS.get(area.shape, ("Size", "m", (True, True, True)))
         self._size.set_unit(words, unit)
-        self._size.set_least(-1.0 if area.shape is AreaShape.HALF_SPACE else LEAST_AREA_SIZE)
+        self._size.set_least(-1.0 if area.shape is AreaShape.HALF_SPACE else MIN_AREA_SIZE_METRES)
         self._size.show_values(area.size)
         self._size.set_visible(*used)
         self._margin.show_value(area.margin)
@@ -93,14 +95,14 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
 
     def refresh_moment(self) -> None:
         """Update the rows that depend on the playhead."""
-        turned = self.entity.shape in TURNED
+        turned = self.entity.shape in SHAPES_WITH_HEADING
         self._source.refresh()
         now = self._source.current_numbers()
         if now is not None:
             self._centre.show_values(now)
         self._direction.refresh(turned)
         self._heading.show_value(math.degrees(self._direction.current_number))
-        tilted = self.entity.shape in TILTED
+        tilted = self.entity.shape in SHAPES_WITH_TILT
         for field, radians in zip(self._tilts, to_euler("ZYX", np.array(self._tilt_now()))[:0:-1], strict=True):
             field.show_value(math.degrees(radians))
         self._tilt_keyed.setChecked(isinstance(self.entity.tilt, KeyedTurn))
@@ -134,15 +136,15 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         self._set("Resize", size=size)
 
     def _set_shape(self, shape: AreaShape) -> None:
-        """Set the shape; a half-space has a direction in place of a size."""
+        """Set the shape. A half-space stores its normal as size, so the size is reset."""
         old = self.entity.shape
         size = self.entity.size
         if shape is not old and AreaShape.HALF_SPACE in (shape, old):
-            size = AREA_UP if shape is AreaShape.HALF_SPACE else METRE_SIZE
+            size = DEFAULT_HALF_SPACE_NORMAL if shape is AreaShape.HALF_SPACE else DEFAULT_AREA_SIZE
         self._set("Set shape of", shape=shape, size=size)
 
     def _tilt_now(self) -> Quaternion:
-        """Tilt at the playhead."""
+        """Tilt (x, y, z, w) at the playhead."""
         tilt = self.entity.tilt
         return tilt.value_at(self._tilt_keys.now) if isinstance(tilt, KeyedTurn) else tilt
 

@@ -8,12 +8,14 @@ from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.fields import NumberField, Section, Segments, check_box
 
 OWN_BALANCE, PLACE_BALANCE, SUPPORT_BALANCE = "own", "place", "support"
-BALANCE_STEP = 0.01
-WIDEST_MARGIN = 10.0
+MARGIN_UNIT_METRES = 0.01
+MAX_MARGIN_CENTIMETRES = 10.0
 
 
 class BalanceEditor(ConstraintEditor[BalanceConstraint]):
-    """Form of a balance: over the motion's own centre of mass, a position, or the support polygon."""
+    """Form of a balance constraint: the centre of mass stays where it was captured, over a position, or over the
+    support polygon.
+    """
 
     has_point = False
 
@@ -21,13 +23,13 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
         """Add the rows of the target, its position, the margin of a support, and the height."""
         self._mode = Segments(
             "Centre of mass",
-            [(OWN_BALANCE, "Source"), (PLACE_BALANCE, "Target"), (SUPPORT_BALANCE, "Support")],
+            [(OWN_BALANCE, "As captured"), (PLACE_BALANCE, "Position"), (SUPPORT_BALANCE, "Support polygon")],
         )
         self._mode.value_chosen.connect(self._set_mode)
         section.add_row("Balance over", self._mode)
         self._source = TargetRows(self, section, "place")
         self._place = VectorRow(self, section, "Position", self._set_place)
-        self._margin = self.bind(NumberField("Margin", "cm", 0.0, WIDEST_MARGIN, 0.5, 1), self._set_margin)
+        self._margin = self.bind(NumberField("Margin", "cm", 0.0, MAX_MARGIN_CENTIMETRES, 0.5, 1), self._set_margin)
         self._margin_caption = section.add_row("Margin", self._margin)
         self._vertical = check_box("Constrain height")
         self._vertical.setAccessibleName("Constrain the height of the centre of mass too")
@@ -48,11 +50,11 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
         for widget in (self._margin, self._margin_caption):
             widget.setVisible(mode == SUPPORT_BALANCE)
         if isinstance(place, Support):
-            self._margin.show_value(place.margin / BALANCE_STEP)
+            self._margin.show_value(place.margin / MARGIN_UNIT_METRES)
         self._vertical.setChecked(self.entity.vertical)
 
     def _set_mode(self, mode: str) -> None:
-        """Set the target; a position begins at the active body's present centre of mass."""
+        """Set the kind of target; a new position is the active performer's current centre of mass."""
         now = (current_centre_of_mass(self) or (0.0, 0.0, 0.0))[:2]
         place = {OWN_BALANCE: None, PLACE_BALANCE: now, SUPPORT_BALANCE: Support()}[mode]
         self.change(f"Set position of {self.entity.name}", place=place)
@@ -62,7 +64,7 @@ class BalanceEditor(ConstraintEditor[BalanceConstraint]):
         self._source.set_numbers(position[:2] if flat else position, f"Move position of {self.entity.name}")
 
     def _set_margin(self, centimetres: float) -> None:
-        self.change(f"Set margin of {self.entity.name}", place=Support(centimetres * BALANCE_STEP))
+        self.change(f"Set margin of {self.entity.name}", place=Support(centimetres * MARGIN_UNIT_METRES))
 
     def _set_vertical(self, vertical: bool) -> None:
         self.change(f"{'Constrain' if vertical else 'Free'} height of {self.entity.name}", vertical=vertical)

@@ -1,4 +1,4 @@
-"""Body drawn from behind, with clickable segments; its own left is the picture's left."""
+"""Figure of a body seen from behind, with clickable segments; the body's left is at the left."""
 
 from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Signal
 from PySide6.QtGui import QColor, QHelpEvent, QMouseEvent, QPainter, QPaintEvent
@@ -9,7 +9,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.document import colours
 
 BODY_FIGURE_WIDTH, BODY_FIGURE_HEIGHT = 104, 172
-SCALE = 0.8
+BODY_FIGURE_SCALE = 0.8
 BODY_FIGURE_MIDDLE = BODY_FIGURE_WIDTH / 2
 
 
@@ -34,13 +34,15 @@ SEGMENT_SHAPES: dict[BodyPart, QRectF] = {
 
 
 def _place(point: BodyPoint, shape: QRectF) -> QPointF:
-    """Shape at its joint: limbs hang down, the trunk stands up."""
+    """Position of the joint of a ``point`` in the rectangle of its segment: limbs hang from their joint, the trunk
+    stands on it.
+    """
     rises = point.part in (BodyPart.PELVIS, BodyPart.ABDOMEN, BodyPart.THORAX, BodyPart.NECK, BodyPart.HEAD)
     return QPointF(shape.center().x(), shape.top() if point.at_end == rises else shape.bottom())
 
 
 class BodyFigure(QWidget):
-    """Segments filled by their weight; those without one cannot be clicked."""
+    """Figure whose segments are filled by their weight; segments without a weight cannot be clicked."""
 
     clicked = Signal(object)
 
@@ -54,24 +56,24 @@ class BodyFigure(QWidget):
         self._under: BodyPart | None = None
 
     def sizeHint(self) -> QSize:
-        return QSize(round(SCALE * BODY_FIGURE_WIDTH), round(SCALE * BODY_FIGURE_HEIGHT))
+        return QSize(round(BODY_FIGURE_SCALE * BODY_FIGURE_WIDTH), round(BODY_FIGURE_SCALE * BODY_FIGURE_HEIGHT))
 
     def show_weights(self, weights: dict[BodyPart, float], point: BodyPoint | None = None) -> None:
-        """Show weights from 0 (locked) to 1 (free) by segment, and the constrained point."""
+        """Show weights by segment, from 0 (locked) to 1 (free), and the constrained point."""
         self._weights = weights
         shape = None if point is None else SEGMENT_SHAPES.get(point.part)
         self._point = None if point is None or shape is None else _place(point, shape)
         self.update()
 
     def tip(self, part: BodyPart | None) -> str:
-        """Tool tip of a segment, or of the whole figure."""
+        """Tooltip of a segment; of the whole figure for None."""
         if part is None:
             return "Click segments to lock or free them."
         return f"{part.label} {'is free' if self._weights[part] > 0.0 else 'is locked'}. Click to change."
 
     def part_at(self, position: QPointF) -> BodyPart | None:
-        """Segment under a point of the widget, if it can be clicked."""
-        position = position / SCALE
+        """Clickable segment at a position of the widget; None if there is none."""
+        position = position / BODY_FIGURE_SCALE
         grown = ((part, shape.adjusted(-2, -2, 2, 2)) for part, shape in SEGMENT_SHAPES.items())
         return next((part for part, shape in grown if shape.contains(position) and part in self._weights), None)
 
@@ -100,12 +102,12 @@ class BodyFigure(QWidget):
     def paintEvent(self, _: QPaintEvent) -> None:
         with QPainter(self) as painter:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            painter.scale(SCALE, SCALE)
+            painter.scale(BODY_FIGURE_SCALE, BODY_FIGURE_SCALE)
             for part, shape in SEGMENT_SHAPES.items():
                 colour = colours.EDGE
                 if self._weights.get(part, 0.0) > 0.0:
                     share = 0.35 + 0.65 * self._weights[part]
-                    colour = colours.mixed_colour(colours.EDGE, colours.KINDS["position"], share)
+                    colour = colours.mixed_colour(colours.EDGE, colours.KIND_COLOURS["position"], share)
                 if part == self._under:
                     colour = colours.mixed_colour(colour, "#ffffff", 0.18)
                 painter.setPen(QColor(colour))

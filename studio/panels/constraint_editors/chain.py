@@ -1,4 +1,6 @@
-"""Form section of the parts that may move for a constraint: a figure to click, and a weight for each part."""
+"""Form section of the IK chain: a figure whose segments can be locked or freed, and a weight for each group of
+segments.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -17,19 +19,19 @@ TRUNK_SEGMENTS = (BodyPart.ABDOMEN, BodyPart.THORAX)
 
 
 def link_words(point: BodyPart) -> dict[str, str]:
-    """Label of each link of the chain, for a point on that part."""
+    """Label of each group of segments in the IK chain of a constraint on the part ``point``."""
     side, _, bone = point.value.partition("_")
     if bone in ("clavicle", "upper_arm", "forearm", "hand"):
         names = (f"{side.capitalize()} arm", f"{side.capitalize()} hand", f"{side.capitalize()} clavicle")
     elif bone in ("thigh", "shank", "foot", "toe"):
         names = (f"{side.capitalize()} leg", f"{side.capitalize()} foot", "Clavicle")
     else:
-        names = ("Neck, head", "End effector", "Clavicle")
+        names = ("Neck, head", "End segment", "Clavicle")
     return dict(zip(CHAIN_LINKS, (*names, "Torso", "Pelvis, root", "Other arms", "Other legs"), strict=True))
 
 
 def link_parts(constraint: Constraint) -> dict[str, tuple[BodyPart, ...]]:
-    """Segments of each link that are used by a constraint."""
+    """Segments of each group in the IK chain that affect a constraint."""
     side, _, bone = constraint.point.part.value.partition("_")
     links: dict[str, tuple[BodyPart, ...]] = {"trunk": TRUNK_SEGMENTS, "root": (BodyPart.PELVIS,)}
     if bone in ("clavicle", "upper_arm", "forearm", "hand"):
@@ -53,7 +55,7 @@ def _both(*bones: str) -> tuple[BodyPart, ...]:
 
 
 class ChainSection(Section):
-    """Figure whose segments are locked or freed by a click, with their weights beside it."""
+    """Form section with a figure whose segments are locked or freed by a click, and their weights beside it."""
 
     def __init__(self, editor: Editor[Constraint]) -> None:
         super().__init__("IK chain")
@@ -87,7 +89,7 @@ class ChainSection(Section):
         return grid
 
     def refresh(self) -> None:
-        """Update weights and names."""
+        """Update weights and labels."""
         constraint = self._editor.entity
         part, chain = constraint.point.part, constraint.chain
         parts = link_parts(constraint)

@@ -1,4 +1,4 @@
-"""Form of the constraint that keeps arms clear of the own body: arms, margin, and if wrists may move."""
+"""Form of an arm clearance constraint: arms, margin, and the joints that may move."""
 
 from dataclasses import replace
 
@@ -10,19 +10,19 @@ ARM_CHOICES = ((Arms.BOTH, "Both"), (Arms.LEFT, "Left"), (Arms.RIGHT, "Right"))
 
 
 class ClearEditor(ConstraintEditor[ClearConstraint]):
-    """Form without point and chain, since whole arms are constrained and nothing else moves."""
+    """Form of an arm clearance constraint. It has neither point nor IK chain, since it always concerns whole arms."""
 
     has_point = has_chain = False
-    kind_words = "arm self-collision"
+    kind_words = "arm clearance"
 
     def add_kind_rows(self, section: Section) -> None:
-        """Add the rows of arms, margin and the parts that may move."""
+        """Add the rows of arms, margin and movable joints."""
         self._arms = Segments("Arms", ARM_CHOICES)
         self._arms.value_chosen.connect(lambda arms: self.change(f"Set arms of {self.entity.name}", arms=arms))
         section.add_row("Arms", self._arms)
         self._margin = self.bind(NumberField("Margin", "cm", 0.0, 50.0, 0.5, 1), self._set_margin)
         self._margin.setToolTip(
-            "Minimum distance of arms and body, also at self-contacts; for example for thick clothes"
+            "Minimum distance between arms and body, for example for thick clothing; applies at self-contacts too"
         )
         section.add_row("Margin", self._margin)
         self._gives = Segments("May move", [(True, "Wrist, elbow"), (False, "Elbow")])

@@ -1,4 +1,4 @@
-"""Base form of all kinds of constraint: name, point, activation, chain, priority, residuals."""
+"""Base form of all kinds of constraint: name, point, activation, IK chain, priority, residuals."""
 
 from dataclasses import replace
 from functools import partial
@@ -23,7 +23,7 @@ CENTIMETRE = 0.01
 
 
 def point_choices() -> list[tuple[object, str]]:
-    """All named points of the body, as choices."""
+    """All named points of the body with their labels."""
     return [(point, name.capitalize()) for point, name in POINT_NAMES.items()]
 
 
@@ -31,14 +31,14 @@ ConstraintT_co = TypeVar("ConstraintT_co", bound=Constraint, covariant=True)
 
 
 class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
-    """Form of a constraint of any kind; a kind adds its own rows in ``add_kind_rows``."""
+    """Form of a constraint; subclasses add the rows of their kind in ``add_kind_rows``."""
 
     has_point = True
-    """True if the kind has a point; otherwise the rows of the point are not shown."""
+    """True if the kind constrains a point, and the form has rows for it."""
     kind_words = ""
-    """Text of the kind, if its own name is not a noun."""
+    """Name of the kind in the title; empty to use the name in ``kind``."""
     has_chain = True
-    """True if the kind has a section on the parts of the body that may move."""
+    """True if the form has a section for the IK chain."""
 
     def __init__(self, document: Document, live: Live, collection: str, entity_id: str) -> None:
         super().__init__(document, live, collection, entity_id)
@@ -59,7 +59,7 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
         self.finish()
 
     def add_kind_rows(self, section: Section) -> None:
-        """Add the rows that only this kind has."""
+        """Add the rows of this kind to the section."""
 
     def _add_names(self) -> None:
         self._enabled = check_box("on")
@@ -106,7 +106,7 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
         self.refresh_moment()
 
     def refresh_moment(self) -> None:
-        """Update the values that change over time: targets that are keyed or follow an object."""
+        """Update values that change over time: targets that are keyed or follow an object."""
 
     def _playhead_moved(self, _: float) -> None:
         if self.entity is None:
@@ -117,8 +117,8 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
             self._priority.refresh_weight()
 
     def depends_on(self, collection: str, entity_id: str) -> bool:
-        """True also for other constraints, whose priorities are an order, performers, which residuals name, and props,
-        which targets name.
+        """True for constraints, because of the order of priorities, for performers and characters, which the residuals
+        name, and for props, which targets name.
         """
         return collection in ("constraints", "performers", "characters", "props")
 

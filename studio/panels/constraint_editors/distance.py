@@ -1,4 +1,4 @@
-"""Form of a distance constraint: the distance, and its other end."""
+"""Form of a distance constraint: the distance, and the other end."""
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
@@ -10,18 +10,18 @@ from studio.panels.constraint_editors.target_rows import NumberRows, TargetRows
 from studio.panels.constraint_editors.vector_row import VECTOR_LIMIT, VectorRow
 from studio.panels.fields import Choice, NumberField, Section
 
-OUTSIDE = None
+FIXED_POSITION_CHOICE = None
 
 
 class DistanceEditor(ConstraintEditor[DistanceConstraint]):
-    """Metres, and the other end: a point of the body or a fixed position."""
+    """Form of a distance constraint: distance in metres, and the other end as a body point or a fixed position."""
 
     def add_kind_rows(self, section: Section) -> None:
         """Add the rows of the distance, the other end, and its position if it is fixed."""
         self._distance = self.bind(NumberField("Distance", "m", 0.0, VECTOR_LIMIT, 0.005, 3), self._set_distance)
         self._length = NumberRows(self, section, "distance")
         section.add_row("Distance", self._distance, self._length.keyed)
-        self._other = Choice("Distance from", [(OUTSIDE, "Fixed position"), *point_choices()])
+        self._other = Choice("Distance from", [(FIXED_POSITION_CHOICE, "Fixed position"), *point_choices()])
         self._other.value_chosen.connect(self._set_other)
         section.add_row("From", self._other)
         self._source = TargetRows(self, section, "other")
@@ -40,7 +40,7 @@ class DistanceEditor(ConstraintEditor[DistanceConstraint]):
                 self._other.add((other.part, other.at_end), point_words(other).capitalize())
             self._other.show_value((other.part, other.at_end))
         else:
-            self._other.show_value(OUTSIDE)
+            self._other.show_value(FIXED_POSITION_CHOICE)
             now = self._source.current_numbers()
             if now is not None:
                 self._place.show_values(now)
@@ -52,7 +52,7 @@ class DistanceEditor(ConstraintEditor[DistanceConstraint]):
         self._source.set_numbers(position, f"Move position of {self.entity.name}")
 
     def _set_other(self, choice: tuple[BodyPart, bool] | None) -> None:
-        """Set the other end; a fixed position begins at the former one."""
+        """Set the other end; for None, a fixed position where the former one was."""
         other: object = None
         if choice is not None:
             other = BodyPoint(choice[0], at_end=choice[1])

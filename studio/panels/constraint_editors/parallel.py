@@ -1,4 +1,4 @@
-"""Form of a parallel constraint: the other segment, both axes, and the largest angle between them."""
+"""Form of a parallel constraint: the other segment, both axes, and the maximum angle between them."""
 
 from PySide6.QtWidgets import QPushButton
 
@@ -13,7 +13,7 @@ from studio.panels.fields import Choice, Section, styled_label
 
 
 class ParallelEditor(ConstraintEditor[ParallelConstraint]):
-    """Other segment, an axis of each, and a cone in degrees."""
+    """Form of a parallel constraint: other segment, an axis of each, and maximum angle in degrees."""
 
     def add_kind_rows(self, section: Section) -> None:
         """Add the rows, and a button that takes the other axis from the pose at the playhead."""

@@ -1,16 +1,16 @@
-"""Pose of the active body at the playhead, from which new targets of a constraint are made."""
+"""Pose of the active performer at the playhead, from which new targets are made."""
 
 import numpy as np
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Constraint, Vector
-from studio.engine.moments import TargetContext
-from studio.engine.performance import posed_performers
+from studio.engine.posed_performer import posed_performers
+from studio.engine.target_context import TargetContext
 from studio.panels.editor import Editor
 
 
 def current_context(editor: Editor[Constraint]) -> TargetContext | None:
-    """Active performer at the playhead, among all others; None without performers."""
+    """Poses of all performers at the playhead, from the view of the active one; None without performers."""
     document = editor.document
     posed = posed_performers(document.project, editor.live.result, document.playhead.time)
     pose = posed.get(document.active_performer_id or "")
@@ -18,7 +18,7 @@ def current_context(editor: Editor[Constraint]) -> TargetContext | None:
 
 
 def current_position(editor: Editor[Constraint], point: BodyPoint) -> Vector | None:
-    """Position of a point of the body, metres in the motion's space; None without performers."""
+    """Position in metres of a body point at the playhead, in clip space; None without performers."""
     from studio.core.solver.adapt import body_point_positions  # not before a result is there: it loads kernels
 
     moment = current_context(editor)
@@ -26,7 +26,7 @@ def current_position(editor: Editor[Constraint], point: BodyPoint) -> Vector | N
 
 
 def current_centre_of_mass(editor: Editor[Constraint]) -> Vector | None:
-    """Position of the body's centre of mass at the playhead."""
+    """Position in metres of the body's centre of mass at the playhead, in clip space; None without performers."""
     from studio.core.quality.metrics import centre_of_mass  # as above
 
     moment = current_context(editor)
@@ -34,7 +34,7 @@ def current_centre_of_mass(editor: Editor[Constraint]) -> Vector | None:
 
 
 def current_rotation(editor: Editor[Constraint], part: BodyPart) -> np.ndarray | None:
-    """Rotation matrix (3, 3) of a segment in the motion's space; None without performers."""
+    """Rotation matrix (3, 3) of a segment at the playhead, in clip space; None without performers."""
     moment = current_context(editor)
     if moment is None:
         return None

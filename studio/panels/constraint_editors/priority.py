@@ -1,4 +1,4 @@
-"""Priorities as an order: the list of the motion's constraints, to be dragged; some may share a priority by weight."""
+"""Form section of priorities: a sortable list of the motion's constraints, of which neighbours may share a priority."""
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QKeyEvent
@@ -13,11 +13,11 @@ from studio.panels.editor import Editor
 from studio.panels.fields import NumberField, Section, check_box
 
 PRIORITY_ROW_PX = 30
-ID = Qt.ItemDataRole.UserRole
+CONSTRAINT_ID_ROLE = Qt.ItemDataRole.UserRole
 
 
 class OrderList(QListWidget):
-    """Rows that are moved by dragging, and by Alt with the arrow keys."""
+    """List whose rows are moved by dragging, or with Alt+Up and Alt+Down."""
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         steps = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
@@ -27,7 +27,7 @@ class OrderList(QListWidget):
             super().keyPressEvent(event)
 
     def move_row(self, index: int, goal: int) -> None:
-        """Move a row, as a drag would."""
+        """Move a row from ``index`` to ``goal``."""
         if 0 <= index < self.count() and 0 <= goal < self.count():
             parent = self.rootIndex()
             self.model().moveRow(parent, index, parent, goal + (1 if goal > index else 0))
@@ -35,7 +35,7 @@ class OrderList(QListWidget):
 
 
 class PrioritySection(Section):
-    """Order of priorities: the first constraint is met exactly before the second one counts."""
+    """Form section of the order of priorities, highest first."""
 
     def __init__(self, editor: Editor[Constraint]) -> None:
         super().__init__("Priority")
@@ -59,13 +59,16 @@ class PrioritySection(Section):
         self._weight_name = self.add_row("Weight", self._weight, self._number.keyed)
 
     def refresh(self) -> None:
-        """Update the order."""
+        """Update the list."""
         project = self._editor.document.shown_project
         constraints = project.constraints_of(self._editor.entity.motion_id)
         places = project.places_of(self._editor.entity.motion_id)
         with QSignalBlocker(self._list), QSignalBlocker(self._list.model()):
             rows = [(key, f"{places[key]}   {each.name}") for key, each in constraints.items()]
-            shown = [(self._list.item(k).data(ID), self._list.item(k).text()) for k in range(self._list.count())]
+            shown = [
+                (self._list.item(k).data(CONSTRAINT_ID_ROLE), self._list.item(k).text())
+                for k in range(self._list.count())
+            ]
             if rows != shown:
                 self._fill(rows)
         self._list.setFixedHeight(PRIORITY_ROW_PX * len(rows) + 2 * self._list.frameWidth())
@@ -92,7 +95,7 @@ class PrioritySection(Section):
         self._list.clear()
         for key, text in rows:
             item = QListWidgetItem(text)
-            item.setData(ID, key)
+            item.setData(CONSTRAINT_ID_ROLE, key)
             item.setSizeHint(QSize(0, PRIORITY_ROW_PX))
             self._list.addItem(item)
             if key == self._editor.entity_id:
@@ -101,11 +104,11 @@ class PrioritySection(Section):
         self._list.setCurrentRow([key for key, _ in rows].index(self._editor.entity_id))
 
     def _put_order(self) -> None:
-        order = [self._list.item(place).data(ID) for place in range(self._list.count())]
+        order = [self._list.item(place).data(CONSTRAINT_ID_ROLE) for place in range(self._list.count())]
         constraints = self._editor.document.project.constraints
         before = list(self._editor.document.project.constraints_of(self._editor.entity.motion_id))
         current = self._list.currentItem()
-        moved = _moved([current.data(ID)] if current else [], before, order) or self._editor.entity_id
+        moved = _moved([current.data(CONSTRAINT_ID_ROLE)] if current else [], before, order) or self._editor.entity_id
         ties = shared_priorities_after_move(constraints, order, {moved})
         self._put_places(order, ties, f"Reorder priority of {constraints[moved].name}")
 
@@ -128,7 +131,7 @@ class PrioritySection(Section):
 
 
 def _moved(likely: list[str], before: list[str], after: list[str]) -> str | None:
-    """Id of the row that was moved between two orders; of two swapped neighbours a ``likely`` one."""
+    """Id of the row that was moved between the two orders; of two swapped neighbours, the one in ``likely``."""
 
     def without(order: list[str], moved: str) -> list[str]:
         return [key for key in order if key != moved]

@@ -1,4 +1,4 @@
-"""Numbers of a position that moves by a rule: form rows of a constraint or a prop."""
+"""Form rows for the parameters of a procedural position: circle, pendulum or noise."""
 
 import math
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from studio.panels.constraint_editors.vector_row import VectorRow
 from studio.panels.editor import Editor, NamedEntity
 from studio.panels.fields import NumberField, Section
 
-RULES = (
+PROCEDURAL_KINDS = (
     (CirclePlace.kind, "Circle"),
     (PendulumPlace.kind, "Pendulum"),
     (NoisePlace.kind, "Noise"),
@@ -21,13 +21,13 @@ _MAKERS = {each.kind: each for each in (CirclePlace, PendulumPlace, NoisePlace)}
 
 
 def ruled_position(kind: str, position: Vector) -> ProceduralPlace:
-    """Position by one of ``RULES`` about ``position``."""
+    """Procedural position of a kind of ``PROCEDURAL_KINDS`` that moves about ``position``."""
     return _MAKERS[kind](centre=position)
 
 
 @dataclass(frozen=True)
 class _Number:
-    """Number of a rule: its field's label, and its factor from the field's unit."""
+    """Parameter of a procedural position: its label, limits, and the size of the displayed unit."""
 
     name: str
     label: str
@@ -56,7 +56,7 @@ _NUMBERS = (
 
 
 class ProceduralRows:
-    """Rows of the rule of the entity's value ``field``; none if it has no rule."""
+    """Form rows for the parameters of an entity's value ``field``; hidden if that is not procedural."""
 
     def __init__(self, editor: Editor[NamedEntity], section: Section, field: str) -> None:
         self._editor, self._field = editor, field
@@ -73,7 +73,7 @@ class ProceduralRows:
         return place
 
     def refresh(self) -> None:
-        """Show the numbers of the rule."""
+        """Show the current parameters."""
         place = self._place if isinstance(self._place, ProceduralPlace) else None
         for number, box, caption in self._rows:
             shown = hasattr(place, number.name)

@@ -8,7 +8,7 @@ from studio.panels.fields import NumberField, Section, Segments
 
 
 class RailEditor(ConstraintEditor[RailConstraint]):
-    """Form of a rail; a plane has a normal in place of a line's direction and length."""
+    """Form of a rail constraint; a plane has a normal instead of direction and length."""
 
     def add_kind_rows(self, section: Section) -> None:
         """Add the rows of shape, centre, direction and length."""

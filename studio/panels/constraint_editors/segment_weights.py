@@ -1,4 +1,4 @@
-"""Weights of single segments, which replace those of their group: a list to which segments are added."""
+"""Weights of single segments in the IK chain, which override those of their group."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
@@ -14,7 +14,7 @@ from studio.panels.fields import Choice, NumberField, press_button, styled_label
 
 
 def weight_field(name: str) -> NumberField:
-    """Number field from 0, locked, to 1, free."""
+    """Number field from 0 (locked) to 1 (free)."""
     field = NumberField(name, "", 0.0, 1.0, 0.05, 2)
     field.setFixedWidth(56)
     field.setAlignment(Qt.AlignmentFlag.AlignRight)
@@ -22,8 +22,8 @@ def weight_field(name: str) -> NumberField:
 
 
 def weightable_parts(constraint: Constraint) -> tuple[BodyPart, ...]:
-    """Segments whose own weights affect a constraint: of limbs, those of its points, or those that a
-    balance rotates.
+    """Segments whose weights can be overridden: those of the limbs at the constraint's points; for a balance constraint
+    all that it can rotate.
     """
     other = getattr(constraint, "other", None)
     points = (constraint.point, other) if isinstance(other, BodyPoint) else (constraint.point,)
@@ -34,7 +34,7 @@ def weightable_parts(constraint: Constraint) -> tuple[BodyPart, ...]:
 
 
 class SegmentWeights(QWidget):
-    """Row for each segment with a weight of its own, and a list of those that may get one."""
+    """Row for each overridden weight, and a list of the segments that can be added."""
 
     def __init__(self, editor: Editor[Constraint]) -> None:
         super().__init__()
@@ -73,7 +73,7 @@ class SegmentWeights(QWidget):
         self._add.setVisible(bool(left))
 
     def put(self, part: BodyPart, weight: float) -> None:
-        """Set a segment's own weight, as one undo step, or within that of a drag."""
+        """Set the weight override of a segment as one undo step, or within the step of a drag."""
         self._change(
             lambda chain: ((part, weight) if each == part else (each, old) for each, old in chain.segments),
             f"Set weight of {part.label.lower()}",

@@ -1,4 +1,4 @@
-"""Form rows of a target: fixed, keyed over time, moving by a rule, or following an object; and of its keys."""
+"""Form rows of a target and its keys: fixed, keyed, procedural, or following an object."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -18,27 +18,27 @@ from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
 from studio.document.channels import allowed_value_at
 from studio.document.keyed_fields import KeyedField
 from studio.document.mnemonics import escaped_mnemonics
-from studio.engine.moments import TargetContext
-from studio.engine.performance import motion_time, stage_time
 from studio.engine.point_names import POINT_NAMES, point_words
+from studio.engine.posed_performer import motion_time, stage_time
+from studio.engine.target_context import TargetContext
 from studio.panels.constraint_editors.present import current_context
-from studio.panels.constraint_editors.procedural_rows import RULES, ProceduralRows, ruled_position
+from studio.panels.constraint_editors.procedural_rows import PROCEDURAL_KINDS, ProceduralRows, ruled_position
 from studio.panels.editor import Editor, NamedEntity
 from studio.panels.fields import Choice, Section, check_box, elided_name, press_button, styled_label
 
 FIXED_KIND, KEYED_KIND = "fixed", Keys.kind
-OWN_KIND = OwnPlace.kind
+PER_CHARACTER_KIND = OwnPlace.kind
 PLACE_KINDS = (
-    (OWN_KIND, "Per character"),
+    (PER_CHARACTER_KIND, "Per character"),
     (FIXED_KIND, "Shared"),
     (KEYED_KIND, "Animated"),
-    *RULES,
+    *PROCEDURAL_KINDS,
     (FollowBody.kind, "Follow own body"),
     (FollowPerformer.kind, "Follow character"),
     (FollowProp.kind, "Follow prop"),
     (FollowTracked.kind, "Follow source"),
 )
-SPOTS = (
+ATTACHMENT_POINTS = (
     ((0.0, 0.0, 0.0), "Centre"),
     ((0.0, 1.0, 0.0), "Left side"),
     ((0.0, -1.0, 0.0), "Right side"),
@@ -47,15 +47,17 @@ SPOTS = (
     ((0.0, 0.0, 1.0), "Top"),
     ((0.0, 0.0, -1.0), "Bottom"),
 )
-POSITION_ONLY_KINDS = (PLACE_KINDS[0], *RULES)
-"""Kinds of target that a rotation cannot have."""
+POSITION_ONLY_KINDS = (PLACE_KINDS[0], *PROCEDURAL_KINDS)
+"""Kinds of target that are available for positions but not for rotations."""
 SIGN_BUTTON_PX = 30
-"""Pixels of a button with one sign."""
-WRISTS = (BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), BodyPoint(BodyPart.LEFT_FOREARM, at_end=True))
+"""Width in pixels of a button with a single sign."""
+WRIST_POINTS = (BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True), BodyPoint(BodyPart.LEFT_FOREARM, at_end=True))
 
 
 class TargetRows:
-    """Rows for the kind of a constraint's value ``field``; the editor shows its current numbers in a row of its own."""
+    """Form rows for the kind of target in an entity's value ``field``; the form shows the target's numbers in another
+    row.
+    """
 
     def __init__(self, editor: Editor[Constraint], section: Section, field: str, turns: bool = False) -> None:
         self._editor, self._field, self._turns = editor, field, turns
@@ -70,7 +72,7 @@ class TargetRows:
         self._point = Choice("Followed point", [(point, name.capitalize()) for point, name in POINT_NAMES.items()])
         self._point.value_chosen.connect(self._choose_point)
         self._point_caption = section.add_row("Followed point", self._point)
-        self._spot = Choice("Position on the prop", SPOTS)
+        self._spot = Choice("Position on the prop", ATTACHMENT_POINTS)
         self._spot.setToolTip("Attachment point on the prop, at any size; the offset is relative to it.")
         self._spot.value_chosen.connect(self._choose_spot)
         self._spot_caption = section.add_row("Attach at", self._spot)
@@ -92,11 +94,11 @@ class TargetRows:
 
     @property
     def target(self) -> Any:
-        """Current value of the field, of any kind."""
+        """Current value of the field."""
         return getattr(self._editor.entity, self._field)
 
     def current_numbers(self) -> Any:
-        """Target's numbers at the playhead; None while they are unknown."""
+        """Position or rotation of the target at the playhead; None if it is not solved yet."""
         if isinstance(self.target, tuple):
             return self.target
         moment = current_context(self._editor)
@@ -104,8 +106,8 @@ class TargetRows:
         return getattr(fixed, self._field, None)
 
     def set_numbers(self, numbers: Any, text: str) -> None:
-        """Set the target's numbers: fixed, as a key at the playhead, as another centre, or as another offset from the
-        followed entity.
+        """Move the target to ``numbers``: as a fixed value, as a key at the playhead, as the centre of a procedural
+        target, or as an offset from the followed object.
         """
         editor, moment = self._editor, current_context(self._editor)
         if isinstance(self.target, tuple) or moment is None:
@@ -116,7 +118,7 @@ class TargetRows:
             editor.replace_entity(lambda: moment.with_target_moved(editor.entity, numbers), text)
 
     def refresh(self) -> None:
-        """Show the target's kind and its rows; nothing if the value is no target."""
+        """Show the kind of target and its rows; hidden if the value is not a target."""
         target = self.target
         kind = _kind_of(target)
         known = kind in dict(PLACE_KINDS)
@@ -151,7 +153,9 @@ class TargetRows:
         self._keys.refresh(known)
 
     def _show_apart(self, target: Place) -> None:
-        """Show the box of the active character's own offset if targets are per character; tick it if there is one."""
+        """Show a checkbox for the offset of the active character, if targets are per character; it is ticked if that
+        character has an offset.
+        """
         document = self._editor.document
         performer = document.project.performers.get(document.active_performer_id or "")
         own = own_place_of(target)
@@ -172,13 +176,13 @@ class TargetRows:
             self._change(with_own_place(self.target, own.with_own(performer_id, (0.0,) * 3 if apart else None)), text)
 
     def _set_each(self, each: bool) -> None:
-        """Make keys or a rule relative to each character's own position, or shared by all."""
+        """Make a keyed or procedural target relative to each character's own position, or shared by all."""
         editor = self._editor
         text = f"{'Per character' if each else 'Shared'}: {editor.entity.name}"
         editor.replace_entity(lambda: with_fields(editor.entity, **{self._field: self._counted(each)}), text)
 
     def _counted(self, each: bool) -> KeyedPlace | KeyedOwnPlace | ProceduralPlace:
-        """Keys or rule per character or shared, with the active character's present position unchanged."""
+        """Keyed or procedural target, per character or shared, that is where it was on the active character."""
         target, now, moment = self.target, self._known_now(), self._known_moment()
         seconds, leg_length = moment.pose.seconds, moment.pose.motion.body.leg_length
         here = target.at([seconds])[0]
@@ -194,7 +198,7 @@ class TargetRows:
         return KeyedOwnPlace(**parts, origin=self._own_place(now)) if each else KeyedPlace(**parts)
 
     def _things(self, kind: str) -> Sequence[tuple[object, str]]:
-        """Ids and names of the entities or joints that can be followed."""
+        """Ids and names of the objects or joints that a kind of target can follow."""
         project = self._editor.document.project
         match kind:
             case FollowPerformer.kind:
@@ -225,12 +229,12 @@ class TargetRows:
         editor.replace_entity(lambda: with_fields(editor.entity, **{self._field: self._first(kind, things)}), text)
 
     def _first(self, kind: str, things: Sequence[tuple[Any, str]]) -> Place | Turn:
-        """First target of another kind, at the present position of the old one if possible."""
+        """New target of another kind, at the current position of the old one if possible."""
         editor, point, now = self._editor, self._editor.entity.point, self.current_numbers()
         moment = current_context(editor)
         match kind:
             case FollowBody.kind:
-                return FollowBody(next(wrist for wrist in WRISTS if wrist.part != point.part))
+                return FollowBody(next(wrist for wrist in WRIST_POINTS if wrist.part != point.part))
             case FollowPerformer.kind:
                 others = [key for key, _ in things if key != editor.document.active_performer_id]
                 return FollowPerformer((others or [things[0][0]])[0], point)
@@ -243,10 +247,10 @@ class TargetRows:
         now = self._known_now()
         if kind == FIXED_KIND:
             return cast(Place | Turn, now)
-        if kind == OWN_KIND:
+        if kind == PER_CHARACTER_KIND:
             return self._own_place(now)
         origin = self._own_place(now) if self._is_per_character else None
-        if kind in dict(RULES):
+        if kind in dict(PROCEDURAL_KINDS):
             return (
                 ruled_position(kind, _full(now))
                 if origin is None
@@ -259,7 +263,7 @@ class TargetRows:
 
     @property
     def _is_per_character(self) -> bool:
-        """True if the position differs between bodies, so that a new target has to keep that of each."""
+        """True if the target's position differs between characters, so that a new target must too."""
         return not self._turns and (own_place_of(self.target) is not None or isinstance(self.target, FollowBody))
 
     def _known_now(self) -> Any:
@@ -271,14 +275,14 @@ class TargetRows:
     def _known_moment(self) -> TargetContext:
         moment = current_context(self._editor)
         if moment is None:
-            raise ValueError("No character has a clip yet, so there is no time for a key.")
+            raise ValueError("A key needs a clip: add one to a character first.")
         return moment
 
     def _own_place(self, now: tuple[float, ...]) -> OwnPlace:
-        """Per-character position that is at ``now`` on the active character: the old one if there is one.
+        """Per-character position that is at ``now`` on the active character; the current one if the target is one.
 
-        A new one is relative to the followed point of the body at the playhead; else to the constrained one there, or
-        at the nearest full activation.
+        A new one is relative to the followed body point at the playhead; else to the constrained point there, or at the
+        nearest time of full activation.
         """
         target, moment, curve = self.target, self._known_moment(), self._editor.entity.activation
         if isinstance(target, OwnPlace):
@@ -290,11 +294,11 @@ class TargetRows:
             point, seconds = target.point, moment.pose.seconds
         own = moment.own_place(point, _full(now), seconds)
         if own is None:
-            raise ValueError("Its position on each character is not known yet. Wait until the characters are adapted.")
+            raise ValueError("The position on each character is not solved yet. Wait until the characters are adapted.")
         return own
 
     def _attached(self, follow: FollowProp, now: Any, moment: TargetContext | None) -> Place | Turn:
-        """Target that follows a prop, at its present position."""
+        """Target ``follow`` with the offset at which it is at ``now`` at the playhead."""
         if now is None or moment is None:
             return follow
         held = with_fields(self._editor.entity, **{self._field: follow})
@@ -317,7 +321,7 @@ class TargetRows:
 
 
 class KeyRow:
-    """Row with the number of the key at the playhead, and buttons to go to the next one, to set and to delete one."""
+    """Form row with the number of the key at the playhead, and buttons to go to the next key, set and delete one."""
 
     def __init__(self, editor: Editor[NamedEntity], section: Section, field: str) -> None:
         self._editor, self._field = editor, field
@@ -336,7 +340,7 @@ class KeyRow:
         self._caption = section.add_row("Keys", self._words, *self._buttons)
 
     def refresh(self, known: bool = True) -> None:
-        """Show the keys, if there are any."""
+        """Show the keys; the row is hidden if the value has none."""
         keyed = self._keyed() if known else None
         for widget in (self._caption, self._words, *self._buttons):
             widget.setVisible(keyed is not None)
@@ -352,11 +356,11 @@ class KeyRow:
 
     @property
     def now(self) -> float:
-        """Seconds at the playhead, in the time of the keys."""
+        """Time of the playhead in seconds of the keys' own time."""
         return self._seconds()
 
     def _seconds(self) -> float:
-        """Time of the motion at the playhead."""
+        """Time of the playhead in seconds of the constraint's motion."""
         document = self._editor.document
         clip = document.active_clip
         if clip is None:
@@ -372,14 +376,14 @@ class KeyRow:
             self._show_time(min(ahead, key=lambda each: abs(each - now)))
 
     def _show_time(self, seconds: float) -> None:
-        """Move the playhead to a time of the motion."""
+        """Move the playhead to a time of the constraint's motion."""
         document = self._editor.document
         clip = document.active_clip
         if clip is not None:
             document.playhead.set_time(stage_time(clip, document.project.frame_rate_of(clip), seconds))
 
     def _set(self) -> None:
-        """Set a key with the present value."""
+        """Set a key with the current value at the playhead."""
         keyed, now = self._keyed(), self._seconds()
         field = KeyedField(self._editor.collection, self._editor.entity_id, self._field)
         self._change(keyed.with_key(now, allowed_value_at(field, keyed, now)), "Set key of")
@@ -394,7 +398,7 @@ class KeyRow:
 
 
 class NumberRows:
-    """Rows of a number that may be keyed: a box to key it, and its keys."""
+    """Form rows of a number that may be keyed: a checkbox that keys it, and its keys."""
 
     def __init__(self, editor: Editor[NamedEntity], section: Section, field: str) -> None:
         self._editor, self._field = editor, field
@@ -404,7 +408,7 @@ class NumberRows:
         self._keys = KeyRow(editor, section, field)
 
     def refresh(self, shown: bool = True) -> None:
-        """Show if the number is keyed."""
+        """Show if the number is keyed, and its keys; ``shown`` False hides the rows."""
         value = getattr(self._editor.entity, self._field)
         self.keyed.setVisible(shown)
         self.keyed.setChecked(isinstance(value, KeyedNumber))
@@ -412,7 +416,7 @@ class NumberRows:
 
     @property
     def current_number(self) -> float:
-        """Number at the playhead."""
+        """Value of the number at the playhead."""
         value = getattr(self._editor.entity, self._field)
         if not isinstance(value, KeyedNumber):
             return float(value)
@@ -432,7 +436,7 @@ class NumberRows:
 
 
 def _kind_of(target: object) -> str | None:
-    """Key of the kind in ``PLACE_KINDS``; None if the value is no target."""
+    """Key of a target in ``PLACE_KINDS``; None if the value is not a target."""
     if isinstance(target, KeyedOwnPlace):
         return KEYED_KIND
     return getattr(target, "kind", FIXED_KIND if isinstance(target, tuple) else None)
@@ -442,5 +446,5 @@ _THINGS = ("performer_id", "prop_id", "joint")
 
 
 def _full(numbers: Sequence[float]) -> Any:
-    """Position (x, y, z): one on the ground (x, y) gets height 0; a rotation is unchanged."""
+    """Position (x, y, z); a ground position (x, y) gets height 0, a rotation is unchanged."""
     return (*numbers, 0.0) if len(numbers) == 2 else numbers

@@ -1,4 +1,4 @@
-"""Form of an upright constraint: axis of the segment, direction, and largest lean."""
+"""Form of an upright constraint: axis of the segment, direction, and maximum tilt."""
 
 from PySide6.QtWidgets import QPushButton
 
@@ -11,10 +11,12 @@ from studio.panels.fields import Section, styled_label
 
 
 class UprightEditor(ConstraintEditor[UprightConstraint]):
-    """Cone in degrees, its direction, and the axis of the segment that stays in it."""
+    """Form of an upright constraint: maximum tilt in degrees, direction, and axis of the segment."""
 
     def add_kind_rows(self, section: Section) -> None:
-        """Add the rows of cone, direction and axis, and a button that takes the axis from the pose at the playhead."""
+        """Add the rows of maximum tilt, direction and axis, and a button that takes the axis from the pose at the
+        playhead.
+        """
         self._cone = ConeRow(self, section, "Maximum tilt from the direction; 0 keeps it exact")
         self._direction = VectorRow(self, section, "Direction", self._set_direction, unit="")
         self._axis = VectorRow(self, section, "Axis", self._set_axis, unit="")

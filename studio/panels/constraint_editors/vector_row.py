@@ -1,4 +1,4 @@
-"""Row of the components of one value of a constraint: a target, a centre, a size."""
+"""Form row of the X, Y and Z components of a value."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -12,7 +12,7 @@ VECTOR_LIMIT = 1000.0
 
 
 class VectorRow:
-    """Field for each of X, Y, Z, to type or to drag; ``put`` is called with all of them when one is changed."""
+    """Number fields for X, Y and Z; ``put`` is called with all components when one is edited."""
 
     def __init__(
         self,
@@ -35,24 +35,24 @@ class VectorRow:
         self.caption: QLabel = section.add_row(with_unit(label, unit), *self.fields)
 
     def set_unit(self, label: str, unit: str) -> None:
-        """Show numbers of another meaning, with another caption."""
+        """Change the label and the unit of the fields."""
         self.caption.setText(with_unit(label, unit))
         for field in self.fields:
             field.set_unit(unit)
 
     def show_values(self, values: Sequence[float]) -> None:
-        """Show the document's value."""
+        """Show the components."""
         self._values = list(values)
         for field, value in zip(self.fields, values, strict=True):
             field.show_value(value)
 
     def set_least(self, low: float) -> None:
-        """Allow no number below ``low``."""
+        """Set the minimum of all fields."""
         for field in self.fields:
             field.set_least(low)
 
     def set_visible(self, *visible: bool) -> None:
-        """Show the fields that are used; the row is hidden without any."""
+        """Show or hide each field; the row is hidden if no field is shown."""
         for field, shown in zip(self.fields, visible, strict=True):
             field.setVisible(shown)
         self.caption.setVisible(any(visible))

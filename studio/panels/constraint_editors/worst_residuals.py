@@ -1,4 +1,4 @@
-"""Worst residual of a constraint on each body, while the constraint is fully active."""
+"""Form section of the worst residual of a constraint on each performer, while the constraint is fully active."""
 
 from dataclasses import dataclass
 
@@ -16,13 +16,15 @@ from studio.panels.fields import Section
 
 RESIDUAL_ROW_PX, RESIDUAL_COLUMNS, RESIDUAL_GAP_PX = 18, 2, 16
 RESIDUAL_DOT_PX = 16
-WIDEST = "0000 mm*"
-"""Text whose width every amount is given, so that the layout does not jump while amounts change."""
+WIDEST_RESIDUAL_TEXT = "0000 mm*"
+"""Text that sets the column width, so that the layout does not jump while residuals change."""
 
 
 @dataclass(frozen=True)
 class BodyResidual:
-    """Body and its worst residual, None if the constraint is inactive; ``unsolved`` is the reason why it is unknown."""
+    """Performer and its worst residual, None if the constraint is inactive; ``unsolved`` is the reason if it is
+    unknown.
+    """
 
     name: str
     colour: str
@@ -32,7 +34,7 @@ class BodyResidual:
 
     @property
     def state(self) -> tuple[str, str]:
-        """(word, colour) of the state, which is never shown by colour alone."""
+        """Text and colour of the state, since colour alone is not enough."""
         if self.unsolved:
             return self.unsolved, colours.TEXT_THIRD
         if self.worst is None:
@@ -45,7 +47,7 @@ class BodyResidual:
 
 
 def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyResidual]:
-    """Residual of each visible performer to which the constraint applies."""
+    """Worst residual of each visible performer to which the constraint applies."""
     constraint = project.constraints[constraint_id]
     return [
         _residual_on(project, live, key, constraint_id)
@@ -73,7 +75,7 @@ def _residual_on(project: Project, live: Live, performer_id: str, constraint_id:
 
 
 class ResidualTable(QWidget):
-    """Bodies in two columns if their names fit, else in one: dot, name, amount."""
+    """Performers with colour dot, name and residual; in two columns if the names fit."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -81,7 +83,7 @@ class ResidualTable(QWidget):
         self.residuals: list[BodyResidual] = []
 
     def show_residuals(self, residuals: list[BodyResidual]) -> None:
-        """Show these lines."""
+        """Show ``residuals``, one line each."""
         if residuals != self.residuals:
             before = self.sizeHint()
             self.residuals = residuals
@@ -94,10 +96,14 @@ class ResidualTable(QWidget):
 
     @property
     def columns(self) -> int:
-        """Number of columns at which every name still fits."""
+        """Number of columns in which all names fit."""
         metrics, room = self.fontMetrics(), (self.width() - RESIDUAL_GAP_PX) // RESIDUAL_COLUMNS
         names = max((metrics.horizontalAdvance(each.name) for each in self.residuals), default=0)
-        return RESIDUAL_COLUMNS if RESIDUAL_DOT_PX + names + 6 + metrics.horizontalAdvance(WIDEST) <= room else 1
+        return (
+            RESIDUAL_COLUMNS
+            if RESIDUAL_DOT_PX + names + 6 + metrics.horizontalAdvance(WIDEST_RESIDUAL_TEXT) <= room
+            else 1
+        )
 
     def sizeHint(self) -> QSize:
         return QSize(200, RESIDUAL_ROW_PX * max(-(-len(self.residuals) // self.columns), 1))
@@ -136,7 +142,7 @@ class ResidualTable(QWidget):
 
 
 def words_of(residual: BodyResidual) -> str:
-    """``short by 42 mm at 23``, or that it is met, or that it is inactive."""
+    """Residual as text: ``short by 42 mm at 23``, or that the constraint is met or inactive."""
     word, _ = residual.state
     if residual.worst is None or word == "held":
         return word
@@ -145,7 +151,9 @@ def words_of(residual: BodyResidual) -> str:
 
 
 def short_words_of(residual: BodyResidual) -> str:
-    """``42 mm``, or that it is met, or that it is inactive; with a star if it is never fully active."""
+    """Residual as short text: ``42 mm``, or that the constraint is met or inactive; with a star if it is never fully
+    active.
+    """
     word, _ = residual.state
     if residual.unsolved:
         return "…"
@@ -157,7 +165,7 @@ def short_words_of(residual: BodyResidual) -> str:
 
 
 class ResidualSection(Section):
-    """Form section of the table of residuals, updated whenever the engine reports new ones."""
+    """Form section with the table of residuals, updated whenever new ones are solved."""
 
     def __init__(self, editor: Editor[Constraint]) -> None:
         super().__init__("Error")
@@ -172,7 +180,7 @@ class ResidualSection(Section):
             self._show()
 
     def refresh(self) -> None:
-        """Show the newest residuals; during a drag they are shown when the engine reports them instead."""
+        """Show the newest residuals; during a drag they are shown when the solver reports them."""
         if not self._editor.live.interactive:
             self._show()
 

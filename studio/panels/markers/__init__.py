@@ -1,1 +1,1 @@
-"""Parts of the markers dialog: the marker map, the cleaning steps, and the other recorded signals."""
+"""Parts of the markers dialog: the marker map, the cleaning steps, and other recorded signals."""

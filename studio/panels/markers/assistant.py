@@ -1,4 +1,4 @@
-"""Map assistant: the proposed map on a body, the markers of the trial beside it, completed by clicks."""
+"""Editor of a marker map: the map on a figure of the body, beside the markers of the trial."""
 
 from collections.abc import Mapping
 
@@ -16,18 +16,18 @@ from studio.panels.fields import FIELD_ICON_PX, Choice, Section, press_button, s
 from studio.panels.markers.cloud import MarkerCloud
 from studio.panels.markers.marker_figure import MarkerFigure
 
-NOT_USED = "-"
+NOT_USED_TEXT = "-"
 
 
 class MarkerAssistant(QWidget):
-    """Editor of a marker map: choose a position on the figure, then its marker in the list, or the other way round; it
-    keeps only the unfinished map.
+    """Editor of a marker map: choose a body location on the figure, then its marker in the list, or the other way
+    round.
     """
 
     changed = Signal()
-    """The map or the subject is another one now."""
+    """Emitted when the map or the subject has changed."""
     marked = Signal(object)
-    """Labels, without subject, of the markers at the chosen place."""
+    """Emitted with the labels, without subject, of the markers at the chosen body location."""
 
     def __init__(self, take: MarkerTake, up_axis: str) -> None:
         super().__init__()
@@ -53,14 +53,14 @@ class MarkerAssistant(QWidget):
         self.choose_role(next((role.id for role in ROLES if role.id not in self.marker_map.markers), ROLES[0].id))
 
     def _make_maps(self) -> Section:
-        section = Section("Map")
-        self._maps = Choice("Map", [])
+        section = Section("Marker map")
+        self._maps = Choice("Marker map", [])
         self._maps.setPlaceholderText("Load another map…")
         self._maps.value_chosen.connect(self._take_map)
         self.name = QLineEdit(self.marker_map.name)
-        self.name.setAccessibleName("Name of the map")
+        self.name.setAccessibleName("Name of the marker map")
         self._save = press_button("Save map", self.save)
-        self._save.setToolTip("Save it as default for files with these markers")
+        self._save.setToolTip("Save as the default marker map of files with these markers")
         subjects = sorted({subject_of(label) for label in self._trial.markers} - {""})
         self._subjects = Choice("Subject", [("", "All markers"), *((name, name) for name in subjects)])
         self._subjects.show_value(self.subject)
@@ -73,7 +73,7 @@ class MarkerAssistant(QWidget):
         return section
 
     def _make_place(self) -> Section:
-        section = Section("Position")
+        section = Section("Body location")
         self._place, self._hint = styled_label("", "title"), styled_label("", "hint")
         self._clear = press_button("Clear", self.clear_role, "link")
         self._clear.setToolTip("Unassign the marker")
@@ -87,36 +87,37 @@ class MarkerAssistant(QWidget):
         column = QVBoxLayout(box)
         column.setContentsMargins(FIELD_ICON_PX, 8, FIELD_ICON_PX, 0)
         self.list = QTreeWidget()
-        self.list.setHeaderLabels(["Marker", "Position", "Visible"])
+        self.list.setHeaderLabels(["Marker", "Body location", "Visible"])
         self.list.setRootIsDecorated(False)
         self.list.setUniformRowHeights(True)
-        self.list.setAccessibleName("Markers of the trial; click one to assign it to the selected position")
+        self.list.setAccessibleName("Markers of the trial; click one to assign it to the selected body location")
         self.list.itemClicked.connect(lambda item, _: self.put_marker(item.text(0)))
         column.addWidget(self.list)
         return box
 
     @property
     def summary(self) -> str:
-        """Sentence about the limbs that can be tracked with the marker map, or the missing markers."""
+        """Sentence about the limbs that the marker map can solve, or the missing markers."""
         there = self.marker_map.restricted_to(self._labels())
         parts = [word for word, has in (("legs", there.has_legs()), ("arms", there.has_arms())) if has]
         if len(parts) == 2:
             return "Legs and arms can be solved."
         if parts:
             other = "arms" if parts == ["legs"] else "legs"
-            return f"The {parts[0]} can be solved; the {other} stay in rest pose."
+            return f"The {parts[0]} can be solved; the {other} will stay in the rest pose."
         lacking, more = there.missing_positions()[:4], len(there.missing_positions()) > 4
         return f"The skeleton cannot be solved yet. Still missing: {', '.join(lacking)}{' and others' if more else ''}."
 
     def choose_role(self, role: str) -> None:
-        """Choose a position: show its markers, and assign the next clicked one to it."""
+        """Choose a body location: show its markers, and assign the next clicked marker to it."""
         self._role = role
         self._show()
 
     def put_marker(self, label: str) -> None:
-        """Add a marker to the chosen position, or remove it if it is there.
+        """Assign a marker to the chosen body location, or unassign it if it is assigned there.
 
-        Thighs and shanks have several, which together show the rotation of the bone; other positions have one.
+        Thighs and shanks have clusters of several markers, from which the rotation of the bone is solved; other
+        locations have one.
         """
         own = self.marker_map.markers.get(self._role, ())
         cluster = self._role.endswith(("thigh", "shank"))
@@ -127,16 +128,16 @@ class MarkerAssistant(QWidget):
         self._set(self.marker_map.with_role(self._role, labels))
 
     def clear_role(self) -> None:
-        """Remove all markers from the chosen position."""
+        """Unassign all markers of the chosen body location."""
         self._set(self.marker_map.with_role(self._role, ()))
 
     def save(self) -> None:
-        """Save the map under its name among the user's own."""
+        """Save the map under its name in the user's folder."""
         name = self.name.text().strip() or "My markers"
         self.marker_map = MarkerMap(name, self.marker_map.markers, self.marker_map.centres)
         path = save_map(self.marker_map)
         self._fill_maps()
-        self._hint.setText(f"Saved as {path.name}; it is used for every file with these markers.")
+        self._hint.setText(f"Saved as {path.name}; it will be used for every file with these markers.")
 
     def _set(self, marker_map: MarkerMap) -> None:
         self.marker_map = marker_map
@@ -178,7 +179,7 @@ class MarkerAssistant(QWidget):
             self.list.addTopLevelItem(item)
 
     def _face(self) -> None:
-        """Show the recorded markers from behind, like the figure."""
+        """Show the recorded markers from behind, as the figure is."""
         self.cloud.show_markers(tuple(seen_labels(self._trial, self.subject)), (), ())
         left, right = (
             {label for role, labels in self.marker_map.markers.items() if role.startswith(side) for label in labels}
@@ -207,7 +208,7 @@ class MarkerAssistant(QWidget):
             item = self.list.topLevelItem(place)
             assert item is not None
             words = places.get(item.text(0), [])
-            item.setText(1, ", ".join(words) or NOT_USED)
+            item.setText(1, ", ".join(words) or NOT_USED_TEXT)
             colour = QColor(colours.TEXT if words else colours.TEXT_THIRD)
             for at in range(3):
                 item.setForeground(at, colour)

@@ -1,4 +1,4 @@
-"""Cleaning steps of a trial, each with its report; the recording itself is never changed."""
+"""List of cleaning steps of a trial, each with a report; the recorded data itself is never changed."""
 
 from collections.abc import Callable
 from functools import partial
@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 from studio.core.markers.cleaning import FillLongGaps, FillShortGaps, LowPass, Step, StepReport, UndoSwaps
 from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, press_button, styled_label
 
-OFFERED: tuple[tuple[Callable[[], Step], str], ...] = (
+CLEANING_STEP_KINDS: tuple[tuple[Callable[[], Step], str], ...] = (
     (UndoSwaps, "Fix marker swaps"),
     (FillShortGaps, "Fill short gaps"),
     (FillLongGaps, "Fill long gaps"),
@@ -18,7 +18,7 @@ OFFERED: tuple[tuple[Callable[[], Step], str], ...] = (
 
 
 class StepList(QWidget):
-    """Ordered list of cleaning steps: add, remove or reorder them, and set the parameter of each."""
+    """Ordered list of cleaning steps, which can be added, removed, reordered and adjusted."""
 
     changed = Signal()
 
@@ -32,7 +32,7 @@ class StepList(QWidget):
         column.addLayout(self._rows)
         row = QHBoxLayout()
         row.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)
-        self.add = Choice("Add a step", list(OFFERED))
+        self.add = Choice("Add a step", list(CLEANING_STEP_KINDS))
         self.add.setPlaceholderText("Add a step")
         self.add.setCurrentIndex(-1)
         self.add.value_chosen.connect(self._add)
@@ -43,7 +43,7 @@ class StepList(QWidget):
         self._show()
 
     def show_reports(self, reports: tuple[StepReport, ...]) -> None:
-        """Show the reports of the steps, in the steps' order."""
+        """Show the report of each step, in order."""
         self._reports = reports
         self._show()
 
@@ -66,7 +66,7 @@ class StepList(QWidget):
         for place, step in enumerate(self.steps):
             self._rows.addWidget(self._make_row(place, step))
         if not self.steps:
-            note = styled_label("No filtering: recorded data is used.", "hint")
+            note = styled_label("No cleaning: the recorded data is used.", "hint")
             note.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)
             self._rows.addWidget(note)
 

@@ -1,4 +1,4 @@
-"""Recorded markers at the playhead, which can be rotated and clicked to identify them."""
+"""Recorded markers at the playhead in a small 3D view, to be rotated and clicked."""
 
 from collections.abc import Collection
 
@@ -17,18 +17,18 @@ FloatArray = NDArray[np.float64]
 CLOUD_WIDTH = 250
 CLOUD_MARGIN = 22
 CLOUD_DOT_PX = 4.0
-CLOUD_REACH = 10.0
+CLOUD_PICK_PIXELS = 10.0
 RADIANS_PER_PIXEL = 0.012
-"""Radians a pixel of a drag."""
-CLICK = 4
-"""Pixels within which a press and a release are a click and no drag."""
+"""Rotation of the view per pixel of a drag."""
+CLICK_PIXELS = 4
+"""Maximum distance in pixels between press and release of a click."""
 
 
 class MarkerCloud(QWidget):
-    """Drag to rotate it about the vertical; click a marker to choose it."""
+    """Small 3D view of the recorded markers: a drag rotates it about the vertical, a click chooses a marker."""
 
     marker_chosen = Signal(str)
-    """A label without subject."""
+    """Emitted with the label of the clicked marker, without subject."""
 
     def __init__(self, trial: Trial, up_axis: str) -> None:
         super().__init__()
@@ -50,7 +50,9 @@ class MarkerCloud(QWidget):
         return QSize(CLOUD_WIDTH, 2 * CLOUD_WIDTH)
 
     def show_markers(self, labels: Collection[str], used: Collection[str], marked: Collection[str]) -> None:
-        """Show labels (with subject); ``used`` are bare labels in the map, ``marked`` those at the chosen position."""
+        """Show markers by label (with subject); ``used`` are labels in the map and ``marked`` those at the chosen body
+        location, both without subject.
+        """
         places = tuple(self._trial.labels.index(label) for label in labels)
         if places != self._places:
             self._places = places
@@ -61,9 +63,10 @@ class MarkerCloud(QWidget):
         self.update()
 
     def face(self, left: Collection[str], right: Collection[str]) -> None:
-        """Rotate it so that the body is seen from behind: the markers on its ``left`` (bare labels) to the left.
+        """Rotate the view so that the body is seen from behind, with the markers ``left`` at the left; labels without
+        subject.
 
-        Without any on one side the view shows the greatest extent.
+        If one side has no markers, the view shows the largest extent.
         """
         points = self._at(self._best_frame())
         sides = [points[[k for k, label in enumerate(self._labels) if label in side]] for side in (left, right)]
@@ -77,13 +80,13 @@ class MarkerCloud(QWidget):
         self.update()
 
     def show_time(self, seconds: float) -> None:
-        """Follow the playhead."""
+        """Show the markers at the time of the playhead."""
         last = self._trial.frame_count - 1
         self._frame = min(max(round(seconds * self._trial.frame_rate), 0), last)
         self.update()
 
     def dots(self) -> dict[str, QPointF]:
-        """Widget position of each visible marker at the current frame."""
+        """Widget position of each visible marker at the current frame, by label."""
         points = self._at(self._frame)
         seen = seen_mask(points)
         if not seen.any():
@@ -98,10 +101,10 @@ class MarkerCloud(QWidget):
         }
 
     def label_at(self, position: QPointF) -> str:
-        """Marker under a point of the widget; empty without one."""
+        """Label of the marker at a position of the widget; empty if there is none."""
         near = {label: (dot - position).manhattanLength() for label, dot in self.dots().items()}
         label = min(near, key=lambda each: near[each], default="")
-        return label if label and near[label] < 1.4 * CLOUD_REACH else ""
+        return label if label and near[label] < 1.4 * CLOUD_PICK_PIXELS else ""
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         self._press, self._dragged = event.position(), False
@@ -109,7 +112,7 @@ class MarkerCloud(QWidget):
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         if self._press is not None and event.buttons() & Qt.MouseButton.LeftButton:
             moved = event.position() - self._press
-            if self._dragged or moved.manhattanLength() > CLICK:
+            if self._dragged or moved.manhattanLength() > CLICK_PIXELS:
                 self._dragged, self._press = True, event.position()
                 self._angle -= RADIANS_PER_PIXEL * moved.x()
         self._under = self.label_at(event.position())
@@ -132,7 +135,7 @@ class MarkerCloud(QWidget):
             for label, dot in dots.items():
                 used = label in self._used
                 painter.setPen(QPen(QColor(colours.WINDOW), 1.0))
-                painter.setBrush(QColor(colours.KINDS["position"] if used else colours.TEXT_SECOND))
+                painter.setBrush(QColor(colours.KIND_COLOURS["position"] if used else colours.TEXT_SECOND))
                 painter.drawEllipse(dot, CLOUD_DOT_PX, CLOUD_DOT_PX)
             for label in dict.fromkeys((*self._marked, self._under)):
                 if label in dots:
@@ -145,7 +148,7 @@ class MarkerCloud(QWidget):
             painter.drawText(QPointF(8, self.height() - 8), words)
 
     def _at(self, frame: int) -> FloatArray:
-        """Positions of the shown markers at a frame, (n, 3) metres, world axes."""
+        """(n, 3) positions of the shown markers at a frame, metres, world axes."""
         return np.asarray(self._trial.metres * self._trial.points[frame, list(self._places)] @ self._turn)
 
     def _seen(self, frame: int) -> NDArray[np.bool_]:
@@ -155,7 +158,7 @@ class MarkerCloud(QWidget):
         return int(np.argmax(seen_mask(self._trial.points[:, list(self._places)]).sum(axis=1)))
 
     def _reach(self) -> tuple[float, float]:
-        """Half of the usual extent horizontally and vertically, in metres."""
+        """Half of the typical extent of the markers, horizontally and vertically, in metres."""
         frames = np.linspace(0, self._trial.frame_count - 1, 40).astype(int)
         sizes = [
             np.ptp(points[seen_mask(points)], axis=0) for points in map(self._at, frames) if seen_mask(points).any()

@@ -1,4 +1,4 @@
-"""Body with the positions of markers: filled if a marker is there, hollow if not."""
+"""Figure of a body with the locations of markers: filled if a marker is assigned, hollow if not."""
 
 from collections.abc import Mapping, Sequence
 
@@ -12,8 +12,8 @@ from studio.document import colours
 ROLE_FIGURE_WIDTH, ROLE_FIGURE_HEIGHT = 300, 520
 ROLE_FIGURE_MARGIN = 24
 ROLE_DOT_PX = 5.0
-ROLE_REACH = 11.0
-"""Pixels from a dot within which a click means it."""
+ROLE_PICK_PIXELS = 11.0
+"""Distance in pixels from a dot within which a click chooses it."""
 
 _LIMBS: tuple[tuple[tuple[float, float], tuple[float, float], float], ...] = (
     ((0.21, 0.8), (0.39, 0.645), 26.0),
@@ -23,18 +23,18 @@ _LIMBS: tuple[tuple[tuple[float, float], tuple[float, float], float], ...] = (
     ((0.115, 0.3), (0.11, 0.085), 30.0),
     ((0.11, 0.06), (0.17, 0.02), 17.0),
 )
-"""From joint to joint of the left side, and how thick."""
+"""Ends and width in pixels of each limb of the left side, in fractions of the figure."""
 
 
 class MarkerFigure(QWidget):
-    """Click a position to choose it; its own left is the picture's left, as on the other figures of the studio."""
+    """Figure on which a click chooses a body location; the body's left is at the left, as on all figures."""
 
     role_chosen = Signal(str)
-    """A role."""
+    """Emitted with the id of the chosen body location."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.setAccessibleName("Marker positions on the body; filled ones are assigned")
+        self.setAccessibleName("Body locations of markers; filled ones are assigned")
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMouseTracking(True)
@@ -46,20 +46,20 @@ class MarkerFigure(QWidget):
         return QSize(ROLE_FIGURE_WIDTH, ROLE_FIGURE_HEIGHT)
 
     def show_map(self, markers: Mapping[str, Sequence[str]], role: str) -> None:
-        """Show labels by role, and the chosen role."""
+        """Show the assigned labels by body location, and the chosen location ``role``."""
         self._markers, self._role = markers, role
         self.update()
 
     def place_of(self, role: str) -> QPointF:
-        """Widget position of a role."""
+        """Widget position of a body location."""
         return _place(*ROLE[role].spot)
 
     def role_at(self, point: QPointF) -> str:
-        """Role under a point of the widget; empty without one."""
+        """Id of the body location at a position of the widget; empty if there is none."""
         role, distance = min(
             ((role.id, (self.place_of(role.id) - point).manhattanLength()) for role in ROLES), key=lambda pair: pair[1]
         )
-        return role if distance < 1.4 * ROLE_REACH else ""
+        return role if distance < 1.4 * ROLE_PICK_PIXELS else ""
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         role = self.role_at(event.position())
@@ -130,7 +130,7 @@ class MarkerFigure(QWidget):
             painter.drawEllipse(place, ROLE_DOT_PX + 5, ROLE_DOT_PX + 5)
         edge = colours.SELECTED_HANDLE if role == self._under else colours.TEXT_THIRD
         painter.setPen(QPen(QColor(colours.WINDOW if filled else edge), 1.2))
-        painter.setBrush(QColor(colours.KINDS["position"]) if filled else QColor(colours.PANEL))
+        painter.setBrush(QColor(colours.KIND_COLOURS["position"]) if filled else QColor(colours.PANEL))
         size = ROLE_DOT_PX if filled else ROLE_DOT_PX - 1.5
         painter.drawEllipse(place, size, size)
 

@@ -1,4 +1,4 @@
-"""Plot of the signals recorded beside the points: plate forces, analog signals and events, over the motion's time."""
+"""Plot of signals recorded beside the markers: force plates, analog channels and events, over time."""
 
 from collections.abc import Callable
 from functools import partial
@@ -16,18 +16,18 @@ from studio.document import colours
 from studio.panels.fields import FIELD_ICON_PX, styled_label
 
 FloatArray = NDArray[np.float64]
-Curves = list[tuple[str, FloatArray, FloatArray]]
-"""Name, times and values."""
+SignalCurves = list[tuple[str, FloatArray, FloatArray]]
+"""Name, times (N,) and values (N,) of several curves."""
 
-LIST_WIDTH = 210
+SIGNAL_LIST_WIDTH_PX = 210
 SIGNAL_AXES = ("x", "y", "z")
 
 
 class SignalPlot(QWidget):
-    """Plot of the checked signals, with lines for events and the playhead."""
+    """Plot of the ticked signals, with lines for events and the playhead."""
 
     marked = Signal(object)
-    """Labels, without subject, of the marker that is selected in the list and of those that are ticked."""
+    """Emitted with the labels, without subject, of the markers that are selected or ticked in the list."""
 
     def __init__(self, trial: Trial, seek: Callable[[float], object]) -> None:
         super().__init__()
@@ -36,7 +36,7 @@ class SignalPlot(QWidget):
         row.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)
         self.list = QTreeWidget()
         self.list.setHeaderHidden(True)
-        self.list.setFixedWidth(LIST_WIDTH)
+        self.list.setFixedWidth(SIGNAL_LIST_WIDTH_PX)
         self.list.setAccessibleName("Analog channels of the trial; select to show their graph")
         row.addWidget(self.list)
         column = QVBoxLayout()
@@ -56,7 +56,7 @@ class SignalPlot(QWidget):
         column.addWidget(self.plot, 1)
         self.note = styled_label(_events_words(trial), "hint")
         column.addWidget(self.note)
-        self._sources: list[tuple[QTreeWidgetItem, Callable[[], Curves], str]] = []
+        self._sources: list[tuple[QTreeWidgetItem, Callable[[], SignalCurves], str]] = []
         self._markers: dict[str, QTreeWidgetItem] = {}
         self._fill()
         self.list.itemChanged.connect(lambda *_: self.refresh())
@@ -66,7 +66,7 @@ class SignalPlot(QWidget):
         self.plot.setXRange(0.0, trial.frame_count / trial.frame_rate, padding=0.01)
 
     def show_time(self, seconds: float) -> None:
-        """Move the playhead's line."""
+        """Move the line of the playhead."""
         self._playhead.setValue(seconds)
 
     def plotted_names(self) -> list[str]:
@@ -74,13 +74,13 @@ class SignalPlot(QWidget):
         return [item.text(0) for item, _, _ in self._sources if item.checkState(0) is Qt.CheckState.Checked]
 
     def tick(self, name: str, on: bool = True) -> None:
-        """Check or uncheck a signal."""
+        """Tick or untick a signal."""
         for item, _, _ in self._sources:
             if item.text(0) == name:
                 item.setCheckState(0, Qt.CheckState.Checked if on else Qt.CheckState.Unchecked)
 
     def refresh(self) -> None:
-        """Draw the checked signals again."""
+        """Plot the ticked signals again."""
         self.plot.clear()
         units, number = [], 0
         for item, make, unit in self._sources:
@@ -107,7 +107,9 @@ class SignalPlot(QWidget):
         self.marked.emit(tuple(chosen))
 
     def _draw_event(self, label: str, context: str, seconds: float) -> None:
-        colour = {"Left": colours.CHARACTERS[3], "Right": colours.CHARACTERS[2]}.get(context, colours.TEXT_THIRD)
+        colour = {"Left": colours.CHARACTER_COLOURS[3], "Right": colours.CHARACTER_COLOURS[2]}.get(
+            context, colours.TEXT_THIRD
+        )
         line = pg.InfiniteLine(
             seconds,
             angle=90,
@@ -151,7 +153,7 @@ class SignalPlot(QWidget):
         return group
 
     def _add(
-        self, group: QTreeWidgetItem, name: str, make: Callable[[], Curves], unit: str, ticked: bool = False
+        self, group: QTreeWidgetItem, name: str, make: Callable[[], SignalCurves], unit: str, ticked: bool = False
     ) -> QTreeWidgetItem:
         item = QTreeWidgetItem([name])
         item.setFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable | Qt.ItemFlag.ItemIsUserCheckable)
@@ -160,7 +162,7 @@ class SignalPlot(QWidget):
         self._sources.append((item, make, unit))
         return item
 
-    def _force(self, name: str, plate: ForcePlate) -> Curves:
+    def _force(self, name: str, plate: ForcePlate) -> SignalCurves:
         return _axes(name, sample_times(self._trial), plate_force(self._trial, plate))
 
     def _clicked(self, event: object) -> None:
@@ -168,11 +170,11 @@ class SignalPlot(QWidget):
         self._seek(float(place.x()))
 
 
-def _one(name: str, times: FloatArray, values: FloatArray) -> Curves:
+def _one(name: str, times: FloatArray, values: FloatArray) -> SignalCurves:
     return [(name, times, values)]
 
 
-def _axes(name: str, times: FloatArray, values: FloatArray) -> Curves:
+def _axes(name: str, times: FloatArray, values: FloatArray) -> SignalCurves:
     return [(f"{name} {axis}", times, values[:, place]) for place, axis in enumerate(SIGNAL_AXES)]
 
 

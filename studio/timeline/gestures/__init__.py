@@ -1,1 +1,1 @@
-"""Drags of the timeline, one gesture in each file: start, update, finish or cancel."""
+"""Mouse drags of the timeline, one kind in each module."""

@@ -1,4 +1,4 @@
-"""Drags on a constraint's bar: one of its four times, or all of them."""
+"""Drags on the bar of a constraint: one of the four times of its activation, or all of them."""
 
 from dataclasses import replace
 
@@ -10,31 +10,31 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import Keys
 from studio.document.keyed_fields import with_times
 from studio.timeline.gestures.gesture import DragHint, EditGesture
-from studio.timeline.shown import HANDLES, ItemPart, RowContext
+from studio.timeline.shown import HANDLE_PARTS, ItemPart, RowContext
 from studio.timeline.snapping import Snapped
 
 
 def with_time(curve: ActivationCurve, part: ItemPart, time: float) -> ActivationCurve:
-    """Curve with one of its times changed; others are pushed along."""
-    moved = with_times(curve, {HANDLES.index(part): time})
+    """Activation curve with one of its four times changed; the others are pushed along if necessary."""
+    moved = with_times(curve, {HANDLE_PARTS.index(part): time})
     assert isinstance(moved, ActivationCurve)
     return moved
 
 
 def time_of(curve: ActivationCurve, part: ItemPart) -> float:
-    """One of the four times."""
-    return curve.times[HANDLES.index(part)]
+    """Time in seconds of a handle of the activation curve."""
+    return curve.times[HANDLE_PARTS.index(part)]
 
 
 def moved(constraint: Constraint, seconds: float, keys_stay: bool) -> Constraint:
-    """Constraint with its activation later, and its keys unless they stay."""
+    """Constraint with its activation, and unless ``keys_stay`` its keys, moved by ``seconds``."""
     keys = {name: value for name, value in vars(constraint).items() if isinstance(value, Keys) and not keys_stay}
     times = {name: value.moved(seconds) for name, value in keys.items()}
     return with_fields(constraint, activation=constraint.activation.moved(seconds), **times)
 
 
 class DragHandle(EditGesture[Constraint]):
-    """Drag of one of the four times, within the motion."""
+    """Drag of one of the four times of an activation, within the length of the motion."""
 
     collection = "constraints"
 
@@ -44,7 +44,7 @@ class DragHandle(EditGesture[Constraint]):
         self.text = f"Move {part} of {self.words}"
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Set the time to that of the mouse, snapped."""
+        """Set the time to the one under the mouse, snapped."""
         subject, old = self.shown.subject, time_of(self.original.activation, self.part)
         caught = self.snap(subject.to_stage(old) + self.moved(position), free)
         seconds = subject.to_motion(caught.time) - old
@@ -62,9 +62,9 @@ class DragHandle(EditGesture[Constraint]):
 
 
 class MoveActivation(EditGesture[Constraint]):
-    """Drag of the bar: the whole curve moves with its keys, and any of its times may snap.
+    """Drag of a constraint's bar: its activation and keys move together, and each of the four times may snap.
 
-    ``free`` leaves the keys in place, and turns snapping off.
+    ``free`` leaves the keys in place and turns snapping off.
     """
 
     collection = "constraints"
@@ -74,7 +74,7 @@ class MoveActivation(EditGesture[Constraint]):
         self.text = f"Shift {self.words}"
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Move all four times by the same amount."""
+        """Move all four times by the displacement of the mouse."""
         curve, subject = self.original.activation, self.shown.subject
         begin = subject.to_stage(curve.start)
         caught = self._catch(begin + self.moved(position), free)
@@ -89,9 +89,9 @@ class MoveActivation(EditGesture[Constraint]):
         self.mark = DragHint(subject.to_stage(start), text, caught.magnet)
 
     def _catch(self, begin: float, free: bool) -> Snapped:
-        """Snapped begin: by a magnet near one of the four times, else by the frame of the begin."""
+        """Snapped start time, moved so that one of the four times is at a magnet, or else to a frame."""
         curve = self.original.activation
-        for part in HANDLES:
+        for part in HANDLE_PARTS:
             ahead = time_of(curve, part) - curve.start
             caught = self.snap(begin + ahead, free)
             if caught.magnet is not None:

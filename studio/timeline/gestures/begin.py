@@ -1,4 +1,4 @@
-"""Start of a drag by the position of the mouse, and the cursor before the button is pressed."""
+"""Choice of the drag for a press, and of the cursor, by the part under the mouse."""
 
 from PySide6.QtCore import QPointF, Qt
 
@@ -12,22 +12,24 @@ from studio.timeline.gestures.hold import DragHold
 from studio.timeline.gestures.label import DragLabel
 from studio.timeline.gestures.media import MoveMedia
 from studio.timeline.gestures.view import Scrub
-from studio.timeline.shown import EDGES, HANDLES, Hit, ItemPart, RowContext
+from studio.timeline.shown import EDGE_PARTS, HANDLE_PARTS, Hit, ItemPart, RowContext
 
 Cursor = Qt.CursorShape
 
 
 def gesture_at(hit: Hit, shown: RowContext, press: QPointF, stretch: bool = False) -> TimelineGesture | None:
-    """Drag for a hit, or None; ``stretch`` changes the speed of a clip."""
+    """Drag that a press on ``hit`` starts; None if it starts none. ``stretch`` changes the speed of a clip instead of
+    trimming it.
+    """
     if hit.part == ItemPart.TIME:
         return Scrub(shown.document.playhead, shown.axis)
-    if hit.kind in MOVE_GESTURES and shown.project.get(hit.kind, hit.id) is None:
+    if hit.kind in MOVABLE_COLLECTIONS and shown.project.get(hit.kind, hit.id) is None:
         return None  # deleted since the button was pressed
-    if hit.kind == "constraints" and hit.part in HANDLES:
+    if hit.kind == "constraints" and hit.part in HANDLE_PARTS:
         return DragHandle(shown, hit.id, hit.part, press)
     if hit.kind == "constraints" and hit.part == ItemPart.BODY:
         return MoveActivation(shown, hit.id, press)
-    if hit.kind == "corrections" and hit.part in HANDLES:
+    if hit.kind == "corrections" and hit.part in HANDLE_PARTS:
         return DragCorrectionRange(shown, hit.id, hit.part, press)
     if hit.kind == "corrections" and hit.part == ItemPart.BODY:
         return MoveCorrection(shown, hit.id, press)
@@ -35,7 +37,7 @@ def gesture_at(hit: Hit, shown: RowContext, press: QPointF, stretch: bool = Fals
         if hit.part == ItemPart.BODY:
             return MoveClips(shown, hit.id, press)
         return (StretchClip if stretch else TrimClip)(shown, hit.id, hit.part, press)
-    if hit.kind == "props" and (hit.part == ItemPart.BODY or hit.part in EDGES):
+    if hit.kind == "props" and (hit.part == ItemPart.BODY or hit.part in EDGE_PARTS):
         return DragHold(shown, hit.id, hit.part, press)
     if hit.kind in ("sounds", "footage") and hit.part == ItemPart.BODY:
         return MoveMedia(shown, hit.kind, hit.id, press)
@@ -46,15 +48,17 @@ def gesture_at(hit: Hit, shown: RowContext, press: QPointF, stretch: bool = Fals
     return None
 
 
-MOVE_GESTURES = ("constraints", "contacts", "clips", "props", "labels", "corrections", "sounds", "footage")
-"""Kinds of things whose bars are dragged as a whole."""
+MOVABLE_COLLECTIONS = ("constraints", "contacts", "clips", "props", "labels", "corrections", "sounds", "footage")
+"""Collections of entities whose bars can be dragged as a whole."""
 
 
 def cursor_at(hit: Hit) -> Cursor:
-    """Cursor for a hit: arrows for movable parts, a hand for choices, a cross where a contact or label may be added."""
-    if hit.part in HANDLES or hit.part in (*EDGES, ItemPart.KEY) or hit.kind == "playhead":
+    """Cursor over a part: arrows for parts that can be dragged, a hand for parts that can be clicked, a cross where a
+    contact or label can be added.
+    """
+    if hit.part in HANDLE_PARTS or hit.part in (*EDGE_PARTS, ItemPart.KEY) or hit.kind == "playhead":
         return Cursor.SizeHorCursor
-    if hit.part == ItemPart.BODY and hit.kind in MOVE_GESTURES:
+    if hit.part == ItemPart.BODY and hit.kind in MOVABLE_COLLECTIONS:
         return Cursor.OpenHandCursor
     if hit.part == ItemPart.FOLD or (
         hit.part == ItemPart.LABEL and hit.kind in ("constraints", "plot", "performers", "corrections")
@@ -66,7 +70,7 @@ def cursor_at(hit: Hit) -> Cursor:
 
 
 def items_of(hit: Hit) -> tuple[tuple[str, str], ...]:
-    """Items that a click selects: a clip with the performer of its row."""
+    """Items that a click selects; a clip together with the performer of its track."""
     if hit.kind == "clips":
         return ("performers", hit.performer_id), ("clips", hit.id)
     if hit.kind == "clip" and hit.part == ItemPart.KEY:
@@ -88,5 +92,5 @@ def items_of(hit: Hit) -> tuple[tuple[str, str], ...]:
 
 
 def name_of(contact: ContactInterval) -> str:
-    """``Left heel contact``."""
+    """Name of a contact: ``Left heel contact``."""
     return f"{contact.point.words.capitalize()} contact"

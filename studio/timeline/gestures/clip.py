@@ -1,4 +1,4 @@
-"""Drags on clips: in time, an end of one, or its speed; on all performers, as one undo step."""
+"""Drags on clips: move, trim, or change the speed, for all performers of the clip in one undo step."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -23,12 +23,12 @@ from studio.timeline.shown import ItemPart, RowContext
 from studio.timeline.snapping import Snapped
 from studio.timeline.time_words import time_text
 
-SHORTEST_STRETCH = 1e-6
-"""Seconds that a stretched clip lasts at least, before the range of speeds is applied."""
+MIN_STRETCH_SECONDS = 1e-6
+"""Minimum length in seconds of a stretched clip, before its speed is clamped."""
 
 
 class ClipGesture(EditGesture[Clip]):
-    """Drag that edits clips in the rows of all their performers."""
+    """Base of drags that edit clips in the tracks of all their performers."""
 
     collection = "clips"
 
@@ -40,7 +40,7 @@ class ClipGesture(EditGesture[Clip]):
         }
 
     def _dragged(self, shown: RowContext, clip_id: str) -> Sequence[str]:
-        """Ids of the clips that are edited: all selected ones if the grabbed one is."""
+        """Ids of the clips to be edited: all selected ones if ``clip_id`` is selected, else only that one."""
         selected = [key for key in shown.document.selection.of("clips") if key in shown.project.clips]
         return selected if clip_id in selected else (clip_id,)
 
@@ -51,21 +51,19 @@ class ClipGesture(EditGesture[Clip]):
 
     @property
     def is_there(self) -> bool:
-        """True if the clips still exist: a key may have removed them meanwhile."""
+        """True if all dragged clips still exist; a key press may have deleted them."""
         return all(clip_id in self.shown.project.clips for clip_id in self.clip_ids)
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Drag the clips; does nothing if one has been removed meanwhile."""
+        """Drag the clips; does nothing if one no longer exists."""
         if self.is_there:
             self.drag(position, free)
 
     def drag(self, position: QPointF, free: bool) -> None:
-        """Drag the clips, which exist."""
+        """Drag the clips to ``position``; called only while all of them exist."""
 
     def show_clips_edited(self, edit: ClipEdit) -> None:
-        """Show the rows with the dragged clips edited from their state at the begin; without performers that were
-        removed.
-        """
+        """Show the dragged clips as changed by ``edit`` from their state at the start of the drag."""
         document = self.shown.document
         with document.group(self.text, self._number):
             for key, performer in self._performers.items():
@@ -78,13 +76,13 @@ class ClipGesture(EditGesture[Clip]):
         return performer
 
     def cancel(self) -> None:
-        """Restore the clips as before the drag; no undo step remains."""
+        """Restore the clips as they were before the drag, without an undo step."""
         if self.is_there:
             self.show_clips_edited(lambda clip: (clip,))
         self.finish()
 
     def _find_magnets(self) -> tuple[float, ...]:
-        """Magnets: the playhead, and both ends of every other clip on the stage."""
+        """Stage times to snap to, in seconds: the playhead, and both ends of all other clips."""
         project = self.shown.project
         others: Mapping[str, Clip] = {key: clip for key, clip in project.clips.items() if key not in self.clip_ids}
         ends = {time for clip in others.values() for time in (clip.start, end_of(self.shown, clip))}
@@ -92,14 +90,14 @@ class ClipGesture(EditGesture[Clip]):
 
 
 class MoveClips(ClipGesture):
-    """Drag of bars in time, which snap to the ends of others."""
+    """Drag of clips in time; their ends snap to those of other clips."""
 
     def __init__(self, shown: RowContext, clip_id: str, press: QPointF) -> None:
         super().__init__(shown, clip_id, press)
         self.text = f"Shift {self.words}"
 
     def drag(self, position: QPointF, free: bool) -> None:
-        """Move all by as much as the grabbed one."""
+        """Move all dragged clips by the displacement of the grabbed one."""
         begin, length = self.original.start, end_of(self.shown, self.original) - self.original.start
         caught = self.snap(begin + self.moved(position), free)
         end = self.snap(begin + length + self.moved(position), free)
@@ -113,7 +111,7 @@ class MoveClips(ClipGesture):
 
 
 class TrimClip(ClipGesture):
-    """Drag of an end: the remaining frames keep their times."""
+    """Drag of an end of a clip; the remaining frames keep their stage times."""
 
     def __init__(self, shown: RowContext, clip_id: str, part: ItemPart, press: QPointF) -> None:
         super().__init__(shown, clip_id, press)
@@ -121,7 +119,7 @@ class TrimClip(ClipGesture):
         self.text = f"Trim {self.words}"
 
     def drag(self, position: QPointF, free: bool) -> None:
-        """Drag by whole frames; ``free`` turns off magnets."""
+        """Trim by whole frames; ``free`` turns snapping to magnets off."""
         clip, first = self.original, self.part == ItemPart.FIRST
         grabbed = clip.start if first else end_of(self.shown, clip)
         caught = self.snap(grabbed + self.moved(position), free)
@@ -130,11 +128,11 @@ class TrimClip(ClipGesture):
         trimmed = self._trimmed(clip, seconds)
         place = caught.time if caught.magnet is not None else grabbed + self.moved(position)
         self.mark = DragHint(
-            place, f"{self.part} {trimmed.first if first else trimmed.last} of the motion", caught.magnet
+            place, f"{self.part} {trimmed.first if first else trimmed.last} of the clip", caught.magnet
         )
 
     def _trimmed(self, clip: Clip, seconds: float) -> Clip:
-        """The clip with its end moved by ``seconds`` of the stage, to a whole frame of its motion."""
+        """Clip with one end moved by ``seconds`` on the stage, rounded to a whole frame of its motion."""
         project = self.shown.project
         rate = project.frame_rate_of(clip)
         if self.part == ItemPart.FIRST:
@@ -148,9 +146,9 @@ class TrimClip(ClipGesture):
 
 
 class StretchClip(ClipGesture):
-    """Drag of an end to change the speed: the same frames play in more or less time.
+    """Drag of an end of a clip to change its speed: the same frames play in more or less time.
 
-    The other end is fixed; later clips of the same rows move along with the dragged end.
+    The other end is fixed; later clips of the track move with the dragged end.
     """
 
     def __init__(self, shown: RowContext, clip_id: str, part: ItemPart, press: QPointF) -> None:
@@ -170,14 +168,14 @@ class StretchClip(ClipGesture):
         return tuple(dict.fromkeys((clip_id, *beyond)))
 
     def drag(self, position: QPointF, free: bool) -> None:
-        """Move the dragged end with the mouse, within the range of speeds."""
+        """Move the dragged end with the mouse, within the range of allowed speeds."""
         old, first = self.original, self.part == ItemPart.FIRST
         end = end_of(self.shown, old)
         grabbed = old.start if first else end
         caught = self.snap(grabbed + self.moved(position), free)
         wanted = end - caught.time if first else caught.time - old.start
         length = end - old.start
-        speed = scaled_speed(old.speed, length / max(wanted, SHORTEST_STRETCH))
+        speed = scaled_speed(old.speed, length / max(wanted, MIN_STRETCH_SECONDS))
         change = replace(old, speed=speed).length(self.shown.project.frame_rate_of(old)) - length
         shift = -change if first else change
 
@@ -187,12 +185,12 @@ class StretchClip(ClipGesture):
             return (replace(clip, speed=speed, start=clip.start + (shift if first else 0.0)),)
 
         self.show_clips_edited(edit)
-        words = f"{length / max(length + change, SHORTEST_STRETCH):.3g} × previous speed"
+        words = f"{length / max(length + change, MIN_STRETCH_SECONDS):.3g} × previous speed"
         if not isinstance(speed, KeyedNumber):
             words = f"Speed × {speed:.3g}"
         self.mark = DragHint(grabbed + shift, f"{words}  {length + change:.3f} s", caught.magnet)
 
 
 def end_of(shown: RowContext, clip: Clip) -> float:
-    """Seconds at which a clip ends."""
+    """Stage time in seconds at which a clip ends."""
     return clip.start + clip.length(shown.project.frame_rate_of(clip))

@@ -1,4 +1,4 @@
-"""Drags on a contact, and the length of a new one: contacts of one point never overlap."""
+"""Drags on contacts, and the length of new contacts. Contacts of one point never overlap."""
 
 from collections.abc import Collection
 from dataclasses import replace
@@ -11,14 +11,16 @@ from studio.timeline.gestures.gesture import DragHint, EditGesture
 from studio.timeline.shown import ItemPart, RowContext
 from studio.timeline.snapping import Snapped
 
-LONGEST_NEW = 0.3
-"""Seconds of a contact that is added by hand."""
+MAX_NEW_CONTACT_SECONDS = 0.3
+"""Maximum length in seconds of a contact that is added by hand."""
 
 
 def gap_between_contacts(
     shown: RowContext, point: ContactPoint | Touch, frame: int, without: Collection[str] = ()
 ) -> tuple[int, int] | None:
-    """First and last frame of the gap about ``frame`` between contacts of the point; None within a contact."""
+    """First and last frame of the gap around ``frame`` between contacts of a point, ignoring those in ``without``; None
+    if a contact is there.
+    """
     first, last = 0, shown.subject.last_frame
     for key, contact in contacts_shown(shown).items():
         if contact.point != point or key in without:
@@ -33,11 +35,13 @@ def gap_between_contacts(
 
 
 def new_contact(shown: RowContext, point: ContactPoint | Touch, frame: int) -> ContactInterval | None:
-    """Contact about ``frame``, at most 0.3 s long and up to its neighbours; None within a contact."""
+    """New contact of a point around ``frame``, at most ``MAX_NEW_CONTACT_SECONDS`` seconds long and within the gap to
+    its neighbours; None if a contact is there.
+    """
     subject, room = shown.subject, gap_between_contacts(shown, point, frame)
     if room is None:
         return None
-    length = min(int(LONGEST_NEW * subject.frame_rate), room[1] - room[0])
+    length = min(int(MAX_NEW_CONTACT_SECONDS * subject.frame_rate), room[1] - room[0])
     first = min(max(frame - length // 2, room[0]), room[1] - length)
     scopes = [each.scope for each in contacts_shown(shown).values() if each.point == point]
     return ContactInterval(subject.motion_id, point, first, first + length, scopes[0] if scopes else EVERYONE)
@@ -49,7 +53,7 @@ def contacts_shown(shown: RowContext) -> dict[str, ContactInterval]:
 
 
 class DragContact(EditGesture[ContactInterval]):
-    """Drag of a contact's body to move it, of an end to trim it; it stops at its neighbours."""
+    """Drag of a contact, or of its first or last frame; it stops at neighbouring contacts of the point."""
 
     collection = "contacts"
 
@@ -68,11 +72,11 @@ class DragContact(EditGesture[ContactInterval]):
 
     @property
     def words(self) -> str:
-        """``left heel contact``, or ``2 contacts``."""
+        """Name of the dragged contacts: ``left heel contact``, or ``2 contacts``."""
         return super().words if len(self.originals) > 1 else f"{self.original.point.words} contact"
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Drag by whole frames; ``free`` turns off magnets."""
+        """Move or trim by whole frames; ``free`` turns snapping to magnets off."""
         subject, old = self.shown.subject, self.original
         caught = self._catch(old.last if self.part == ItemPart.LAST else old.first, position, free)
         if self.part == ItemPart.BODY and caught.magnet is None:
@@ -88,11 +92,11 @@ class DragContact(EditGesture[ContactInterval]):
         self.mark = DragHint(subject.stage_time(shown_frame), text, caught.magnet)
 
     def _catch(self, grabbed: int, position: QPointF, free: bool) -> Snapped:
-        """Snapped time of one of its ends."""
+        """Stage time to which the ``grabbed`` frame is dragged, snapped."""
         return self.snap(self.shown.subject.stage_time(grabbed) + self.moved(position), free)
 
     def _within(self, frames: int) -> int:
-        """Frames by which all contacts can move."""
+        """``frames`` clamped to the displacement that all dragged contacts allow."""
         if self.part != ItemPart.BODY:
             return frames
         rooms = [(self._rooms[key], each) for key, each in self.originals.items()]

@@ -1,4 +1,4 @@
-"""Drags on a correction's bar: one of the four times of its range, or all of it with its keys."""
+"""Drags on the bar of a correction layer: one of the four times of its range, or all of it."""
 
 from dataclasses import replace
 
@@ -22,7 +22,7 @@ class DragCorrectionRange(EditGesture[Correction]):
         self.text = f"Move {part} of {self.words}"
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Set the time to that of the mouse, snapped."""
+        """Set the time to the one under the mouse, snapped."""
         old = time_of(self.original.activation, self.part)
         caught = self.snap(old + self.moved(position), free)
         seconds = caught.time - old
@@ -37,7 +37,7 @@ class DragCorrectionRange(EditGesture[Correction]):
 
 
 class MoveCorrection(EditGesture[Correction]):
-    """Drag of the bar: the range moves with its keys; ``free`` leaves the keys in place."""
+    """Drag of a correction's bar: its range and keys move together; ``free`` leaves the keys in place."""
 
     collection = "corrections"
 
@@ -46,7 +46,7 @@ class MoveCorrection(EditGesture[Correction]):
         self.text = f"Shift {self.words}"
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Move all times by the same amount."""
+        """Move all times by the displacement of the mouse."""
         start = self.original.activation.start
         caught = self.snap(start + self.moved(position), free)
         seconds = caught.time - start

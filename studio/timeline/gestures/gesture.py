@@ -1,4 +1,4 @@
-"""Gesture: one drag, from the press of a button to its release or to Esc."""
+"""Base classes of drags, from the press of a button to its release or to Esc."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ from studio.timeline.snapping import Snapped, beat_times, magnets_of, snapped_ti
 
 @dataclass(frozen=True)
 class DragHint:
-    """Hint beside the mouse during a drag: ``text`` at a stage time, and the ``magnet``: the time it snapped to, if
-    any.
+    """Hint shown at the mouse during a drag: ``text`` for a stage time, and the ``magnet`` to which it snapped, if any.
+    Times are in seconds.
     """
 
     time: float
@@ -24,30 +24,30 @@ class DragHint:
 
 
 class TimelineGesture:
-    """Drag that changes nothing undoable."""
+    """Base of drags; this one edits nothing that can be undone."""
 
     mark: DragHint | None = None
     modifiers = Qt.KeyboardModifier.NoModifier
-    """The keys that are held with the mouse."""
+    """Modifier keys that are held during the drag."""
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Handle the mouse at ``position``; ``free`` turns off snapping."""
+        """Handle a mouse move to ``position``; ``free`` turns snapping off."""
 
     def finish(self) -> None:
-        """Finish, after the button is released."""
+        """Finish the drag after the button is released."""
 
     def cancel(self) -> None:
-        """Restore the state before the drag (Esc)."""
+        """Restore the state before the drag, after Esc."""
 
 
 EntityT = TypeVar("EntityT", bound=Entity | Clip)
-"""The dragged entity; clips are edited in the rows of their performers."""
+"""Type of the dragged entity; clips are edited in the tracks of their performers."""
 
 
 class EditGesture(TimelineGesture, Generic[EntityT]):
-    """Drag that edits an entity, and all selected ones of its kind: a single undo step.
+    """Base of drags that edit an entity and all selected ones of its collection, as one undo step.
 
-    Every visible character follows.
+    The edit is shown on every visible character during the drag.
     """
 
     collection = ""
@@ -67,16 +67,16 @@ class EditGesture(TimelineGesture, Generic[EntityT]):
 
     @property
     def words(self) -> str:
-        """``Kick target``, or ``2 constraints``."""
+        """Name of the dragged entities: ``Kick target``, or ``2 constraints``."""
         count = len(self.originals)
         return f"{count} {self.collection}" if count > 1 else str(getattr(self.original, "name", ""))
 
     def show_edited(self, entity: EntityT) -> None:
-        """Show the grabbed entity with the edit of the drag."""
+        """Show the grabbed entity as edited by the drag, and make the same edit on the others."""
         self.show_all_edited(lambda key, each: entity if key == self.entity_id else each)
 
     def show_all_edited(self, edit: Callable[[str, EntityT], EntityT]) -> None:
-        """Apply the edit of the drag to every dragged entity; removed ones are skipped."""
+        """Apply ``edit`` (id, entity) to every dragged entity that still exists."""
         document = self.shown.document
         with document.group(self.text, self._number):
             for key, original in self.originals.items():
@@ -84,20 +84,20 @@ class EditGesture(TimelineGesture, Generic[EntityT]):
                     document.replace_shown(self.collection, key, cast(Entity, edit(key, original)), self.text)
 
     def finish(self) -> None:
-        """Request a solve of the whole clip."""
+        """Finish the drag; the whole clip is solved again."""
         self.shown.live.interactive = False
 
     def cancel(self) -> None:
-        """Restore everything; the step vanishes."""
+        """Restore all entities and drop the undo step."""
         self.show_all_edited(lambda _, original: original)
         self.finish()
 
     def moved(self, position: QPointF) -> float:
-        """Seconds from the press to ``position``."""
+        """Displacement in seconds from the press to ``position``."""
         return self.shown.axis.time_at(position.x()) - self.press_time
 
     def snap(self, stage_time: float, free: bool) -> Snapped:
-        """Stage time snapped to frames, the playhead and contacts."""
+        """Stage time snapped to frames, the playhead and contacts, unless ``free``."""
         return snapped_time(self.shown.axis, stage_time, self._magnets, free)
 
     def _find_magnets(self) -> tuple[float, ...]:

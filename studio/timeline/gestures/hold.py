@@ -1,4 +1,4 @@
-"""Drags on the hold of a prop."""
+"""Drags on the hold of a prop by a performer."""
 
 from collections.abc import Callable
 
@@ -36,7 +36,7 @@ class DragHold(EditGesture[Prop]):
                         document.replace_shown("constraints", key, grip, self.text)
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Move the ends, which stay in order; the time of a hand-over changes for both holds."""
+        """Move the dragged ends, which stay in order; a hand-over is moved for both performers."""
         hold = self._hold
         first, last = (-1e9 if hold.begin is None else hold.begin), (1e9 if hold.end is None else hold.end)
         grabbed = hold.end if self.part == ItemPart.LAST or hold.begin is None else hold.begin

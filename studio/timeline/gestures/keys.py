@@ -1,4 +1,4 @@
-"""Drags on keys: move or scale the selected ones, or select those in a box."""
+"""Drags on keys: move or scale the selected ones, or select keys in a box."""
 
 from PySide6.QtCore import QPointF, QRectF
 
@@ -14,7 +14,7 @@ from studio.timeline.tracks.keys import fields_in, key_height, keys_between, sta
 
 
 class DragKeys(TimelineGesture):
-    """Drag of the selected keys in time; with ``scaling`` they are scaled about the playhead. A single undo step."""
+    """Drag of the selected keys in time, as one undo step; with ``scaling`` they are scaled about the playhead."""
 
     def __init__(self, shown: RowContext, grabbed: KeyRef, press: QPointF, scaling: bool) -> None:
         self.shown, self.scaling = shown, scaling
@@ -40,17 +40,17 @@ class DragKeys(TimelineGesture):
             self.mark = DragHint(caught.time, f"{words}  × {max(factor, 0.01):.3g}", caught.magnet)
 
     def finish(self) -> None:
-        """Request a solve of the whole clip."""
+        """Finish the drag; the whole clip is solved again."""
         self.shown.live.interactive = False
 
     def cancel(self) -> None:
-        """Restore everything; the step vanishes."""
+        """Restore the keys and drop the undo step."""
         self._drag.cancel()
         self.finish()
 
 
 class BoxSelect(TimelineGesture):
-    """Selection of the keys in a box; with ``add`` in addition to the selected ones."""
+    """Drag of a box that selects keys; with ``add`` in addition to those selected before."""
 
     def __init__(self, sheet: TimelineLayout, press: QPointF, add: bool) -> None:
         self._sheet, self._press = sheet, press
@@ -60,7 +60,7 @@ class BoxSelect(TimelineGesture):
         self.box = QRectF(press, press)
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Select all keys between the press and the mouse, in the rows that the box touches."""
+        """Select all keys in the tracks and the time range of the box."""
         sheet, shown = self._sheet, self._sheet.context
         self.box = QRectF(self._press, position).normalized()
         reach = self.box.adjusted(-KEY_REACH, -KEY_REACH, KEY_REACH, KEY_REACH)
@@ -80,5 +80,5 @@ class BoxSelect(TimelineGesture):
         shown.document.keys.set(found | self._kept)
 
     def cancel(self) -> None:
-        """Restore the selection."""
+        """Restore the selection from before the drag."""
         self._sheet.context.document.keys.set(self._before)

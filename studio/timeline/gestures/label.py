@@ -1,4 +1,4 @@
-"""Drags on a label."""
+"""Drags on labels."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ from studio.timeline.time_words import time_text
 
 
 class DragLabel(EditGesture[Label]):
-    """Drag of a label to another frame of the motion, or of an end of its range."""
+    """Drag of a label to another frame of the motion, or of its first or last frame."""
 
     collection = "labels"
 
@@ -21,7 +21,7 @@ class DragLabel(EditGesture[Label]):
         self.text = f"{'Move' if part == ItemPart.BODY else 'Trim'} label {self.original.name}"
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Move by whole frames; ``free`` turns off magnets."""
+        """Move by whole frames; ``free`` turns snapping to magnets off."""
         subject, old = self.shown.subject, self.original
         grabbed = old.last if self.part == ItemPart.LAST else old.first
         caught = self.snap(subject.stage_time(grabbed) + self.moved(position), free)

@@ -12,7 +12,7 @@ from studio.timeline.time_words import time_text
 
 
 class MoveMedia(EditGesture[SoundTrack | Footage]):
-    """Drag of the bar of a sound or of footage to change its start."""
+    """Drag of a sound track or footage to another start time."""
 
     def __init__(self, shown: RowContext, collection: str, entity_id: str, press: QPointF) -> None:
         self.collection = collection
@@ -20,7 +20,7 @@ class MoveMedia(EditGesture[SoundTrack | Footage]):
         self.text = f"Move {self.original.name}"
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Move the start, snapped to frames, contacts and the playhead."""
+        """Set the start time, snapped to frames, contacts and the playhead."""
         caught = self.snap(self.original.start + self.moved(position), free)
         self.show_edited(replace(self.original, start=caught.time))
         self.mark = DragHint(

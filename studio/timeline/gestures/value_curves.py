@@ -1,4 +1,4 @@
-"""Drags in the curve editor: of keys in time and value, of the handles of tangents, of a box."""
+"""Drags in the curve editor: of keys in time and value, of tangent handles, and of a selection box."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 
@@ -17,18 +17,18 @@ from studio.timeline.tracks.value_curves import (
     value_in,
 )
 
-LOCK = 5.0
-"""Pixels below which a drag does not change time, or value, so that a hand need not be exact."""
-SNAP_STEPS = {"m": 0.01, "cm": 1.0, "in": 0.5, "°": 5.0, "×": 0.01}
-"""Steps to which values snap with Ctrl, by unit."""
+DRAG_LOCK_PIXELS = 5.0
+"""Pixels up to which a drag along one axis does not change the other axis' quantity, time or value."""
+VALUE_SNAP_STEPS = {"m": 0.01, "cm": 1.0, "in": 0.5, "°": 5.0, "×": 0.01}
+"""Steps to which values snap while Ctrl is held, by unit."""
 FINE_KEY_DRAG = 0.1
 Modifier = Qt.KeyboardModifier
 
 
 class DragCurveKeys(TimelineGesture):
-    """Drag of the selected keys in time, and those of the grabbed channel in value: one undo step.
+    """Drag of the selected keys in time, and of those in the grabbed channel also in value, as one undo step.
 
-    Shift is finer, Ctrl snaps to round values.
+    Shift drags more finely, Ctrl snaps to round values.
     """
 
     def __init__(self, shown: RowContext, curves: ValueCurves, row: QRect, grabbed: HandleRef, press: QPointF) -> None:
@@ -47,14 +47,14 @@ class DragCurveKeys(TimelineGesture):
     def update(self, position: QPointF, free: bool) -> None:
         """Move the grabbed key with the mouse."""
         way, channel = position - self._press, self._grabbed.channel
-        self._is_moved |= abs(way.x()) >= LOCK
-        self._is_raised |= abs(way.y()) >= LOCK
+        self._is_moved |= abs(way.x()) >= DRAG_LOCK_PIXELS
+        self._is_raised |= abs(way.y()) >= DRAG_LOCK_PIXELS
         caught = snapped_time(self.shown.axis, self._time + way.x() / self.shown.axis.scale, self._magnets, free)
         seconds = caught.time - self._time if self._is_moved else 0.0
         rise = self._curves.value_of(self.shown, self._area, channel, -way.y()) if self._is_raised else 0.0
         rise *= FINE_KEY_DRAG if self.modifiers & Modifier.ShiftModifier else 1.0
         old = float(self._values[self._grabbed.place])
-        step = SNAP_STEPS.get(channel.unit, 0.0)
+        step = VALUE_SNAP_STEPS.get(channel.unit, 0.0)
         if self._is_raised and step and self.modifiers & Modifier.ControlModifier:
             rise = round((old + rise) / step) * step - old
         before = self._drag.before[channel.field]
@@ -66,19 +66,19 @@ class DragCurveKeys(TimelineGesture):
         self.mark = DragHint(time, text.strip(), caught.magnet if self._is_moved else None)
 
     def finish(self) -> None:
-        """Request a solve of the whole clip."""
+        """Finish the drag; the whole clip is solved again."""
         self.shown.live.interactive = False
 
     def cancel(self) -> None:
-        """Restore everything; the step vanishes."""
+        """Restore the keys and drop the undo step."""
         self._drag.cancel()
         self.finish()
 
 
 class DragTangent(TimelineGesture):
-    """Drag of a tangent's handle: its rate and its weight.
+    """Drag of a tangent handle, which sets slope and weight of the tangent, as one undo step.
 
-    One undo step. The other side rotates with it unless they are broken, or Alt breaks them now; Shift is finer, Ctrl
+    The other tangent rotates with it unless the tangents are broken, or Alt breaks them. Shift drags more finely, Ctrl
     keeps the weight.
     """
 
@@ -112,17 +112,17 @@ class DragTangent(TimelineGesture):
         self.mark = DragHint(time, f"{channel.name} {rate:.3g} {channel.unit}/s")
 
     def finish(self) -> None:
-        """Request a solve of the whole clip."""
+        """Finish the drag; the whole clip is solved again."""
         self.shown.live.interactive = False
 
     def cancel(self) -> None:
-        """Restore everything; the step vanishes."""
+        """Restore the tangents and drop the undo step."""
         replace_fields(self.shown.document, {self._handle.channel.field: self._before}, "Move tangent", self._gesture)
         self.finish()
 
 
 class BoxSelectCurves(TimelineGesture):
-    """Selection of the keys in a box; with ``add`` in addition to the selected ones."""
+    """Drag of a box that selects keys in the curve editor; with ``add`` in addition to those selected before."""
 
     def __init__(self, shown: RowContext, curves: ValueCurves, row: QRect, press: QPointF, add: bool) -> None:
         self._shown, self._points = shown, list(curves.points(shown, plot_area(row)))
@@ -131,11 +131,11 @@ class BoxSelectCurves(TimelineGesture):
         self.box = QRectF(press, press)
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Select all keys between the press and the mouse."""
+        """Select all keys in the box."""
         self.box = QRectF(self._press, position).normalized()
         found = {handle.key for handle, point in self._points if self.box.contains(point)}
         self._shown.document.keys.set(found | self._kept)
 
     def cancel(self) -> None:
-        """Restore the selection."""
+        """Restore the selection from before the drag."""
         self._shown.document.keys.set(self._before)

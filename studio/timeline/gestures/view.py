@@ -1,4 +1,4 @@
-"""Drags that change only the view: the playhead and the visible range of time."""
+"""Drags that only change the view: the playhead and the visible time range."""
 
 from collections.abc import Callable
 
@@ -10,7 +10,7 @@ from studio.timeline.gestures.gesture import TimelineGesture
 
 
 class Scrub(TimelineGesture):
-    """Drag of the playhead to the frame under the mouse; Esc returns it."""
+    """Drag of the playhead to the frame under the mouse; Esc restores it."""
 
     def __init__(self, playhead: Playhead, axis: TimeAxis) -> None:
         self.playhead, self.axis = playhead, axis
@@ -18,7 +18,7 @@ class Scrub(TimelineGesture):
         playhead.pause()
 
     def update(self, position: QPointF, free: bool) -> None:
-        """Move by whole frames within the extent; between frames if ``free``."""
+        """Move the playhead to a whole frame within the extent, or between frames if ``free``."""
         time = min(max(self.axis.time_at(position.x()), self.axis.begin), self.axis.end)
         if free:
             self.playhead.set_time(time)
@@ -26,15 +26,15 @@ class Scrub(TimelineGesture):
             self.playhead.set_frame(round(time * self.axis.frame_rate))
 
     def cancel(self) -> None:
-        """Return to the former time."""
+        """Restore the playhead."""
         self.playhead.set_time(self._before)
 
 
 class Pan(TimelineGesture):
-    """Drag that scrolls the rows in both directions."""
+    """Drag that scrolls the tracks in both directions."""
 
     def __init__(self, axis: TimeAxis, scroll: Callable[[float], None], press: QPointF) -> None:
-        """``scroll`` moves the content down by a number of pixels."""
+        """``scroll`` is called with the number of pixels by which the content moves down."""
         self.axis, self._scroll, self._last = axis, scroll, press
 
     def update(self, position: QPointF, free: bool) -> None:

@@ -1,1 +1,1 @@
-"""Rows of the timeline, one kind in each file: layout, drawing, and hit tests."""
+"""Tracks of the timeline, one kind in each module: layout, painting, and hit tests."""

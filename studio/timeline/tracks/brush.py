@@ -1,4 +1,4 @@
-"""Pens, fonts and labels of all rows."""
+"""Fonts, pens and shapes shared by all tracks."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetrics, QGuiApplication, QPainter, QPen, QPolygonF
@@ -8,11 +8,11 @@ from studio.timeline.shown import ROW_LABEL_WIDTH
 
 LABEL_INDENT = 14
 KEY_REACH = 5.0
-"""Pixels from the middle of a key to its corners."""
+"""Pixels from the centre of a key's diamond to its corners."""
 
 
 def font(pixels: int = 12) -> QFont:
-    """Font of the timeline, with tabular figures."""
+    """Font of the timeline in a size in pixels, with tabular figures."""
     chosen = QFont(QGuiApplication.font())
     chosen.setPixelSize(pixels)
     chosen.setFeature(QFont.Tag("tnum"), 1)
@@ -20,19 +20,19 @@ def font(pixels: int = 12) -> QFont:
 
 
 def translucent(colour: str, share: float) -> QColor:
-    """``colour`` with an opacity from 0 to 1."""
+    """``colour`` with the opacity ``share``, 0 to 1."""
     result = QColor(colour)
     result.setAlphaF(share)
     return result
 
 
 def hairline(colour: str | QColor, width: float = 1.0) -> QPen:
-    """Pen of a width in device-independent pixels."""
+    """Pen with a width in logical pixels."""
     return QPen(QColor(colour), width)
 
 
 def paint_label(painter: QPainter, area: QRect, text: str, colour: str, pixels: int = 12) -> None:
-    """Draw one line in the label column, elided if it is too long."""
+    """Paint one line of text in the column of names, elided if it does not fit."""
     painter.setFont(font(pixels))
     painter.setPen(QColor(colour))
     room = area.adjusted(LABEL_INDENT, 0, -8, 0)
@@ -41,7 +41,7 @@ def paint_label(painter: QPainter, area: QRect, text: str, colour: str, pixels: 
 
 
 def paint_fold(painter: QPainter, line: QRect, folded: bool) -> None:
-    """Draw a small arrow at the left of a label: to the right for a folded row, else down."""
+    """Paint the arrow that collapses a track: to the right if it is collapsed, else down."""
     x, y = line.left() + 7.0, line.center().y() + 0.5
     ways = ((-2.0, -3.0), (2.0, 0.0), (-2.0, 3.0)) if folded else ((-3.0, -2.0), (0.0, 2.0), (3.0, -2.0))
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -51,7 +51,7 @@ def paint_fold(painter: QPainter, line: QRect, folded: bool) -> None:
 
 
 def paint_dot(painter: QPainter, centre: QPointF, radius: float, fill: str, edge: str | None = None) -> None:
-    """Draw a round mark with an edge in the background colour."""
+    """Paint a round mark with an edge."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.setPen(hairline(edge, 1.5) if edge else Qt.PenStyle.NoPen)
     painter.setBrush(QColor(fill))
@@ -59,7 +59,7 @@ def paint_dot(painter: QPainter, centre: QPointF, radius: float, fill: str, edge
 
 
 def paint_key(painter: QPainter, position: QPointF, colour: str, selected: bool = False) -> None:
-    """Draw the diamond of a key, with a light edge if it is selected."""
+    """Paint the diamond of a key, with a light edge if selected."""
     x, y, reach = position.x(), position.y(), KEY_REACH + (1.0 if selected else 0.0)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.setPen(hairline(colours.SELECTED_HANDLE, 2.0) if selected else hairline(colours.PANEL, 1.0))
@@ -69,7 +69,7 @@ def paint_key(painter: QPainter, position: QPointF, colour: str, selected: bool 
 
 
 def paint_bar(painter: QPainter, bar: QRectF, fill: QColor, radius: float, edge: str | None = None) -> None:
-    """Draw a bar with rounded corners."""
+    """Paint a bar with rounded corners."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.setBrush(fill)
     painter.setPen(hairline(edge, 1.5) if edge else Qt.PenStyle.NoPen)
@@ -77,5 +77,5 @@ def paint_bar(painter: QPainter, bar: QRectF, fill: QColor, radius: float, edge:
 
 
 def time_area(row: QRect) -> QRect:
-    """Rectangle of a row to the right of its label."""
+    """Rectangle of a track to the right of its name."""
     return row.adjusted(ROW_LABEL_WIDTH, 0, 0, 0)

@@ -1,4 +1,4 @@
-"""Transition from one clip of a row to the next: a mark on its bar, and a sentence about it."""
+"""Transition from one clip of a track to the next: a mark on the bar, and a sentence about it."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -15,13 +15,13 @@ from studio.timeline.shown import RowContext
 from studio.timeline.tracks.brush import hairline, translucent
 
 CHANGE_HALF_WIDTH = 4.0
-"""Pixels of half a mark's head."""
+"""Half of the width in pixels of the mark."""
 
 
 @dataclass(frozen=True)
 class ClipTransition:
-    """Transition into a clip ``after`` seconds from its start; a ``cut`` without blend, a cross-fade if it ``fades``,
-    else inertialised.
+    """Transition into a clip, ``after`` seconds from its start: a ``cut`` without blend, a cross-fade if it ``fades``,
+    else an inertialised one.
     """
 
     after: float
@@ -30,7 +30,7 @@ class ClipTransition:
     overlaps: bool
 
     def words(self, clip: Clip) -> str:
-        """Text about the transition, with advice if it looks wrong."""
+        """Sentence about the transition, with advice if it looks wrong."""
         at = f"{clip.start + self.after:.3f} s"
         if self.cut:
             return (
@@ -44,9 +44,9 @@ class ClipTransition:
 
 
 def clip_transition(shown: RowContext, performer_id: str, clip: Clip) -> ClipTransition | None:
-    """Transition into a clip of a performer; None for the first one, and while it is unknown.
+    """Transition into a clip of a performer; None for the first clip, and until it is solved.
 
-    During a drag of the clip it is the last solved one, and moves with it.
+    During a drag of the clip it is the last solved transition, which moves with the clip.
     """
     result, clips = shown.result(performer_id), shown.project.performers[performer_id].clips
     if result is None or result.composite is None or clip not in clips:
@@ -58,7 +58,9 @@ def clip_transition(shown: RowContext, performer_id: str, clip: Clip) -> ClipTra
 
 
 def _from(before: PlayedPiece, played: PlayedPiece, composite: Composite) -> ClipTransition | None:
-    """Transition; None if the clip continues the one before, as parts of a split clip do."""
+    """Transition between two pieces of a composite; None if the second continues the first, as parts of a split clip
+    do.
+    """
     after = composite.timing.stage_time(played.first) - played.piece.start
     overlaps, changes = before.piece.end > played.piece.start, composite.motion.changes
     change = next((each for each in changes if each.first == played.first), None)
@@ -68,7 +70,7 @@ def _from(before: PlayedPiece, played: PlayedPiece, composite: Composite) -> Cli
 
 
 def paint_take_over(painter: QPainter, bar: QRectF, x: float, cut: bool) -> None:
-    """Draw a line with a head across a bar at its transition; amber for a jump."""
+    """Paint a line with a head across a bar at its transition; amber for a pop."""
     colour = colours.PARTLY if cut else colours.TEXT
     painter.setPen(hairline(translucent(colour, 0.9), 1.2))
     painter.drawLine(QPointF(x, bar.top()), QPointF(x, bar.bottom()))

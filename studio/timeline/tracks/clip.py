@@ -1,4 +1,4 @@
-"""Clips of a performer: a bar for each; where two overlap, the one above plays."""
+"""Clip track of a performer: a bar for each clip; where two overlap, the upper one plays."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetrics, QPainter, QPainterPath, QPen, QPolygonF
@@ -7,7 +7,7 @@ from studio.core.curves.activation import EaseShape, ease
 from studio.core.curves.keyed import KeyedNumber
 from studio.core.stage.clip import Clip
 from studio.document import colours
-from studio.engine.empty_stage import HIDDEN, empty_words
+from studio.engine.empty_stage import ALL_HIDDEN_PROMPT, empty_words
 from studio.timeline.shown import Hit, ItemPart, RowContext, label_area
 from studio.timeline.time_words import rate_text
 from studio.timeline.tracks.brush import LABEL_INDENT, font, hairline, paint_dot, paint_fold, paint_label, translucent
@@ -15,27 +15,27 @@ from studio.timeline.tracks.change import clip_transition, paint_take_over
 
 CLIP_ROW_HEIGHT = 24
 CLIP_EDGE_REACH = 5.0
-"""Pixels at a bar's ends by which it is trimmed; a quarter of a short bar."""
-TINT, SELECTED_TINT = 0.28, 0.6
+"""Width in pixels of the ends by which a bar is trimmed; at most a quarter of the bar."""
+BAR_OPACITY, SELECTED_BAR_OPACITY = 0.28, 0.6
 CURVE_STEPS = 16
-PARTED = " · "
+TEXT_SEPARATOR = " · "
 
 
 def clip_bar(shown: RowContext, row: QRect, clip: Clip) -> QRectF:
-    """Rectangle of a clip with all its repeats."""
+    """Rectangle of a clip with all its loops."""
     left = shown.axis.x_of_time(clip.start)
     right = shown.axis.x_of_time(clip.start + clip.length(shown.project.frame_rate_of(clip)))
     return QRectF(left, row.top() + 3, max(right - left, 2.0), row.height() - 6)
 
 
 def bars_of(shown: RowContext, row: QRect, performer_id: str) -> list[tuple[Clip, QRectF]]:
-    """Bars of a performer, later ones over earlier ones."""
+    """Clips of a performer with their bars, in painting order: later ones over earlier ones."""
     clips = sorted(shown.project.performers[performer_id].clips, key=lambda clip: clip.start)
     return [(clip, clip_bar(shown, row, clip)) for clip in clips]
 
 
 def clip_text(shown: RowContext, clip: Clip) -> str:
-    """``front_kick · 70 frames at 30 Hz``, and changes of its playback."""
+    """Text of a clip: ``front_kick · 70 frames at 30 fps``, and changes of its playback."""
     motion, frames = shown.project.motions[clip.motion_id], clip.last - clip.first + 1
     words = [
         motion.name,
@@ -47,22 +47,25 @@ def clip_text(shown: RowContext, clip: Clip) -> str:
         words.append(f"Speed × {clip.speed:g}")
     words += [f"{clip.repeats} loops"] if clip.repeats > 1 else []
     words += ["mirrored"] if clip.mirrored else []
-    return PARTED.join(words)
+    return TEXT_SEPARATOR.join(words)
 
 
 def row_text(shown: RowContext, clip: Clip) -> str:
-    """As ``clip_text``, with the number of bodies if one row represents several, or a note that all are hidden."""
+    """Text of a clip's bar: as in ``clip_text``, and the number of performers if the track stands for several, or that
+    none is visible.
+    """
     text = clip_text(shown, clip)
     if shown.rows_per_performer:
         return text
     bodies = len(shown.subject.bodies)
     if not bodies:
-        return f"{text} · {HIDDEN if empty_words(shown.project) == HIDDEN else 'not used by a visible character'}"
+        hidden = empty_words(shown.project) == ALL_HIDDEN_PROMPT
+        return f"{text} · {ALL_HIDDEN_PROMPT if hidden else 'not used by a visible character'}"
     return f"{text} → {bodies} character{'' if bodies == 1 else 's'}"
 
 
 def paint_clips(painter: QPainter, row: QRect, shown: RowContext, performer_id: str) -> None:
-    """Draw the bars of the clips; each covers the one before it from its transition on."""
+    """Paint the bars of the clips; each covers the previous one from its transition on."""
     bars = bars_of(shown, row, performer_id)
     failure = shown.live.failure(performer_id)
     if failure:
@@ -94,7 +97,7 @@ def paint_clips(painter: QPainter, row: QRect, shown: RowContext, performer_id: 
 def _paint_failure(
     painter: QPainter, row: QRect, shown: RowContext, bars: list[tuple[Clip, QRectF]], failure: str
 ) -> None:
-    """Draw outlines of the clips, and the reason for the failure."""
+    """Paint the outlines of the clips, and the reason why the performer cannot be adapted."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     for _, bar in bars:
         painter.setBrush(translucent(colours.NOT_REACHED, 0.12))
@@ -111,7 +114,7 @@ def _rounded(bar: QRectF) -> QPainterPath:
 
 
 def _rising(bar: QRectF, fade: float) -> QPainterPath:
-    """Bar that rises over ``fade`` pixels, like a blend."""
+    """Path of a bar that rises over ``fade`` pixels, like a blend."""
     shares = [step / CURVE_STEPS for step in range(CURVE_STEPS + 1)]
     heights = [bar.bottom() - float(ease(share, EaseShape.QUINTIC)) * bar.height() for share in shares]
     rise = [QPointF(bar.left() + share * fade, height) for share, height in zip(shares, heights, strict=True)]
@@ -122,7 +125,7 @@ def _rising(bar: QRectF, fade: float) -> QPainterPath:
 
 
 def _paint_unplayed(painter: QPainter, bar: QRectF) -> None:
-    """Draw only the outline of the part of a clip before its transition."""
+    """Paint only the outline of the part of a clip before its transition."""
     if bar.width() >= 2.0:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setBrush(Qt.BrushStyle.NoBrush)
@@ -131,13 +134,13 @@ def _paint_unplayed(painter: QPainter, bar: QRectF) -> None:
 
 
 def paint_clip_bar(painter: QPainter, shown: RowContext, performer_id: str, clip: Clip, path: QPainterPath) -> None:
-    """Draw a bar in the colour of its body, or of all bodies, stronger if it is selected."""
+    """Paint a bar in the colour of its performer, or in a neutral one if it stands for all; stronger if selected."""
     project = shown.project
-    colour = colours.KINDS["position"]
+    colour = colours.KIND_COLOURS["position"]
     if shown.rows_per_performer:
         colour = project.characters[project.performers[performer_id].character_id].colour
     selected = shown.is_selected("clips", clip.id)
-    tint = SELECTED_TINT if selected else TINT
+    tint = SELECTED_BAR_OPACITY if selected else BAR_OPACITY
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.setBrush(QColor(colours.mixed_colour(colours.CONTROL, colour, tint)))
     painter.setPen(hairline(colours.SELECTED_HANDLE if selected else colours.PANEL, 1.2 if selected else 1.0))
@@ -145,7 +148,7 @@ def paint_clip_bar(painter: QPainter, shown: RowContext, performer_id: str, clip
 
 
 def _paint_repeats(painter: QPainter, clip: Clip, bar: QRectF) -> None:
-    """Draw a notch at each repeat."""
+    """Paint a notch at the start of each loop."""
     painter.setPen(hairline(translucent(colours.TEXT, 0.6)))
     for repeat in range(1, clip.repeats):
         x = bar.left() + bar.width() * repeat / clip.repeats
@@ -154,12 +157,12 @@ def _paint_repeats(painter: QPainter, clip: Clip, bar: QRectF) -> None:
 
 
 def visible_part(shown: RowContext, room: QRectF) -> QRectF:
-    """Part of a rectangle within the ends of the axis."""
+    """Part of a rectangle between the ends of the axis."""
     return room.intersected(QRectF(shown.axis.left, room.top(), shown.axis.width, room.height()))
 
 
 def paint_clip_text(painter: QPainter, words: str, room: QRectF, colour: str = colours.TEXT) -> None:
-    """Draw as many words as fit at the left of a bar."""
+    """Paint as many parts of a text as fit at the left of a bar."""
     painter.setFont(font())
     painter.setPen(QColor(colour))
     area = room.adjusted(10, 0, -4, 0)
@@ -169,16 +172,16 @@ def paint_clip_text(painter: QPainter, words: str, room: QRectF, colour: str = c
 
 
 def elided_text(words: str, metrics: QFontMetrics, width: int) -> str:
-    """As many of the parts between dots as fit completely; the first one is elided."""
-    parts = words.split(PARTED)
+    """As many of the parts between dots as fit as a whole; the first part is elided if necessary."""
+    parts = words.split(TEXT_SEPARATOR)
     for count in range(len(parts), 1, -1):
-        if metrics.horizontalAdvance(PARTED.join(parts[:count])) <= width:
-            return PARTED.join(parts[:count])
+        if metrics.horizontalAdvance(TEXT_SEPARATOR.join(parts[:count])) <= width:
+            return TEXT_SEPARATOR.join(parts[:count])
     return metrics.elidedText(parts[0], Qt.TextElideMode.ElideRight, width)
 
 
 def paint_clip_label(painter: QPainter, row: QRect, shown: RowContext, performer_id: str) -> None:
-    """Draw the performer's name in the body's colour; the first one's arrow folds the rows of all."""
+    """Paint the performer's name in its colour; the arrow of the first one collapses the clip tracks of all."""
     performer = shown.project.performers[performer_id]
     colour = shown.project.characters[performer.character_id].colour
     paint_dot(painter, QPointF(LABEL_INDENT + 3.5, row.center().y() + 0.5), 3.5, colour)
@@ -190,13 +193,13 @@ def paint_clip_label(painter: QPainter, row: QRect, shown: RowContext, performer
 
 
 def is_foldable(shown: RowContext, performer_id: str) -> bool:
-    """True if this performer's row folds and unfolds those of all performers."""
+    """True if the arrow of this performer's track collapses and expands the clip tracks of all."""
     performers = list(shown.project.performers)
     return len(performers) > 1 and (not shown.rows_per_performer or performer_id == performers[0])
 
 
 def clip_hit(bars: list[tuple[Clip, QRectF]], performer_id: str, point: QPointF) -> Hit:
-    """End of a clip, its body, or the empty place between these ``bars``."""
+    """End or body of one of the ``bars`` under the mouse, else the empty space of the track."""
     for clip, bar in reversed(bars):
         reach = min(CLIP_EDGE_REACH, bar.width() / 4)
         if not bar.adjusted(-reach / 2, 0, reach / 2, 0).contains(point):

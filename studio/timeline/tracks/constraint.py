@@ -1,4 +1,4 @@
-"""Row of a constraint: a bar with its activation curve, four handles, and its strips, one for each body."""
+"""Track of a constraint: its activation curve with four handles, and an error strip for each performer."""
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRect, QRectF, Qt
@@ -10,60 +10,65 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.solver.performers.stage import constraints_of_performer
 from studio.document import colours
 from studio.engine.residuals import Inactive, unsolved_words
-from studio.timeline.shown import HANDLES, Hit, ItemPart, RowContext, clipped_span, frame_words, label_area
+from studio.timeline.shown import HANDLE_PARTS, Hit, ItemPart, RowContext, clipped_span, frame_words, label_area
 from studio.timeline.subject import BodyOnTimeline
 from studio.timeline.tracks.brush import hairline, paint_dot, paint_fold, paint_label, translucent
-from studio.timeline.tracks.error_strip import PITCH, paint_strip, paint_unknown
+from studio.timeline.tracks.error_strip import STRIP_SPACING_PIXELS, paint_strip, paint_unknown
 
-CURVE_TOP_PX, CURVE, STRIP_GAP_PX, STRIP_BOTTOM_PX = 6, 19, 2, 3
+CURVE_TOP_PX, CURVE_HEIGHT_PX, STRIP_GAP_PX, STRIP_BOTTOM_PX = 6, 19, 2, 3
 ACTIVATION_HANDLE_REACH = 6.0
 RAMP_POINTS = 48
 ROOM_FOR_LABEL = 44
 LATER_REPEAT_OPACITY = 0.2
 FOLDED_CONSTRAINT_HEIGHT = 22
-"""Pixels of a folded row: a low curve, and the strip of who misses it most."""
-LOW_ABOVE, LOW_CURVE = 2, 11
+"""Height in pixels of a collapsed track: a low curve, and the error strip of the performer with the worst residual."""
+FOLDED_CURVE_TOP_PX, FOLDED_CURVE_HEIGHT_PX = 2, 11
 
 
 def height(body_count: int) -> int:
-    """Height in pixels of a row with this number of strips, or of its two lines of text."""
-    return max(CURVE_TOP_PX + CURVE + STRIP_GAP_PX + PITCH * body_count + STRIP_BOTTOM_PX, ROOM_FOR_LABEL)
+    """Height in pixels of a track with ``body_count`` error strips."""
+    return max(
+        CURVE_TOP_PX + CURVE_HEIGHT_PX + STRIP_GAP_PX + STRIP_SPACING_PIXELS * body_count + STRIP_BOTTOM_PX,
+        ROOM_FOR_LABEL,
+    )
 
 
 def baseline(row: QRect) -> int:
-    """Pixel of activation 0; a curve's height above it is 1."""
-    return row.top() + (LOW_ABOVE if is_folded(row) else CURVE_TOP_PX) + curve_height(row)
+    """Pixel of activation 0 in a track."""
+    return row.top() + (FOLDED_CURVE_TOP_PX if is_folded(row) else CURVE_TOP_PX) + curve_height(row)
 
 
 def curve_height(row: QRect) -> int:
-    """Pixels of a curve from 0 to 1."""
-    return LOW_CURVE if is_folded(row) else CURVE
+    """Pixels from activation 0 to 1 in a track."""
+    return FOLDED_CURVE_HEIGHT_PX if is_folded(row) else CURVE_HEIGHT_PX
 
 
 def is_folded(row: QRect) -> bool:
-    """True if a row is folded to one line."""
+    """True if a track is collapsed."""
     return row.height() <= FOLDED_CONSTRAINT_HEIGHT
 
 
 def handle_points(shown: RowContext, row: QRect, constraint: Constraint) -> dict[ItemPart, QPointF]:
-    """Pixels of the four handles."""
+    """Pixel positions of the four handles."""
     curve, low = constraint.activation, baseline(row) + 0.5
     times = (curve.start, curve.full, curve.full_end, curve.end)
     full = low - curve_height(row)
     heights = (low, full, full, low)
     xs = (shown.x_of_motion_time(time) for time in times)
-    return {part: QPointF(x, y) for part, x, y in zip(HANDLES, xs, heights, strict=True)}
+    return {part: QPointF(x, y) for part, x, y in zip(HANDLE_PARTS, xs, heights, strict=True)}
 
 
 def activation_look(constraint: Constraint | None) -> object:
-    """All of a constraint that its row shows except results: rows of equal values look the same."""
+    """Values of a constraint that its track shows, apart from results; equal values look the same."""
     if constraint is None:
         return None
     return (constraint.name, constraint.enabled, constraint.priority, constraint.activation, *key_times(constraint))
 
 
 def paint_constraint(painter: QPainter, row: QRect, shown: RowContext, constraint_id: str) -> None:
-    """Draw the curve, filled at 40 per cent in the kind's colour; lighter and with larger handles if selected."""
+    """Paint the activation curve, filled in the colour of the constraint's kind; lighter and with larger handles if
+    selected.
+    """
     constraint = shown.project.constraints[constraint_id]
     colour = colours.kind_colour(constraint.kind) if constraint.enabled else colours.TEXT_THIRD
     line = line_colour(shown, constraint_id)
@@ -79,7 +84,7 @@ def paint_constraint(painter: QPainter, row: QRect, shown: RowContext, constrain
 
 
 def line_colour(shown: RowContext, constraint_id: str) -> str:
-    """Colour of a curve and its handles."""
+    """Colour of the curve and its handles."""
     selected = shown.is_selected("constraints", constraint_id)
     return colours.SELECTED_HANDLE if selected else key_colour(shown, constraint_id)
 
@@ -100,7 +105,7 @@ def paint_handles(painter: QPainter, row: QRect, shown: RowContext, constraint_i
 
 
 def paint_constraint_label(painter: QPainter, row: QRect, shown: RowContext, constraint_id: str) -> None:
-    """Draw priority and name, and the worst body."""
+    """Paint priority and name of the constraint, and the performer with the worst residual."""
     constraint = shown.project.constraints[constraint_id]
     order = shown.project.places_of(constraint.motion_id)[constraint_id]
     area = label_area(row)
@@ -120,7 +125,7 @@ def paint_constraint_label(painter: QPainter, row: QRect, shown: RowContext, con
 
 
 def constraint_hit(shown: RowContext, row: QRect, constraint_id: str, point: QPointF) -> Hit:
-    """Nearest handle within reach, else the bar, else nothing."""
+    """Nearest handle within reach, else the bar, else the empty space of the track."""
     constraint = shown.project.constraints[constraint_id]
     near = {
         part: place
@@ -134,18 +139,18 @@ def constraint_hit(shown: RowContext, row: QRect, constraint_id: str, point: QPo
 
 
 def _nearest(near: dict[ItemPart, QPointF], point: QPointF) -> ItemPart:
-    """Handle among coincident ones by the side of the mouse: earlier ones from the left."""
+    """Handle to be grabbed of those at the same pixel: from the left the earlier one, from the right the later one."""
     return min(
         near,
         key=lambda part: (
             round((near[part] - point).manhattanLength()),
-            HANDLES.index(part) * (1 if point.x() <= near[part].x() else -1),
+            HANDLE_PARTS.index(part) * (1 if point.x() <= near[part].x() else -1),
         ),
     )
 
 
 def _paint_later_repeats(painter: QPainter, row: QRect, shown: RowContext, constraint_id: str, colour: str) -> None:
-    """Draw where the constraint acts as the clip plays again, without handles."""
+    """Paint the activation in later loops of the clip, without handles."""
     performer, subject = shown.project.performers[shown.subject.performer_id], shown.subject
     later = shown.later_repeats
     if not later:
@@ -164,7 +169,9 @@ def _paint_later_repeats(painter: QPainter, row: QRect, shown: RowContext, const
 
 
 def _curve_path(shown: RowContext, row: QRect, curve: ActivationCurve, delay: float = 0.0) -> QPainterPath:
-    """Activation over the visible pixels, closed along the baseline, ``delay`` seconds after the first repeat."""
+    """Path of the activation over the visible pixels, closed along the baseline, shifted by ``delay`` seconds for a
+    later loop.
+    """
     axis = shown.axis
     corners = (curve.start, curve.full, curve.full_end, curve.end)
     corner_xs = [shown.x_of_motion_time(time) + delay * axis.scale for time in corners]
@@ -185,8 +192,8 @@ def _curve_path(shown: RowContext, row: QRect, curve: ActivationCurve, delay: fl
 
 
 def strip_top(row: QRect, index: int) -> int:
-    """Top pixel of the strip of the ``index``-th body."""
-    return baseline(row) + 1 + STRIP_GAP_PX + PITCH * index
+    """Top pixel of the error strip with an index."""
+    return baseline(row) + 1 + STRIP_GAP_PX + STRIP_SPACING_PIXELS * index
 
 
 def _paint_strips(painter: QPainter, row: QRect, shown: RowContext, constraint_id: str) -> None:
@@ -205,7 +212,9 @@ def _paint_strips(painter: QPainter, row: QRect, shown: RowContext, constraint_i
 
 
 def bodies_of(shown: RowContext, row: QRect, constraint_id: str) -> tuple[BodyOnTimeline, ...]:
-    """Bodies with strips in a row: all, or folded the one with the worst residual, or an unknown one."""
+    """Performers with error strips in a track: all, or in a collapsed track the one with the worst or an unknown
+    residual.
+    """
     bodies = tuple(shown.subject.bodies)
     asked = [body for body in bodies if shown.applies_to(constraint_id, body.performer_id)]
     if not is_folded(row) or not asked:
@@ -221,13 +230,15 @@ def bodies_of(shown: RowContext, row: QRect, constraint_id: str) -> tuple[BodyOn
 
 
 def strip_body(shown: RowContext, row: QRect, constraint_id: str, y: float) -> str | None:
-    """Performer whose strip is at a height, or None."""
-    bodies, place = bodies_of(shown, row, constraint_id), int((y - strip_top(row, 0)) // PITCH)
+    """Id of the performer whose error strip is at the pixel ``y``; None if there is none."""
+    bodies, place = bodies_of(shown, row, constraint_id), int((y - strip_top(row, 0)) // STRIP_SPACING_PIXELS)
     return bodies[place].performer_id if 0 <= place < len(bodies) else None
 
 
 def residual_text(shown: RowContext, constraint_id: str) -> tuple[str, str]:
-    """``Child 42 mm at frame 23`` in the state's colour, that it is met on all, or that this is unknown."""
+    """Worst residual as text, ``Child 42 mm at frame 23``, or that the constraint is held by all or not solved; and the
+    colour of the state.
+    """
     if not shown.project.constraints[constraint_id].enabled:
         return "off", colours.TEXT_THIRD
     bodies = [body for body in shown.subject.bodies if shown.applies_to(constraint_id, body.performer_id)]
@@ -259,5 +270,5 @@ def residual_text(shown: RowContext, constraint_id: str) -> tuple[str, str]:
 
 
 def row_background(selected: bool) -> QColor:
-    """Grey behind a label."""
+    """Background colour of a track's name."""
     return QColor(colours.SELECTED_ROW if selected else colours.PANEL)

@@ -1,4 +1,4 @@
-"""Row of a manual correction: its range as a curve with four handles, under the clips of its body."""
+"""Track of a correction layer: its range as a curve with four handles, below the clips of its performer."""
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRect, Qt
@@ -6,28 +6,28 @@ from PySide6.QtGui import QPainter, QPainterPath, QPolygonF
 
 from studio.core.curves.activation import ActivationCurve
 from studio.document import colours
-from studio.timeline.shown import HANDLES, Hit, ItemPart, RowContext, clipped_span, label_area
+from studio.timeline.shown import HANDLE_PARTS, Hit, ItemPart, RowContext, clipped_span, label_area
 from studio.timeline.tracks.brush import hairline, paint_dot, paint_label, translucent
-from studio.timeline.tracks.layer import INDENT
+from studio.timeline.tracks.layer import LAYER_INDENT_PX
 
 CORRECTION_ROW_HEIGHT = 26
 CORRECTION_MARGIN_PX, CORRECTION_HANDLE_REACH, CORRECTION_RAMP_POINTS = 4.0, 5.0, 32
 
 
 def rows_of(shown: RowContext, performer_id: str) -> list[tuple[str, str, int]]:
-    """Kind, id and height of the rows of a performer's corrections."""
+    """Kind, id and height in pixels of the tracks of a performer's corrections."""
     return [("corrections", key, CORRECTION_ROW_HEIGHT) for key in shown.project.corrections_of(performer_id)]
 
 
 def handle_points(shown: RowContext, row: QRect, curve: ActivationCurve) -> dict[ItemPart, QPointF]:
-    """Pixels of the four handles."""
+    """Pixel positions of the four handles."""
     low, high = row.bottom() - CORRECTION_MARGIN_PX, row.top() + CORRECTION_MARGIN_PX
     xs = map(shown.axis.x_of_time, curve.times)
-    return {part: QPointF(x, y) for part, x, y in zip(HANDLES, xs, (low, high, high, low), strict=True)}
+    return {part: QPointF(x, y) for part, x, y in zip(HANDLE_PARTS, xs, (low, high, high, low), strict=True)}
 
 
 def paint_correction(painter: QPainter, row: QRect, shown: RowContext, correction_id: str) -> None:
-    """Draw the range as high as the weight, dashed where it is disabled."""
+    """Paint the range, as high as the weight; dashed if the correction is disabled."""
     correction, line = shown.project.corrections[correction_id], line_colour(shown, correction_id)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     painter.setPen(hairline(line, 1.5))
@@ -45,15 +45,15 @@ def paint_correction_handles(painter: QPainter, row: QRect, shown: RowContext, c
 
 
 def paint_correction_label(painter: QPainter, row: QRect, shown: RowContext, correction_id: str) -> None:
-    """Draw the name, and if it is above the constraints."""
+    """Paint the name, and if the correction is above the constraints."""
     correction = shown.project.corrections[correction_id]
     text = f"{correction.name} · above" if correction.above else correction.name
     colour = colours.TEXT_SECOND if correction.enabled else colours.TEXT_THIRD
-    paint_label(painter, label_area(row).adjusted(INDENT, 0, 0, 0), text, colour)
+    paint_label(painter, label_area(row).adjusted(LAYER_INDENT_PX, 0, 0, 0), text, colour)
 
 
 def key_colour(shown: RowContext, correction_id: str) -> str:
-    """Colour of the correction's keys."""
+    """Colour of a correction's keys."""
     return colours.kind_colour("correction") if shown.project.corrections[correction_id].enabled else colours.TEXT_THIRD
 
 
@@ -64,7 +64,7 @@ def line_colour(shown: RowContext, correction_id: str) -> str:
 
 
 def correction_hit(shown: RowContext, row: QRect, correction_id: str, point: QPointF) -> Hit:
-    """Nearest handle within reach, else the bar, else the row's empty place."""
+    """Nearest handle within reach, else the bar, else the empty space of the track."""
     curve = shown.project.corrections[correction_id].activation
     near = {
         part: (place - point).manhattanLength()
@@ -78,7 +78,7 @@ def correction_hit(shown: RowContext, row: QRect, correction_id: str, point: QPo
 
 
 def _curve_path(shown: RowContext, row: QRect, curve: ActivationCurve, weight: float) -> QPainterPath:
-    """Range over time, closed along the bottom of the row."""
+    """Path of the range over time, closed along the bottom of the track."""
     low, high = row.bottom() - CORRECTION_MARGIN_PX, row.top() + CORRECTION_MARGIN_PX
     start, full, full_end, end = curve.times
     ramps = [np.linspace(*ramp, CORRECTION_RAMP_POINTS) for ramp in ((start, full), (full_end, end))]

@@ -1,4 +1,4 @@
-"""Holds of props: a row for each that is picked up or put down, with a bar in its holder's colour."""
+"""Track of a prop that is picked up or put down: a bar for each hold, in the colour of the holder."""
 
 from PySide6.QtCore import QPointF, QRect, QRectF
 from PySide6.QtGui import QPainter
@@ -14,7 +14,7 @@ HOLD_ROW_HEIGHT = 22
 
 
 def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
-    """Kind, id and height of the rows of props that are held for a while, or have keys."""
+    """Kind, id and height in pixels of the tracks of props that are held temporarily or have keys."""
     props = shown.project.props.items()
     return [
         ("props", key, HOLD_ROW_HEIGHT)
@@ -24,14 +24,14 @@ def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
 
 
 def hold_bar(shown: RowContext, row: QRect, hold: Hold) -> QRectF:
-    """Rectangle from pick-up to release, or to the ends of the axis."""
+    """Rectangle from pick-up to put-down, or to the ends of the axis."""
     left = shown.axis.left if hold.begin is None else shown.axis.x_of_time(hold.begin)
     right = shown.axis.left + shown.axis.width if hold.end is None else shown.axis.x_of_time(hold.end)
     return QRectF(left, row.top() + 3, max(right - left, 2.0), row.height() - 6)
 
 
 def paint_hold(painter: QPainter, row: QRect, shown: RowContext, prop_id: str) -> None:
-    """Draw a bar with the name of each holder."""
+    """Paint a bar with the holder's name for each hold."""
     project, selected = shown.project, shown.is_selected("props", prop_id)
     edge = colours.SELECTED_HANDLE if selected else None
     for hold in project.props[prop_id].holds:
@@ -47,7 +47,7 @@ def paint_hold_label(painter: QPainter, row: QRect, shown: RowContext, prop_id: 
 
 
 def hold_hit(shown: RowContext, row: QRect, prop_id: str, point: QPointF) -> Hit:
-    """End of a bar, its body, or the row's empty place."""
+    """End or body of a hold's bar under the mouse, else the empty space of the track."""
     hold = hold_under(shown, shown.project.props[prop_id], point.x())
     if hold is None:
         return Hit("props", prop_id, ItemPart.EMPTY)
@@ -59,7 +59,7 @@ def hold_hit(shown: RowContext, row: QRect, prop_id: str, point: QPointF) -> Hit
 
 
 def hold_under(shown: RowContext, prop: Prop, x: float) -> InHand | Carried | None:
-    """Hold whose bar, or an end of it, is at ``x`` of its row."""
+    """Hold whose bar, or an end of it, is at the pixel ``x``; None if there is none."""
     for hold in prop.holds:
         bar = hold_bar(shown, QRect(0, 0, 1, HOLD_ROW_HEIGHT), hold)
         if bar.left() - _reach(bar) <= x <= bar.right() + _reach(bar):

@@ -1,4 +1,4 @@
-"""Keys as diamonds in the rows: positions, drawing, and hit tests."""
+"""Keys as diamonds in the tracks: positions, painting, and hit tests."""
 
 from collections.abc import Iterable
 
@@ -22,36 +22,38 @@ from studio.document.keyed_fields import (
 )
 from studio.timeline.shown import RowContext, TimelineRow, label_area
 from studio.timeline.tracks.brush import KEY_REACH, paint_bar, paint_key, paint_label, translucent
-from studio.timeline.tracks.layer import INDENT
+from studio.timeline.tracks.layer import LAYER_INDENT_PX
 
 FloatArray = NDArray[np.float64]
 
 KEY_ROW_HEIGHT = 22
-SUMMARY = "summary"
-"""The kind of the dope sheet's row that shows the keys of all the others."""
-SHEET = "sheet"
-"""The kind of a row of the dope sheet; its id names the field."""
+SUMMARY_KIND = "summary"
+"""Kind of the dope sheet's track that shows the keys of all others."""
+SHEET_KIND = "sheet"
+"""Kind of a track of the dope sheet; its id names the keyed field."""
 MERGED_KEYS_PX = 3.0
-"""Pixels between keys below which they are drawn as one bar."""
+"""Distance in pixels between keys below which they are painted as one bar."""
 MERGED_BAR_PX = 3.0
-"""Pixels of half the height of such a bar."""
+"""Half of the height in pixels of such a bar."""
 FIELD_NAMES = {"proportions": "measures"}
 
 
 def sheet_id(field: KeyedField) -> str:
-    """Id of a field's row."""
+    """Id of the dope sheet's track of a field."""
     return "/".join(field)
 
 
 def field_of(row_id: str) -> KeyedField:
-    """Field of a row."""
+    """Keyed field of a dope sheet's track."""
     collection, _, rest = row_id.partition("/")
     entity_id, _, name = rest.rpartition("/")
     return KeyedField(collection, entity_id, name)
 
 
 def sheet_fields(shown: RowContext) -> dict[KeyedField, Keyed]:
-    """Keyed fields of the dope sheet: those of the selection, or else of the stage."""
+    """Keyed fields in the dope sheet, with their values: those of the selection; without any, those of the whole
+    stage.
+    """
     chosen = selected_fields(shown.project, shown.document.selection.items)
     if chosen:
         return chosen
@@ -69,13 +71,13 @@ def sheet_fields(shown: RowContext) -> dict[KeyedField, Keyed]:
 
 
 def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
-    """Kind, id and height of the dope sheet's rows, the summary first."""
-    rows = [(SHEET, sheet_id(field), KEY_ROW_HEIGHT) for field in sheet_fields(shown)]
-    return [(SUMMARY, "", KEY_ROW_HEIGHT), *rows]
+    """Kind, id and height in pixels of the tracks of the dope sheet, the summary first."""
+    rows = [(SHEET_KIND, sheet_id(field), KEY_ROW_HEIGHT) for field in sheet_fields(shown)]
+    return [(SUMMARY_KIND, "", KEY_ROW_HEIGHT), *rows]
 
 
 def fields_in(shown: RowContext, row: TimelineRow) -> tuple[KeyedField, ...]:
-    """Fields whose keys a row shows; a constraint's bar has handles for its activation."""
+    """Fields whose keys are painted in a track; an activation is painted as handles instead."""
     match row.kind:
         case "clip":
             clips = shown.project.performers[row.id].clips
@@ -97,7 +99,7 @@ def _keys_of(shown: RowContext, collection: str, entity_id: str) -> tuple[KeyedF
 
 
 def stage_times(shown: RowContext, field: KeyedField) -> FloatArray:
-    """(K,) seconds of the stage of the keys of a field."""
+    """(K,) stage times in seconds of the keys of a field."""
     value = keyed_value(shown.project, field)
     times = value.seconds if isinstance(value, Keys) else np.array(value.times if value is not None else ())
     counted = counted_in(shown.project, shown.subject.clip, field)
@@ -105,7 +107,7 @@ def stage_times(shown: RowContext, field: KeyedField) -> FloatArray:
 
 
 def keys_between(shown: RowContext, fields: Iterable[KeyedField], begin: float, end: float) -> tuple[KeyRef, ...]:
-    """Keys from one second of the stage to another."""
+    """Keys of ``fields`` between two stage times in seconds."""
     found = []
     for field in fields:
         times = stage_times(shown, field)
@@ -115,7 +117,7 @@ def keys_between(shown: RowContext, fields: Iterable[KeyedField], begin: float, 
 
 
 def keys_at(shown: RowContext, row: TimelineRow, area: QRect, point: QPointF) -> tuple[KeyRef, ...]:
-    """Keys of the diamond under the mouse: all of the row at one time; none outside diamonds."""
+    """Keys of the diamond under the mouse: all keys of the track at that time; empty outside of diamonds."""
     if abs(point.y() - key_height(row, area)) > KEY_REACH + 1.0:
         return ()
     fields, axis, reach = fields_in(shown, row), shown.axis, KEY_REACH + 1.0
@@ -128,7 +130,7 @@ def keys_at(shown: RowContext, row: TimelineRow, area: QRect, point: QPointF) ->
 
 
 def key_height(row: TimelineRow, area: QRect) -> float:
-    """Pixel of the diamonds of a row."""
+    """Vertical pixel of the diamonds of a track."""
     if row.kind == "constraints":
         from studio.timeline.tracks import constraint
 
@@ -137,7 +139,7 @@ def key_height(row: TimelineRow, area: QRect) -> float:
 
 
 def paint_keys(painter: QPainter, shown: RowContext, row: TimelineRow, area: QRect, colour: str) -> None:
-    """Draw diamonds, with a light edge if selected; a bar if they are too dense."""
+    """Paint the diamonds, with a light edge if selected; a bar where they are too dense."""
     axis = shown.axis
     begin, end = axis.time_at(axis.left - KEY_REACH), axis.time_at(axis.right + 20.0)
     plain: list[FloatArray] = [np.empty(0)]
@@ -180,15 +182,15 @@ def _paint_diamonds(
 
 
 def paint_sheet_label(painter: QPainter, row: TimelineRow, area: QRect, shown: RowContext) -> None:
-    """Draw the name of the entity and of its keyed field."""
-    if row.kind == SUMMARY:
+    """Paint the names of the entity and of its keyed field."""
+    if row.kind == SUMMARY_KIND:
         paint_label(painter, label_area(area), "All keys", colours.TEXT)
         return
     paint_label(painter, label_area(area), row_words(shown, row), colours.TEXT_SECOND)
 
 
 def row_words(shown: RowContext, row: TimelineRow) -> str:
-    """``Kick target · target``."""
+    """Name of a dope sheet's track: ``Kick target · target``."""
     field = field_of(row.id)
     entity = shown.project.get(*field.item)
     name = name_of(shown.project, entity) if field.collection == "clips" and entity else getattr(entity, "name", "")
@@ -196,13 +198,13 @@ def row_words(shown: RowContext, row: TimelineRow) -> str:
 
 
 def field_words(field: KeyedField) -> str:
-    """Words for a keyed field of an entity."""
+    """Name of a keyed field for the user."""
     return FIELD_NAMES.get(field.name, field.name)
 
 
 def row_colour(shown: RowContext, row: TimelineRow) -> str:
-    """Colour of a row's diamonds: of the kind of the constraint, or of the body."""
-    if row.kind == SUMMARY:
+    """Colour of a track's diamonds: of the kind of constraint, or of the performer."""
+    if row.kind == SUMMARY_KIND:
         return colours.TEXT_SECOND
     field = field_of(row.id)
     entity = shown.project.get(*field.item)
@@ -214,22 +216,22 @@ def row_colour(shown: RowContext, row: TimelineRow) -> str:
 
 
 def paint_sheet(painter: QPainter, row: TimelineRow, area: QRect, shown: RowContext) -> None:
-    """Draw a row of the dope sheet."""
-    if row.kind == SUMMARY:
+    """Paint a track of the dope sheet."""
+    if row.kind == SUMMARY_KIND:
         painter.fillRect(area, QColor(colours.BAR))
     paint_keys(painter, shown, row, area, row_colour(shown, row))
 
 
 def paint_growth_label(painter: QPainter, area: QRect) -> None:
-    """Draw the name of the row of a growing body's measures."""
-    paint_label(painter, label_area(area).adjusted(INDENT, 0, 0, 0), "Proportions", colours.TEXT_SECOND)
+    """Paint the name of the track of keyed proportions."""
+    paint_label(painter, label_area(area).adjusted(LAYER_INDENT_PX, 0, 0, 0), "Proportions", colours.TEXT_SECOND)
 
 
 def growth_rows(shown: RowContext, performer_id: str) -> list[tuple[str, str, int]]:
-    """Kind, id and height of the row of a performer whose body grows."""
+    """Kind, id and height in pixels of the track of a performer's keyed proportions; empty if they are constant."""
     return [("growth", performer_id, KEY_ROW_HEIGHT)] if growth_fields(shown, performer_id) else []
 
 
 def growth_fields(shown: RowContext, performer_id: str) -> tuple[KeyedField, ...]:
-    """Keyed measures of a performer; none for a constant body."""
+    """Keyed proportions of a performer; empty if they are constant."""
     return _keys_of(shown, "characters", shown.project.performers[performer_id].character_id)

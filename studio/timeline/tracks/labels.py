@@ -1,4 +1,4 @@
-"""Labels: named moments and ranges of the motion, as flags on a row of their own."""
+"""Track of labels, the names of frames and frame ranges of the motion, as flags."""
 
 import math
 from collections.abc import Iterator
@@ -13,27 +13,27 @@ from studio.timeline.tracks.brush import font, paint_label, translucent
 
 LABEL_ROW_HEIGHT = 20
 LABEL_POLE_PX, LABEL_GRIP_PX, LABEL_MARGIN_PX = 2.0, 5.0, 4.0
-"""Pixels of a flag's pole, beside an end that the mouse takes hold of, and around the name."""
-PIXELS = 11
+"""Width in pixels of a flag's pole, of the area at its ends that can be grabbed, and of the margin around the name."""
+LABEL_FONT_PIXELS = 11
 
 
 def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
-    """Kind, id and height of the row of labels; none without labels."""
+    """Kind, id and height in pixels of the track of labels; empty without labels."""
     return [("labels", "", LABEL_ROW_HEIGHT)] if shown.project.labels_of(shown.subject.motion_id) else []
 
 
 class Flag(NamedTuple):
-    """Rectangles of a label: from its first frame over range and name, and that of the name alone."""
+    """Rectangles of a label: the whole flag, and its name."""
 
     area: QRectF
     name: QRectF
 
 
 def flags(shown: RowContext, row: QRect) -> dict[str, Flag]:
-    """Flag of each label; its name ends where the next flag begins."""
+    """Flag of each label by id; a name ends where the next flag begins."""
     labels = sorted(shown.project.labels_of(shown.subject.motion_id).items(), key=lambda each: each[1].first)
     lefts = [shown.x_of_frame(label.first) for _, label in labels]
-    metrics, made = QFontMetrics(font(PIXELS)), {}
+    metrics, made = QFontMetrics(font(LABEL_FONT_PIXELS)), {}
     for (key, label), left, following in zip(labels, lefts, [*lefts[1:], math.inf], strict=True):
         name = metrics.horizontalAdvance(label.name) + 2 * LABEL_MARGIN_PX + LABEL_POLE_PX
         width, span = min(name, following - left), shown.x_of_frame(label.last) - left
@@ -43,9 +43,9 @@ def flags(shown: RowContext, row: QRect) -> dict[str, Flag]:
 
 
 def paint_labels(painter: QPainter, row: QRect, shown: RowContext) -> None:
-    """Draw a pole at the first frame of each label, its range as a band, and its name; the selected one is light."""
-    painter.setFont(font(PIXELS))
-    labels, metrics = shown.project.labels_of(shown.subject.motion_id), QFontMetrics(font(PIXELS))
+    """Paint each label: a pole at its first frame, its range as a band, and its name; lighter if selected."""
+    painter.setFont(font(LABEL_FONT_PIXELS))
+    labels, metrics = shown.project.labels_of(shown.subject.motion_id), QFontMetrics(font(LABEL_FONT_PIXELS))
     for key, (area, name) in flags(shown, row).items():
         label = labels[key]
         selected = shown.is_selected("labels", key)
@@ -72,7 +72,7 @@ def paint_labels_label(painter: QPainter, row: QRect) -> None:
 
 
 def labels_hit(shown: RowContext, row: QRect, point: QPointF) -> Hit:
-    """Label under ``point``, the last one to begin if they overlap, and its end; else the empty row."""
+    """Label under ``point``, or an end of it, of overlapping ones the last to begin; else the empty track."""
     found = max(_parts(shown, row, point.x()), default=None, key=lambda each: each[0])
     return Hit("labels", found[1], found[2]) if found else Hit("labels", "", ItemPart.EMPTY)
 

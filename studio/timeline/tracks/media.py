@@ -1,4 +1,4 @@
-"""Rows of media: a sound track with its loudness over time and a line at each beat, and reference footage."""
+"""Media tracks: a sound with its waveform and a line at each beat, and reference footage."""
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRect, QRectF
@@ -14,7 +14,7 @@ SOUND_ROW_HEIGHT, FOOTAGE_ROW_HEIGHT = 34, 22
 
 
 def rows_of(shown: RowContext) -> list[tuple[str, str, int]]:
-    """Kind, id and height of the rows of footage and sound tracks."""
+    """Kind, id and height in pixels of the tracks of footage and sound."""
     return [
         *(("footage", key, FOOTAGE_ROW_HEIGHT) for key in shown.project.footage),
         *(("sounds", key, SOUND_ROW_HEIGHT) for key in shown.project.sounds),
@@ -28,7 +28,7 @@ def media_bar(shown: RowContext, row: QRect, media: SoundTrack | Footage) -> QRe
 
 
 def paint_waveform(painter: QPainter, row: QRect, shown: RowContext, sound_id: str) -> None:
-    """Draw the loudness, a column for each pixel, and a line at each beat."""
+    """Paint the waveform, one column per pixel, and a line at each beat."""
     sound, selected = shown.project.sounds[sound_id], shown.is_selected("sounds", sound_id)
     bar = media_bar(shown, row, sound)
     _paint_media_bar(painter, bar, selected)
@@ -51,7 +51,7 @@ def paint_waveform(painter: QPainter, row: QRect, shown: RowContext, sound_id: s
 
 
 def paint_footage(painter: QPainter, row: QRect, shown: RowContext, footage_id: str) -> None:
-    """Draw a bar with a line where each second of the footage begins."""
+    """Paint a bar with a line at each second of the footage."""
     footage = shown.project.footage[footage_id]
     bar = media_bar(shown, row, footage)
     _paint_media_bar(painter, bar, shown.is_selected("footage", footage_id))
@@ -68,11 +68,11 @@ def _paint_media_bar(painter: QPainter, bar: QRectF, selected: bool) -> None:
 
 
 def paint_media_label(painter: QPainter, row: QRect, shown: RowContext, kind: str, media_id: str) -> None:
-    """Draw the name of a sound or of footage."""
+    """Paint the name of a sound or of footage."""
     paint_label(painter, label_area(row), shown.project.get(kind, media_id).name, colours.TEXT)
 
 
 def media_hit(shown: RowContext, row: QRect, kind: str, media_id: str, point: QPointF) -> Hit:
-    """Bar of the sound or footage, or the row's empty place."""
+    """Bar of the sound or footage, or the empty space of the track."""
     inside = media_bar(shown, row, shown.project.get(kind, media_id)).contains(point)
     return Hit(kind, media_id, ItemPart.BODY if inside else ItemPart.EMPTY)

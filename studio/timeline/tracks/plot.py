@@ -1,4 +1,4 @@
-"""Plot: a curve for each body, drawn by pyqtgraph into the timeline's picture."""
+"""Graph of a quantity with a curve for each performer, drawn by pyqtgraph into the image of the timeline."""
 
 from collections.abc import Callable
 from functools import partial
@@ -24,24 +24,24 @@ from studio.timeline.curves import (
 from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext, label_area
 from studio.timeline.tracks.brush import font, paint_fold, paint_label, translucent
 
-LEAST_HEIGHT, MOST_HEIGHT, FOLDED_PLOT_HEIGHT = 54, 120, 22
-HEADROOM = 1.12
+MIN_PLOT_HEIGHT_PX, MAX_PLOT_HEIGHT_PX, FOLDED_PLOT_HEIGHT = 54, 120, 22
+PLOT_HEADROOM = 1.12
 CURVE_LINE_PX = 1.25
 MOST_FRAMES_AT_ONCE = 10_000
-"""Frames of a motion up to which its curve is made at once."""
-NOISE = 1e-6
-"""Largest value, in any unit, that counts as rounding and is drawn as zero."""
+"""Number of frames up to which curves are computed immediately instead of by a worker."""
+PLOT_NOISE = 1e-6
+"""Maximum value, in any unit, that counts as a rounding error and is plotted as zero."""
 
-Basis = tuple[object, ...]
-"""Input of a curve; equal inputs give equal curves."""
-Known = tuple[Basis, Curve | None]
+CurveInputs = tuple[object, ...]
+"""Inputs of a curve; equal inputs give equal curves."""
+Known = tuple[CurveInputs, Curve | None]
 
 
 class PlotPicture(QObject):
-    """Hidden pyqtgraph plot that is rendered into the rows."""
+    """Hidden pyqtgraph plot that is rendered into the timeline."""
 
     arrived = Signal()
-    """A curve is there that took longer."""
+    """Emitted when a worker has computed a curve."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -60,7 +60,7 @@ class PlotPicture(QObject):
         self._item = item
         self._lines: list[pg.PlotCurveItem] = []
         self._known: dict[str, Known] = {}
-        self._asked: dict[str, Basis] = {}
+        self._asked: dict[str, CurveInputs] = {}
         self._worker: SolveScheduler | None = None
         self._order = 0
         self._drawn: tuple[object, ...] = ()
@@ -91,7 +91,7 @@ class PlotPicture(QObject):
         self._known = known
         self.curves = [curve for _, curve in known.values() if curve is not None]
         self.top = max((curve.top for curve in self.curves), default=0.0)
-        self.top = self.top if self.top > NOISE else 1.0
+        self.top = self.top if self.top > PLOT_NOISE else 1.0
         while len(self._lines) < len(self.curves):
             line = pg.PlotCurveItem(antialias=True)
             line.setSegmentedLineMode("on")  # Qt strokes a long path of its own some fifty times slower
@@ -100,7 +100,7 @@ class PlotPicture(QObject):
         for place, line in enumerate(self._lines):
             line.setVisible(place < len(self.curves))
 
-    def _ask_worker(self, performer_id: str, basis: Basis, make: Callable[[], Curve | None]) -> None:
+    def _ask_worker(self, performer_id: str, basis: CurveInputs, make: Callable[[], Curve | None]) -> None:
         if self._asked.get(performer_id) == basis:
             return
         if self._worker is None:
@@ -121,7 +121,7 @@ class PlotPicture(QObject):
         raise error
 
     def paint(self, painter: QPainter, row: QRect, shown: RowContext) -> None:
-        """Draw the curves over the axis' own range of time, aligned with the bars to the pixel."""
+        """Paint the curves over the visible time range, aligned with the tracks to the pixel."""
         area = row.adjusted(ROW_LABEL_WIDTH, 4, 0, -3)
         axis, image = shown.axis, painter.device()
         for y in (self.y_of(row, 0.0), self.y_of(row, self.top)):
@@ -142,7 +142,7 @@ class PlotPicture(QObject):
             self._widget.resize(area.size())
             self._widget.resizeEvent(None)  # Qt keeps it back from a widget that is not on the screen
         self._item.setXRange(axis.time_at(area.left()), axis.time_at(area.left() + area.width()), padding=0)
-        self._item.setYRange(-0.04 * self.top, self.top * HEADROOM, padding=0)
+        self._item.setYRange(-0.04 * self.top, self.top * PLOT_HEADROOM, padding=0)
         for line, curve in zip(self._lines, self.curves, strict=False):
             pen = pg.mkPen(QColor(curve.colour), width=CURVE_LINE_PX * painter.device().devicePixelRatio())
             pen.setCapStyle(Qt.PenCapStyle.FlatCap)  # other caps would show where segments meet
@@ -156,13 +156,13 @@ class PlotPicture(QObject):
         scene.render(painter, QRectF(area), QRectF(0, 0, area.width(), area.height()))
 
     def y_of(self, row: QRect, value: float) -> float:
-        """Pixel of a value."""
+        """Vertical pixel of a value."""
         area = QRectF(row.adjusted(0, 4, 0, -3))
-        span = self.top * (HEADROOM + 0.04)
+        span = self.top * (PLOT_HEADROOM + 0.04)
         return area.bottom() - (value + 0.04 * self.top) / span * area.height()
 
     def paint_label(self, painter: QPainter, row: QRect, shown: RowContext) -> None:
-        """Draw the name of the quantity, its unit, and its greatest value at its height."""
+        """Paint the name of the quantity, its unit, and its maximum at the corresponding height."""
         area, folded = label_area(row), row.height() <= FOLDED_PLOT_HEIGHT
         line = QRect(0, row.top() + (1 if folded else 4), ROW_LABEL_WIDTH - 44, 20)
         paint_fold(painter, line, folded)
@@ -183,13 +183,13 @@ class PlotPicture(QObject):
             )
 
     def title(self, shown: RowContext) -> str:
-        """``Foot speed`` or ``Error: Kick target``."""
+        """Title of the graph: ``Foot speed`` or ``Error: Kick target``."""
         constraint_id = plotted_constraint(shown) if self.quantity is Quantity.ERROR else None
         name = f": {shown.project.constraints[constraint_id].name}" if constraint_id else ""
         return self.quantity.value + name
 
     def words(self, shown: RowContext, value: float) -> str:
-        """Drawn value with its unit."""
+        """Plotted value as text with its unit."""
         if self.quantity is not Quantity.ERROR:
             unit = shown_unit(self.quantity.unit(shown))
             return f"{value * unit.factor:.2f} {unit.symbol}"
@@ -197,16 +197,18 @@ class PlotPicture(QObject):
         return measure.text_of(value / measure.factor)
 
     def nearest(self, row: QRect, seconds: float, y: float) -> tuple[Curve, float] | None:
-        """Curve nearest to a height at a time, with its value there."""
+        """Curve nearest to the pixel ``y`` at the stage time ``seconds``, with its value there; None if there is
+        none.
+        """
         values = [(curve, curve.at(seconds)) for curve in self.curves]
         return min(values, key=lambda pair: abs(self.y_of(row, pair[1]) - y), default=None)
 
     def drop_curves(self) -> None:
-        """Drop the curves of results that are not shown any more."""
+        """Discard the curves of results that are no longer shown."""
         self._known, self._asked, self.curves = {}, {}, []
 
     def close(self) -> None:
-        """Release the plot, after the worker has ended."""
+        """Wait for the worker, and release the plot."""
         if self._worker is not None:
             self._worker.close()
         self._widget.close()

@@ -1,4 +1,4 @@
-"""Remarks on the capture, as marks on the ruler at their frames."""
+"""Marks on the ruler for remarks on the capture, at their frames."""
 
 from collections.abc import Iterator
 
@@ -10,11 +10,11 @@ from studio.document import colours
 from studio.timeline.shown import ROW_LABEL_WIDTH, RowContext
 
 REMARK_HALF_WIDTH, REMARK_LINE_PX = 4.0, 2
-"""Pixels of half a mark's head, and of the line along the frames that it is about."""
+"""Half of the width in pixels of a mark's head, and height of the line along the frames of the remark."""
 
 
 def paint_remarks(painter: QPainter, ruler: QRect, shown: RowContext) -> None:
-    """Draw a small head at the begin of a remark, and a line for its duration."""
+    """Paint a small head at the start of each remark, and a line for its duration."""
     painter.save()
     painter.setClipRect(ruler.adjusted(ROW_LABEL_WIDTH, 0, 0, 0), Qt.ClipOperation.IntersectClip)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -37,7 +37,7 @@ def paint_remarks(painter: QPainter, ruler: QRect, shown: RowContext) -> None:
 
 
 def remark_text(shown: RowContext, x: float) -> str:
-    """Sentences of the marks at a pixel; empty without any."""
+    """Sentences of the remarks at the pixel ``x``; empty if there are none."""
     there = (
         remark.sentence
         for remark, left, right in _marks(shown)
@@ -47,7 +47,7 @@ def remark_text(shown: RowContext, x: float) -> str:
 
 
 def _marks(shown: RowContext) -> Iterator[tuple[Remark, float, float]]:
-    """Begin and end of each remark in the frames of the clip; remarks on the whole capture cover all."""
+    """Each remark with its first and last pixel; remarks on the whole capture cover the clip."""
     clip = shown.subject.clip
     for remark in shown.remarks:
         for first, last in remark.spans or ((clip.first, clip.last),):

@@ -1,4 +1,4 @@
-"""Ruler: frame numbers, ticks at readable distances, and the range."""
+"""Ruler: frame numbers and ticks at readable distances, and the play range."""
 
 from collections.abc import Iterator
 from itertools import count
@@ -24,14 +24,14 @@ def major_step(axis: TimeAxis) -> int:
 
 
 def major_frames(axis: TimeAxis) -> range:
-    """Frames with a number, in the visible range."""
+    """Frames with a number in the visible range."""
     return _multiples(axis, major_step(axis))
 
 
 def paint_ruler(painter: QPainter, area: QRect, axis: TimeAxis, playhead: Playhead, live: bool = False) -> None:
-    """Draw numbers above their ticks; outside the range the ruler is dim.
+    """Paint numbers and ticks; the ruler is dim outside of the play range.
 
-    During ``live`` play it says that the playhead is paused.
+    During ``live`` play it shows that the playhead is paused.
     """
     painter.fillRect(area, QColor(colours.mixed_colour(colours.BAR, colours.LIVE, 0.22) if live else colours.BAR))
     if live:
@@ -63,7 +63,7 @@ def _paint_range(painter: QPainter, area: QRect, axis: TimeAxis, playhead: Playh
 
 
 def _paint_overview(painter: QPainter, area: QRect, axis: TimeAxis) -> None:
-    """Draw the visible part of all time as a thin line along the top, unless all is visible."""
+    """Paint the visible part of the extent as a thin line at the top, unless all is visible."""
     share = axis.width / axis.scale / (axis.end - axis.begin)
     if share < 1.0:
         begin = (axis.start - axis.begin) / (axis.end - axis.begin)

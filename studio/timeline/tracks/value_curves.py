@@ -1,4 +1,4 @@
-"""Curve editor: values of keyed channels over the plot's time, with keys, tangents and handles."""
+"""Curve editor: animation curves of keyed channels with keys, tangents and handles."""
 
 from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import dataclass
@@ -28,15 +28,15 @@ from studio.timeline.tracks.brush import font, hairline, paint_dot, paint_key, t
 
 FloatArray = NDArray[np.float64]
 
-CURVE_KEY_REACH = 7.0
+CURVE_KEY_GRAB_PIXELS = 7.0
 """Pixels within which a key or a handle is taken hold of."""
 NO_KEYS_HINT = "Select an animated item, or use Edit > Set key"
-SAMPLE = 2.0
+CURVE_SAMPLE_PIXELS = 2.0
 """Pixels between the points of a curve."""
 CURVE_FRAME_MARGIN = 0.12
-"""Parts of the height left free above and below framed curves."""
-LEAST_SPAN = {"m": 0.05, "cm": 5.0, "in": 2.0, "°": 5.0, "×": 0.05, "": 1.0}
-"""The least difference of values that is framed, by unit."""
+"""Fraction of the height left free above and below framed curves."""
+MIN_VALUE_SPAN = {"m": 0.05, "cm": 5.0, "in": 2.0, "°": 5.0, "×": 0.05, "": 1.0}
+"""Minimum range of values that is framed, by unit."""
 CHANNEL_COLOURS = {
     "x": "#E4706A",
     "y": "#7FBF6A",
@@ -48,7 +48,7 @@ CHANNEL_COLOURS = {
 
 
 class HandleRef(NamedTuple):
-    """Handle of a tangent, or without a side the key of a channel."""
+    """Handle of a tangent, or the key itself if ``side`` is None."""
 
     channel: Channel
     place: int
@@ -56,7 +56,7 @@ class HandleRef(NamedTuple):
 
     @property
     def key(self) -> KeyRef:
-        """Its key."""
+        """Reference to the key."""
         return KeyRef(self.channel.field, self.place)
 
 
@@ -69,7 +69,7 @@ class ValueRange:
 
 
 class ValueCurves:
-    """Channels of the curve editor, and the range of values of each unit, or if ``normalized`` of each channel."""
+    """Channels of the curve editor, and the visible value range of each unit, or of each channel if ``normalized``."""
 
     def __init__(self) -> None:
         self.shown = False
@@ -79,12 +79,12 @@ class ValueCurves:
         """The channel that was taken hold of last, whose value the field shows."""
 
     def channels(self, shown: RowContext) -> list[tuple[Channel, Keyed]]:
-        """Channels of the selection."""
+        """Channels of the selected entities, with their keyed values."""
         fields = selected_fields(shown.project, shown.document.selection.items)
         return [(channel, value) for field, value in fields.items() for channel in channels_of(field, value)]
 
     def frame(self, shown: RowContext, selected: bool) -> None:
-        """Fit all values, or with ``selected`` those of the selected keys, and their times."""
+        """Fit the time and value range of all keys into view, or with ``selected`` those of the selected keys."""
         keys = shown.document.keys.by_field() if selected else {}
         found: dict[Hashable, list[float]] = {}
         units: dict[Hashable, str] = {}
@@ -109,16 +109,16 @@ class ValueCurves:
             shown.axis.reveal(times[0])
 
     def set_normalized(self, normalized: bool) -> None:
-        """Show every channel over the whole height, or again those of a unit in the same range."""
+        """Scale each channel to the full height, or show channels of the same unit on one scale."""
         self.normalized = normalized
         self.ranges.clear()
 
     def _scale(self, channel: Channel) -> Hashable:
-        """Key of the range of a channel."""
+        """Key in the table of value ranges: the channel if normalized, else its unit."""
         return channel if self.normalized else channel.unit
 
     def range_of(self, shown: RowContext, channel: Channel) -> ValueRange:
-        """Visible range of values of a channel and of those that share it; all of them until it is framed."""
+        """Visible value range of a channel; that of all values until curves are framed."""
         scale = self._scale(channel)
         if scale not in self.ranges:
             values = [
@@ -134,39 +134,39 @@ class ValueCurves:
         return self.ranges[scale]
 
     def zoom(self, factor: float, share: float) -> None:
-        """Scale the values by ``factor`` about a fraction ``share`` of the height from the bottom."""
+        """Magnify the values by ``factor`` about the fraction ``share`` of the height, from the bottom."""
         for scale, old in self.ranges.items():
             fixed, span = old.low + share * (old.high - old.low), (old.high - old.low) / factor
             self.ranges[scale] = ValueRange(fixed - share * span, fixed + (1.0 - share) * span)
 
     def scroll(self, share: float) -> None:
-        """Move the values up by a fraction of the height."""
+        """Scroll the values up by the fraction ``share`` of the height."""
         for scale, old in self.ranges.items():
             step = share * (old.high - old.low)
             self.ranges[scale] = ValueRange(old.low - step, old.high - step)
 
     def y_of(self, shown: RowContext, area: QRect, channel: Channel, value: float) -> float:
-        """Pixel of a value."""
+        """Vertical pixel of a value."""
         return float(self._ys_of(shown, area, channel, np.float64(value)))
 
     def _ys_of(self, shown: RowContext, area: QRect, channel: Channel, values: FloatArray | np.float64) -> FloatArray:
-        """Pixels of values, of the same shape."""
+        """Vertical pixels of values, of the same shape."""
         span = self.range_of(shown, channel)
         return np.asarray(area.bottom() - (values - span.low) / (span.high - span.low) * area.height())
 
     def value_of(self, shown: RowContext, area: QRect, channel: Channel, pixels: float) -> float:
-        """Difference of values for a number of pixels upwards."""
+        """Difference in value for a number of pixels upwards."""
         span = self.range_of(shown, channel)
         return pixels / area.height() * (span.high - span.low)
 
     def point(self, shown: RowContext, area: QRect, channel: Channel, keyed: Keyed, index: int) -> QPointF:
-        """Pixel of a key."""
+        """Pixel position of a key."""
         value = float(key_values(channel, keyed)[index])
         x = shown.axis.x_of_time(stage_time(shown, channel.field, keyed.times[index]))
         return QPointF(x, self.y_of(shown, area, channel, value))
 
     def handle_point(self, shown: RowContext, area: QRect, handle: HandleRef, keyed: Keyed) -> QPointF | None:
-        """Pixel of the end of a tangent's handle."""
+        """Pixel position of the end of a tangent handle; None if there is none."""
         assert handle.side is not None
         found = handle_of(handle.channel, keyed, handle.place, handle.side)
         if found is None:
@@ -177,7 +177,7 @@ class ValueCurves:
         return QPointF(x, self.y_of(shown, area, handle.channel, there))
 
     def handles(self, shown: RowContext, area: QRect) -> Iterator[tuple[HandleRef, QPointF]]:
-        """Handles of the selected keys."""
+        """Tangent handles of the selected keys, with their pixel positions."""
         selected = shown.document.keys.by_field()
         for channel, keyed in self.channels(shown) if selected else ():
             for place in selected.get(channel.field, ()):
@@ -188,7 +188,7 @@ class ValueCurves:
                         yield handle, point
 
     def points(self, shown: RowContext, area: QRect) -> Iterator[tuple[HandleRef, QPointF]]:
-        """Keys of all channels."""
+        """Keys of all channels, with their pixel positions."""
         for channel, keyed in self.channels(shown):
             project, clip = shown.project, shown.subject.clip
             xs = shown.axis.xs_of_times(all_to_stage(project, clip, channel.field, keyed.times))
@@ -197,9 +197,11 @@ class ValueCurves:
                 yield HandleRef(channel, place), QPointF(x, y)
 
     def hit(self, shown: RowContext, area: QRect, position: QPointF) -> HandleRef | None:
-        """Handle, or else key, under the mouse; of several the nearest, in the active channel first."""
+        """Handle, or else key, under the mouse: the nearest one, in the active channel first. None if there is none."""
         for candidates in (self.handles(shown, area), self.points(shown, area)):
-            near = [(each, at) for each, at in candidates if clipped_span(position, at.x(), at.y(), CURVE_KEY_REACH)]
+            near = [
+                (each, at) for each, at in candidates if clipped_span(position, at.x(), at.y(), CURVE_KEY_GRAB_PIXELS)
+            ]
             if near:
                 return min(
                     near, key=lambda each: (each[1] - position).manhattanLength() - (each[0].channel == self.active)
@@ -207,7 +209,7 @@ class ValueCurves:
         return None
 
     def paint(self, painter: QPainter, row: QRect, shown: RowContext) -> None:
-        """Draw the curves, their keys, and the handles of selected ones."""
+        """Paint the curves, their keys, and the handles of selected keys."""
         area = plot_area(row)
         channels = self.channels(shown)
         painter.save()
@@ -231,7 +233,7 @@ class ValueCurves:
         painter.restore()
 
     def _paint_scale(self, painter: QPainter, area: QRect, shown: RowContext, channel: Channel) -> None:
-        """Draw lines at round values of one channel, with their numbers."""
+        """Paint grid lines at round values of a channel, with their numbers."""
         span = self.range_of(shown, channel)
         step = 10.0 ** np.floor(np.log10((span.high - span.low) / 2.0))
         step *= 2.0 if (span.high - span.low) / step > 8.0 else 1.0
@@ -247,9 +249,9 @@ class ValueCurves:
     def _paint_field(
         self, painter: QPainter, area: QRect, shown: RowContext, channels: list[tuple[Channel, Keyed]]
     ) -> None:
-        """Draw the curves of all channels of one field, evaluated at once."""
+        """Paint the curves of all channels of one field, which are evaluated together."""
         field, keyed = channels[0][0].field, channels[0][1]
-        xs = np.arange(area.left(), area.right() + SAMPLE, SAMPLE)
+        xs = np.arange(area.left(), area.right() + CURVE_SAMPLE_PIXELS, CURVE_SAMPLE_PIXELS)
         stage = shown.axis.start + (xs - shown.axis.left) / shown.axis.scale
         times = np.unique(np.concatenate([own_times(shown, field, stage), keyed.times]))
         components = components_at(keyed, times)
@@ -272,29 +274,29 @@ def _paint_handle(painter: QPainter, key: QPointF, end: QPointF) -> None:
 
 
 def plot_area(row: QRect) -> QRect:
-    """Rectangle of the curves in the plot."""
+    """Rectangle of the curves within the graph."""
     return row.adjusted(ROW_LABEL_WIDTH, 10, 0, -10)
 
 
 def colour_of(channel: Channel) -> str:
-    """Colour of a curve: of its axis, or light."""
+    """Colour of a channel's curve: that of its axis, or a light one."""
     return CHANNEL_COLOURS.get(channel.name, colours.TEXT_SECOND)
 
 
 def stage_time(shown: RowContext, field: KeyedField, seconds: float) -> float:
-    """Seconds of the stage for seconds of a field."""
+    """Stage time in seconds of a time of a field."""
     return to_stage(shown.project, shown.subject.clip, field, seconds)
 
 
 def own_times(shown: RowContext, field: KeyedField, stage: ArrayLike) -> FloatArray:
-    """Inverse of ``stage_time``, for one or many."""
+    """Times of a field in seconds at the stage times ``stage``, one or many."""
     seconds = np.asarray(stage, dtype=np.float64)
     counted = counted_in(shown.project, shown.subject.clip, field)
     return seconds if counted is None else counted.motion_seconds(seconds, shown.project.frame_rate_of(counted))
 
 
 def value_in(shown: RowContext, channel: Channel) -> Keyed | None:
-    """Keyed value of a channel."""
+    """Keyed value of a channel; None if it no longer has keys."""
     return keyed_value(shown.project, channel.field)
 
 
@@ -306,13 +308,13 @@ def _framed(values: Iterable[float], unit: str) -> ValueRange:
     every = np.array([*values]) if values else np.array([0.0, 1.0])
     every = every if len(every) else np.array([0.0, 1.0])
     low, high = float(every.min()), float(every.max())
-    span = max(high - low, LEAST_SPAN.get(unit, 0.1))
+    span = max(high - low, MIN_VALUE_SPAN.get(unit, 0.1))
     middle = (low + high) / 2.0
     return ValueRange(middle - span * (0.5 + CURVE_FRAME_MARGIN), middle + span * (0.5 + CURVE_FRAME_MARGIN))
 
 
 def _paint_legend(painter: QPainter, area: QRect, channels: list[Channel]) -> None:
-    """Draw the names of the curves in their colours."""
+    """Paint the names of the channels in their colours."""
     painter.setFont(font(11))
     x = float(area.left() + 6)
     for name, colour in dict.fromkeys((f"{each.name} {each.unit}".strip(), colour_of(each)) for each in channels):

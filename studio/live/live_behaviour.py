@@ -1,4 +1,4 @@
-"""Behaviours in live playback: what performers sense, and the acts that their states begin."""
+"""Behaviours in live play: the inputs of their conditions, and the acts that their states start."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -23,13 +23,15 @@ from studio.core.stage.whom import BehaviourTarget, DistanceMeasure, followed_by
 
 FloatArray = NDArray[np.float64]
 
-SLOWING = 0.5
-"""Seconds in which a body that holds its current pose comes to rest."""
+SLOWING_SECONDS = 0.5
+"""Seconds in which a performer that holds its current pose comes to rest."""
 
 
 @dataclass(frozen=True)
 class StartedAct:
-    """Clip that a state lets a performer play, and the constraints that it adds; ``steps`` if it begins with a step."""
+    """Clip that a state plays on a performer, and the constraints ``asked`` that the state adds; ``steps`` is True if
+    it begins with a step.
+    """
 
     clip: Clip
     asked: tuple[Constraint, ...] = ()
@@ -38,7 +40,7 @@ class StartedAct:
 
 @dataclass(frozen=True)
 class StageView:
-    """Stage as last solved, at ``seconds``, and the state of each performer's behaviour."""
+    """Stage as last solved, at ``seconds``, and the current state of each performer's behaviour."""
 
     project: Project
     results: Mapping[str, AdaptedMotion]
@@ -46,7 +48,7 @@ class StageView:
     seconds: float
 
     def place_of(self, whom: BehaviourTarget, role: Role) -> FloatArray | None:
-        """Stage position (3,) of the performer or prop that ``whom`` means in a role; None if it is not there."""
+        """Stage position (3,) of the target ``whom`` for a performer in ``role``; None if it is missing."""
         follow = followed_by(whom, role.partner_id)
         if isinstance(follow, FollowPerformer):
             result = self.results.get(follow.performer_id)
@@ -67,7 +69,7 @@ class StageView:
         return np.asarray(track.positions[0] + track.rotations[0] @ offset)
 
     def unit_of(self, gap: DistanceMeasure, role: Role) -> float:
-        """Metres of one unit of a distance in a role: 1, or the mean leg length of both performers."""
+        """Metres per unit of a distance: 1, or the mean leg length of both performers."""
         if not gap.legs:
             return 1.0
         follow = followed_by(gap.whom, role.partner_id)
@@ -76,7 +78,7 @@ class StageView:
         return sum(each.morphology.leg_length for each in bodies) / len(bodies)
 
     def state_of(self, key: str) -> tuple[State, Role] | None:
-        """State of a performer's behaviour, and its role; None without a behaviour."""
+        """Current state of a performer's behaviour, and its role; None without a behaviour."""
         behaviour = self.project.behaviours.get(self.project.behaviour_of(key) or "")
         state = behaviour.state(self.running[key].state) if behaviour and key in self.running else None
         role = behaviour.role_of(key) if behaviour else None
@@ -84,13 +86,15 @@ class StageView:
 
 
 def started_act(state: State, role: Role, blend: float, playing: Clip, frame: int, frame_rate: float) -> StartedAct:
-    """Act that begins with a state, for a performer that plays ``frame`` of the clip ``playing`` at that moment."""
+    """Act of a state for a performer that currently plays ``frame`` of the clip ``playing``; ``blend`` is in
+    seconds.
+    """
     if state.clip is not None:
         goes_on = replace(playing, start=0.0, first=0, ease=0.0) == replace(state.clip, start=0.0, first=0, ease=0.0)
         first = frame if goes_on and state.clip.first <= frame < state.clip.last else state.clip.first
         clip = replace(state.clip, first=first, joined=True, ease=blend)
     else:  # slower and slower, until the last frame is held
-        last = frame + max(round(SLOWEST_CLIP * SLOWING * frame_rate), 1)
+        last = frame + max(round(SLOWEST_CLIP * SLOWING_SECONDS * frame_rate), 1)
         clip = replace(
             playing, first=frame, last=last, speed=SLOWEST_CLIP, repeats=1, turn=0.0, offset=(0.0, 0.0), ease=blend
         )
@@ -99,9 +103,10 @@ def started_act(state: State, role: Role, blend: float, playing: Clip, frame: in
 
 
 def condition_input(seen: StageView, behaviour: Behaviour, role: Role, heard: ConditionInput) -> ConditionInput:
-    """Senses of a performer: ``heard``, with the distances that its state tests, measured in the last solved frame.
+    """Inputs for the conditions of a performer's state: ``heard`` events and keys, and the distances that the state
+    tests, measured in the last solved frame.
 
-    ``heard.gaps`` is ignored; the distance to a performer or prop that is not there is left out.
+    ``heard.gaps`` is ignored; distances to missing performers or props are left out.
     """
     gaps: dict[DistanceMeasure, float] = {}
     for gap in behaviour.gaps_from(seen.running[role.performer_id].state):

@@ -1,4 +1,4 @@
-"""Present state of a performer on the stage: frame of its clip, pose and placement."""
+"""Posed performer: the frame of a performer's motion at a stage time, its pose and placement."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -25,30 +25,32 @@ from studio.document.document import Document
 from studio.engine.live_interface import Live
 
 FloatArray = NDArray[np.float64]
-PATH_RATE = 15.0
-"""Hertz at which paths over the stage are sampled."""
-Results = Callable[[str], AdaptedMotion | None]
+PATH_RATE_HZ = 15.0
+"""Frequency in Hz at which paths over the stage are sampled."""
+ResultOf = Callable[[str], AdaptedMotion | None]
 """The newest adapted motion by id, or None while there is none."""
 
 
 def motion_time(clip: Clip, frame_rate: float, time: float) -> float:
-    """Seconds of the clip's motion, in its first repeat, that play at stage ``time``, clamped to the clip."""
+    """Time of the clip's motion in seconds at the stage time ``time``, within the first loop and clamped to the
+    clip.
+    """
     seconds = float(clip.motion_seconds(time, frame_rate))
     return min(max(seconds, clip.first / frame_rate), clip.last / frame_rate)
 
 
 def stage_time(clip: Clip, frame_rate: float, time: float) -> float:
-    """Stage time at which second ``time`` of the clip's motion plays first."""
+    """Stage time in seconds at which the time ``time`` of the clip's motion first plays."""
     return float(clip.stage_seconds(time, frame_rate))
 
 
 def row_at(motion: AdaptedMotion, timing: Timing | None, time: float) -> int:
-    """Row of ``motion`` shown at stage ``time``: the nearest frame."""
+    """Index of the frame of ``motion`` nearest to a stage time in seconds."""
     return int(rows_at(motion, timing, [time])[0])
 
 
 def rows_at(motion: AdaptedMotion, timing: Timing | None, times: ArrayLike) -> NDArray[np.intp]:
-    """(N,) rows of ``motion`` shown at stage ``times`` (N,), as ``row_at``."""
+    """(N,) indices of the frames of ``motion`` nearest to stage times (N,) in seconds."""
     frames = np.asarray(times) * motion.frame_rate if timing is None else timing.frames_at(times)
     rows = np.rint(frames).astype(np.intp) - motion.first_frame
     return np.clip(rows, 0, motion.frame_count - 1)
@@ -56,34 +58,36 @@ def rows_at(motion: AdaptedMotion, timing: Timing | None, times: ArrayLike) -> N
 
 @dataclass(frozen=True, eq=False)
 class PosedPerformer:
-    """Performer at one moment: its motion, the row of it, and its placement."""
+    """Performer at one moment: its adapted motion, the index ``row`` of the current frame, and its placement on the
+    stage.
+    """
 
     performer: Performer
     motion: AdaptedMotion
     row: int
     placement: Placement
     resting: bool = False
-    """True if it stands still until its motion begins."""
+    """True if the performer has no motion yet and is in its rest pose."""
     frames_around: AdaptedMotion | None = None
-    """The newest motion over time, where ``motion`` is only the frame that is shown."""
+    """Newest motion with several frames, if ``motion`` is only the displayed frame."""
 
     captures: tuple[Capture, ...] = ()
-    """Captures of its clips."""
+    """Captures of the performer's clips."""
 
     holding: float = 0.0
-    """From 0 to 1, as its hands come to a prop and leave it."""
+    """Fraction from 0 to 1 by which the hands have closed on a prop."""
     holding_grip: float = 0.0
-    """Grip of hands that hold that prop."""
+    """Hand pose, from -1 (open) to 1 (fists), of hands that hold the prop."""
 
     @property
     def frame(self) -> int:
-        """Frame of the whole motion."""
+        """Frame number in the whole motion."""
         return self.row + self.motion.first_frame
 
     @property
     def over_time(self) -> AdaptedMotion:
-        """Newest motion with more frames than the shown one, if there is one of a body with the same segments: another
-        character may have just been put in place of the one that it was solved for.
+        """Newest motion with several frames, for paths over time; the displayed frame if that motion is of a body with
+        other segments, because the character was just replaced.
         """
         around = self.frames_around
         if around is None or around.morphology.layout != self.motion.morphology.layout:
@@ -92,28 +96,30 @@ class PosedPerformer:
 
     @cached_property
     def points(self) -> FloatArray:
-        """(K+23, 3) canonical points on the stage."""
+        """(K+23, 3) canonical points on the stage, in metres."""
         return self.placement.to_stage(self.motion.positions[self.row])
 
-    def is_as_in(self, newer: AdaptedMotion) -> bool:
+    def has_same_pose(self, newer: AdaptedMotion) -> bool:
         """True if a newer result of the same performer has the same pose at this moment."""
         row = self.frame - newer.first_frame
         return 0 <= row < newer.frame_count and np.array_equal(newer.positions[row], self.motion.positions[self.row])
 
     @cached_property
     def played(self) -> PlayedPiece | None:
-        """Clip of the performer's track that plays at this frame; None for a motion that is not composed of clips."""
+        """Clip piece of the composite motion that plays at this frame; None for a motion that is not composed of
+        clips.
+        """
         composite = self.motion.composite
         return composite.piece_at(self.frame) if composite else None
 
     @property
     def mirrored(self) -> bool:
-        """True if the clip that plays is mirrored."""
+        """True if the playing clip is mirrored."""
         return self.played is not None and self.played.piece.mirrored
 
     @cached_property
     def seconds(self) -> float:
-        """Seconds of the playing motion."""
+        """Time in seconds of the playing clip's motion."""
         frame, composite = self.frame, self.motion.composite
         if composite is None or composite.is_plain:
             return frame / self.motion.frame_rate
@@ -122,14 +128,14 @@ class PosedPerformer:
 
     @cached_property
     def clip(self) -> Clip | None:
-        """Playing clip."""
+        """Clip that plays at this frame; None if there is none."""
         clips, played = self.performer.clips, self.played
         place = played.piece.origin[0] if played else 0
         return clips[min(place, len(clips) - 1)] if clips else None
 
     def grip(self, own: float) -> float:
-        """Grip from -1, open, to 1, fists: that of the playing clips or, without one, of held props,
-        else its ``own``.
+        """Hand pose from -1 (open) to 1 (fists): that of the playing clips, else that of held props, else the
+        character's ``own``.
         """
         own += self.holding * (self.holding_grip - own)
         clips, composite = self.performer.clips, self.motion.composite
@@ -149,12 +155,12 @@ class PosedPerformer:
 
     @property
     def shape_of_hands(self) -> tuple[object, ...]:
-        """Values on which ``fingers`` depend beside the frame of the motion."""
+        """Values on which ``fingers`` depend apart from the frame of the motion."""
         return self.performer.clips, tuple(map(id, self.captures)), self.holding, self.holding_grip
 
     @cached_property
     def fingers(self) -> FingerPoses | None:
-        """Fingers in this frame; None for a motion that is not composed of clips."""
+        """Finger poses of this frame; None for a motion that is not composed of clips."""
         composite, held = self.motion.composite, (self.holding, self.holding_grip)
         if composite is None or not self.captures:
             return None
@@ -164,13 +170,13 @@ class PosedPerformer:
 
     @property
     def streamed_fingers(self) -> FingerPoses | None:
-        """Fingers in this frame; None for a performer whose clips neither capture them nor ask for a grip."""
+        """Finger poses of this frame; None if the clips neither capture fingers nor set a hand pose."""
         known = any(clip.grip is not None for clip in self.performer.clips) or any(map(has_fingers, self.captures))
         return self.fingers if known or self.holding else None
 
     @cached_property
     def clip_placement(self) -> Placement:
-        """Placement of the playing motion on the stage, the space of its constraints and targets."""
+        """Placement on the stage of the playing clip's motion, the space of constraints and targets."""
         played, leg = self.played, self.motion.body.leg_length
         if played is None:
             return self.placement
@@ -178,13 +184,15 @@ class PosedPerformer:
         return self.placement.compose(Placement((leg * x, leg * y), played.placement.turn))
 
     def points_in_clip(self, points: ArrayLike) -> FloatArray:
-        """Points (..., 3) of the performer's motion in the space of the playing clip, that of its constraints."""
+        """Points (..., 3) of the performer's motion in the space of the playing clip, which is that of its
+        constraints.
+        """
         if self.clip_placement == self.placement:
             return np.asarray(points)
         return self.clip_placement.to_motion(self.placement.to_stage(points))
 
     def rotation_in_clip(self, part: BodyPart) -> FloatArray:
-        """Rotation (3, 3) of a segment in the space of the playing clip."""
+        """Rotation matrix (3, 3) of a segment in the space of the playing clip."""
         rotation: FloatArray = self.motion.rotations[self.row, self.motion.morphology.layout.segment_of_part(part)]
         if self.clip_placement == self.placement:
             return rotation
@@ -192,11 +200,11 @@ class PosedPerformer:
 
     @property
     def motion_id(self) -> str | None:
-        """Id of the playing motion."""
+        """Id of the playing motion; None if there is none."""
         return self.clip.motion_id if self.clip else None
 
     def contacts_in(self, project: Project) -> tuple[ContactInterval, ...]:
-        """Contacts of its motion; in a row of clips those of feet as they step where a clip takes over."""
+        """Contacts of the playing motion; on a track with several clips, the foot contacts after transitions."""
         composite = self.motion.composite
         if composite is None:
             return tuple(project.contacts_of(self.motion_id or "").values())
@@ -205,7 +213,7 @@ class PosedPerformer:
 
 
 def pose_of(project: Project, performer_id: str, motion: AdaptedMotion, time: float) -> PosedPerformer:
-    """Pose of a performer that plays ``motion``, at stage ``time``."""
+    """Pose of a performer with the adapted ``motion`` at a stage time in seconds."""
     performer = project.performers[performer_id]
     weights, grips = grips_on_props(project.props.values(), performer_id, np.array([time]))
     return PosedPerformer(
@@ -224,9 +232,11 @@ def _row_of(project: Project, performer: Performer, motion: AdaptedMotion, time:
 
 
 def posed_performers(
-    project: Project, result_of: Results, time: float, around: Results = lambda _: None
+    project: Project, result_of: ResultOf, time: float, around: ResultOf = lambda _: None
 ) -> dict[str, PosedPerformer]:
-    """Pose of each visible performer with an adapted motion, at ``time``; ``around`` as in ``PosedPerformer``."""
+    """Poses by id of the visible performers that have an adapted motion, at a stage time in seconds; ``around`` returns
+    motions over several frames.
+    """
     posed = {}
     for performer_id, performer in project.performers.items():
         character = project.characters.get(performer.character_id) if performer.visible else None
@@ -239,7 +249,7 @@ def posed_performers(
 
 
 def displayed_stage(document: Document, live: Live) -> tuple[Project, float, dict[str, PosedPerformer]]:
-    """Project, stage time and pose of every visible performer: at the playhead, or as the stage plays live."""
+    """Project, stage time in seconds, and poses of the visible performers: at the playhead, or of live play."""
     moment = live.play.moment
     if moment is not None:
         return moment.project, moment.seconds, posed_performers(moment.project, live.shown_frame, moment.seconds)
@@ -247,13 +257,13 @@ def displayed_stage(document: Document, live: Live) -> tuple[Project, float, dic
     return project, time, posed_performers(project, live.shown_frame, time, live.result)
 
 
-def swept_points(project: Project, result_of: Results) -> dict[str, FloatArray]:
-    """(T, P, 2) points on the ground below those of each performer that has an adapted motion, the root first, in
-    metres, over all clips, from its position on the stage, in the axes of its placement. T is 1 at least.
+def swept_points(project: Project, result_of: ResultOf) -> dict[str, FloatArray]:
+    """(T, P, 2) ground positions in metres of the points of each performer over all its clips, root first, relative to
+    its position and in the axes of its placement.
     """
     clips = [clip for performer in project.performers.values() for clip in performer.clips]
     end = max((clip.start + clip.length(project.frame_rate_of(clip)) for clip in clips), default=0.0)
-    times = np.arange(int(max(end, 0.0) * PATH_RATE) + 1) / PATH_RATE
+    times = np.arange(int(max(end, 0.0) * PATH_RATE_HZ) + 1) / PATH_RATE_HZ
     swept = {}
     for performer_id, performer in project.performers.items():
         motion = result_of(performer_id) if performer.clips else None
@@ -264,7 +274,7 @@ def swept_points(project: Project, result_of: Results) -> dict[str, FloatArray]:
 
 
 def resting_performers(project: Project, posed: Mapping[str, PosedPerformer]) -> dict[str, PosedPerformer]:
-    """Rest pose, at its position on the stage, of every visible performer that is not in ``posed``."""
+    """Rest poses of the visible performers that are not in ``posed``, at their positions on the stage."""
     resting = {}
     for performer_id, performer in project.performers.items():
         character = project.characters.get(performer.character_id) if performer.visible else None
@@ -276,7 +286,7 @@ def resting_performers(project: Project, posed: Mapping[str, PosedPerformer]) ->
 
 
 def has_new_frames(project: Project, posed: Mapping[str, PosedPerformer], time: float) -> bool:
-    """True if any performer has another frame at stage ``time`` than its pose."""
+    """True if any performer has another frame at the stage time ``time`` than in ``posed``."""
     return any(
         one.over_time.first_frame + _row_of(project, one.performer, one.over_time, time) != one.frame
         for one in posed.values()

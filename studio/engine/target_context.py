@@ -1,4 +1,4 @@
-"""A performer at one moment, and the present targets of its constraints, keyed and followed ones included."""
+"""Poses of performers at one moment, with reading and moving of the targets of their constraints."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ from studio.core.solver.performers.rows import clip_transform
 from studio.core.solver.request import UnconstrainedPoses
 from studio.core.stage.mirrored_props import constraint_as_played
 from studio.core.stage.project import Project
-from studio.engine.performance import PosedPerformer
+from studio.engine.posed_performer import PosedPerformer
 from studio.engine.prop_places import prop_at
 
 FloatArray = NDArray[np.float64]
@@ -28,14 +28,16 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class TargetContext:
-    """Reads and moves the targets of constraints of the performer ``pose``; ``posed`` are all at that stage time."""
+    """Reader and editor of constraint targets at one moment: of the performer ``pose``, among all performers ``posed``
+    at that stage time.
+    """
 
     project: Project
     posed: Mapping[str, PosedPerformer]
     pose: PosedPerformer
 
     def with_targets_fixed(self, constraint: Constraint) -> Constraint | None:
-        """Constraint with its targets fixed at their present positions; None while a followed target is missing."""
+        """Constraint with its targets replaced by their current positions; None while a followed target is missing."""
         moving = {*follows_of(constraint), *own_places_of(constraint)}
         tracks: dict[Follow | OwnPlace | Support, Track]
         tracks = {each: track for each in moving if (track := self.track(each)) is not None}
@@ -45,12 +47,14 @@ class TargetContext:
         return fixed_at(constraint, Targets(now, tracks, lambda: np.zeros((1, 3)), leg_length))
 
     def as_played(self, constraint: Constraint) -> Constraint:
-        """Constraint on the side where the playing clip has it. Its own inverse."""
+        """Constraint mirrored if the playing clip is; applied twice, it returns the original."""
         clip = self.pose.clip
         return constraint if clip is None else constraint_as_played(self.project, self.performer_id, clip, constraint)
 
     def with_target_moved(self, constraint: Constraint, position: Vector) -> Constraint:
-        """Constraint with its target moved to ``position`` now, by a key, centre or offset; the same if it has none."""
+        """Constraint with its target moved to ``position`` at this moment, by a key, centre or offset; unchanged if it
+        has no target.
+        """
         name = constraint.shown.held_by
         target: Place | None = getattr(constraint, name, None)
         held: dict[str, object]
@@ -66,19 +70,23 @@ class TargetContext:
         return with_fields(constraint, **held)
 
     def with_target_rotation(self, constraint: Constraint, turn: Quaternion) -> Constraint:
-        """Orientation constraint with its target rotated to ``turn`` now, as by ``with_target_moved``."""
+        """Orientation constraint with its target rotated to ``turn`` (x, y, z, w) at this moment, by a key or an
+        offset.
+        """
         target = getattr(constraint, "target")  # noqa: B009 - only an orientation comes here
         track = self.track(target) if isinstance(target, Follow) else None
         return with_fields(constraint, target=turned_target(target, turn, self.pose.seconds, track))
 
     def own_place(self, point: BodyPoint, position: Vector, seconds: float) -> OwnPlace | None:
-        """``position`` relative to each body's own ``point`` at ``seconds``; None if no body is grounded."""
+        """``position`` expressed relative to each performer's own ``point`` at ``seconds`` of the motion; None if the
+        motion is not grounded yet.
+        """
         own = OwnPlace(point, seconds)
         track = self.track(own)
         return None if track is None else own.moved(self.performer_id, self._in_legs(track.positions[0], position))
 
     def _moved_own(self, target: Place, own: OwnPlace, begin: Vector, position: Vector) -> Place:
-        """Per-character target moved from its present position ``begin`` to ``position``."""
+        """Per-character target moved from its current position ``begin`` to ``position``."""
         further = self._in_legs(begin, position)
         if isinstance(target, KeyedOwnPlace):
             return target.moved_at(self.pose.seconds, self.performer_id, further)
@@ -90,7 +98,7 @@ class TargetContext:
 
     @cached_property
     def time(self) -> float:
-        """Seconds of the stage."""
+        """Stage time in seconds."""
         composite, frame = self.pose.motion.composite, self.pose.row + self.pose.motion.first_frame
         if composite is None:
             return frame / self.pose.motion.frame_rate
@@ -98,11 +106,13 @@ class TargetContext:
 
     @cached_property
     def performer_id(self) -> str:
-        """Performer of the pose."""
+        """Id of the performer."""
         return next(key for key, pose in self.posed.items() if pose is self.pose)
 
     def track(self, follow: Follow | OwnPlace) -> Track | None:
-        """Present track of a followed target, in the space of this performer's motion."""
+        """Current position and rotation of a followed target, in the space of the performer's motion; None if it is
+        missing.
+        """
         from studio.core.solver.performers.followed_tracks import captured_joint_track, performer_track  # loads kernels
         from studio.core.solver.performers.prop_tracks import track_in_motion_space
 
@@ -138,7 +148,7 @@ class TargetContext:
         return None
 
     def _own_track(self, place: OwnPlace, unasked: UnconstrainedPoses) -> Track:
-        """Per-character position, in the space of the playing motion."""
+        """Current per-character position, in the space of the playing motion."""
         from studio.core.solver.performers.followed_tracks import own_track  # as above
 
         pose, body = self.pose, self.pose.motion.body
@@ -152,7 +162,7 @@ class TargetContext:
         return Track(places + body.leg_length * np.array(place.offset), track.rotations)
 
     def support_outline(self) -> FloatArray | None:
-        """(N, 2) outline of the present contacts, in the motion's space; None without contacts."""
+        """(N, 2) outline of the support polygon, motion space; None without contacts."""
         from studio.core.solver.standing.support_polygon import corners, standing_mask, support_polygons  # as above
 
         motion, row = self.pose.motion, slice(self.pose.row, self.pose.row + 1)

@@ -1,4 +1,4 @@
-"""Grounding of a live body, one pose at a time, without knowledge of later poses (METHOD 6)."""
+"""Grounding of a live body, one pose at a time, without knowledge of later poses ([METHOD 6])."""
 
 import math
 
@@ -21,13 +21,13 @@ FloatArray = NDArray[np.float64]
 
 FLOOR_RISE_SPEED = 0.01
 """Speed (m/s) at which the reference height of low feet rises while no foot comes down to it."""
-LOST = 0.5
-"""Seconds without a pose after which the contacts of a body are reset."""
-BITS = {point: HEEL_STANDS if point.is_heel else TOE_STANDS for point in FOOT_POINTS}
+LOST_POSE_SECONDS = 0.5
+"""Seconds without a pose after which the foot contacts are reset."""
+STANDING_BITS = {point: HEEL_STANDS if point.is_heel else TOE_STANDS for point in FOOT_POINTS}
 
 
 class LiveGrounding:
-    """Grounding of a body's newest pose by ``stand``; the contacts of the feet are kept from one call to the next."""
+    """Grounding of a body's newest pose by ``stand``; foot contacts are kept from one call to the next."""
 
     def __init__(self) -> None:
         self._request: AdaptRequest | None = None
@@ -39,15 +39,15 @@ class LiveGrounding:
 
     @property
     def states(self) -> tuple[int, ...]:
-        """Parts of each foot that stand, as bits of ``kernels.support.sole``."""
+        """Standing parts of each foot, as the bits HEEL_STANDS and TOE_STANDS."""
         return tuple(foot.state for foot in self._feet)
 
     def stand(self, request: AdaptRequest, seconds: float) -> GroundedMotion:
-        """Grounded still motion of ``request`` on its body and ground, at ``seconds`` by the clock."""
+        """Grounded still motion of ``request`` on its body and ground, at the clock time ``seconds``."""
         before, self._request = self._request, request
         same = before is not None and before.morphology is request.morphology and before.ground == request.ground
         if self._standing is None or not (same and before is not None and before.motion is request.motion):
-            begins = not same or not seconds - self._seconds < LOST
+            begins = not same or not seconds - self._seconds < LOST_POSE_SECONDS
             self._standing = self._stand(request, 0.0 if begins else seconds - self._seconds, begins)
             self._seconds = seconds
         return self._standing
@@ -73,7 +73,7 @@ class LiveGrounding:
         return self._standing_of(request, footing, positions, rotations)
 
     def _low_of(self, feet: list[FootPose], dt: float) -> float:
-        """Height (m) of the lowest heel or ball of late; it rises slowly, and by ``GREATEST_DRIFT`` at most."""
+        """Height in metres of the recently lowest heel or ball; it rises slowly, and by ``GREATEST_DRIFT`` at most."""
         points = [foot.points_of(pose)[:, 2] for foot, pose in zip(self._feet, feet, strict=True)]
         lowest = float(np.min(points))
         self._lowest = min(self._lowest, lowest)
@@ -81,13 +81,13 @@ class LiveGrounding:
         return self._low
 
     def _floor_under(self, feet: list[FootPose], dt: float) -> float:
-        """Height (m) of the sender's floor, smoothed, measured by feet that stand flat."""
+        """Smoothed height in metres of the sender's floor, measured by feet that stand flat."""
         pairs = zip(self._feet, feet, strict=True)
         flat = [foot.points_of(pose)[:, 2].mean() for foot, pose in pairs if foot.state == SOLE_STANDS]
         return self._floor.follow(float(np.mean(flat)), dt) if flat else self._floor.value
 
     def _footing(self, request: AdaptRequest, aimed: list[FootPose], positions: FloatArray) -> Footing:
-        """Footing of both frames of the still motion, which are alike."""
+        """Footing of both frames of the still motion, which are equal."""
         motion, body = request.motion, request.morphology.first_frame_body
         count = motion.frame_count
         states, weights = (np.array([[each] * count for each in both]) for both in (self.states, self._weights))
@@ -114,7 +114,9 @@ class LiveGrounding:
         contact = self_contact_of(motion, body, (), request.volume, request.actor, request.clears)
         last = motion.frame_count - 1
         contacts = tuple(
-            ContactInterval("live", point, 0, last) for point, bit in BITS.items() if self.states[point.side] & bit
+            ContactInterval("live", point, 0, last)
+            for point, bit in STANDING_BITS.items()
+            if self.states[point.side] & bit
         )
         standing = GroundedMotion(
             motion=motion,

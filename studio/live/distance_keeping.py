@@ -1,4 +1,4 @@
-"""Distance keeping in live playback: the time, length and rotation of a performer's steps."""
+"""Distance keeping in live play: time, length and rotation of a performer's steps."""
 
 import math
 from dataclasses import replace
@@ -13,18 +13,18 @@ from studio.core.stage.behaviour import Role, State
 from studio.core.stage.manners import KeepDistance
 from studio.core.stage.placement import Placement
 from studio.core.stage.whom import PELVIS_POINT, followed_by
-from studio.live.acting import StageView, StartedAct
+from studio.live.live_behaviour import StageView, StartedAct
 
 FloatArray = NDArray[np.float64]
 
 DISTANCE_STEP_SECONDS = 0.6
 """Seconds that a step of both feet takes."""
-KEEPING_STEP, KEEPING_TURN = 0.4, 0.7
+KEEPING_STEP_METRES, KEEPING_TURN = 0.4, 0.7
 """Maximum displacement (m) and rotation (radians) of one step."""
 KEEPING_FACING_TOLERANCE = 0.25
 """Error of facing in radians that is accepted without a step."""
-SETTLING = 0.3
-"""Seconds after the start of an act, and after a step, in which a performer does not step."""
+SETTLING_SECONDS = 0.3
+"""Seconds after the start of an act, and after a step, during which a performer does not step."""
 
 
 def distance_step(seen: StageView, key: str, act: StartedAct, composite: Composite, frame: int) -> StartedAct | None:
@@ -34,7 +34,11 @@ def distance_step(seen: StageView, key: str, act: StartedAct, composite: Composi
     """
     found = seen.state_of(key)
     kept = _kept(found[0]) if found else None
-    if found is None or kept is None or seen.seconds < act.clip.start + SETTLING + DISTANCE_STEP_SECONDS * act.steps:
+    if (
+        found is None
+        or kept is None
+        or seen.seconds < act.clip.start + SETTLING_SECONDS + DISTANCE_STEP_SECONDS * act.steps
+    ):
         return None
     role, project = found[1], seen.project
     whom, own = seen.place_of(kept.whom, role), seen.place_of(FollowPerformer(key, PELVIS_POINT), role)
@@ -51,7 +55,7 @@ def distance_step(seen: StageView, key: str, act: StartedAct, composite: Composi
         return None
     wrong *= 0.5 if _comes_too(seen, key, kept, role) else 1.0
     leg = project.characters[project.performers[key].character_id].morphology.leg_length
-    way = float(np.clip(wrong, -KEEPING_STEP, KEEPING_STEP)) * away / (apart * leg)
+    way = float(np.clip(wrong, -KEEPING_STEP_METRES, KEEPING_STEP_METRES)) * away / (apart * leg)
     x, y, _ = (placement.rotation.T @ [*way, 0.0]).tolist()
     turned = float(np.clip(turn, -KEEPING_TURN, KEEPING_TURN))
     return replace(act, clip=replace(act.clip, turn=turned, offset=(x, y), ease=DISTANCE_STEP_SECONDS), steps=True)
@@ -68,7 +72,7 @@ def _stance(act: StartedAct, composite: Composite, frame: int) -> float:
 
 
 def _comes_too(seen: StageView, key: str, kept: KeepDistance, role: Role) -> bool:
-    """True if the character that this one keeps its distance from does the same; then each takes half of the step."""
+    """True if the performer from which this one keeps its distance does the same; then each takes half of the step."""
     whom = followed_by(kept.whom, role.partner_id)
     found = seen.state_of(whom.performer_id) if isinstance(whom, FollowPerformer) else None
     other = _kept(found[0]) if found else None
