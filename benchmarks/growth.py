@@ -14,7 +14,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
-from studio.core.constraints.look_at import EYES, LookAtConstraint
+from studio.core.constraints.look_at import EYES_POINT, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.mesh.character import Character
@@ -108,9 +108,12 @@ def many_wishes(adapted: AdaptedMotion) -> tuple[Constraint, ...]:
                 ADAPTED_MOTION_ID, part.label, BodyPoint(part), LIMB, 1, WHOLE_CASE, target=tuple(turn)
             ),
         )
-    eyes = np.median(body_point_positions(EYES, adapted), axis=0)
+    eyes = np.median(body_point_positions(EYES_POINT, adapted), axis=0)
     wishes.insert(
-        4, LookAtConstraint(ADAPTED_MOTION_ID, "Look", EYES, LIMB, 2, WHOLE_CASE, target=(eyes[0] + 3.0, eyes[1], 1.0))
+        4,
+        LookAtConstraint(
+            ADAPTED_MOTION_ID, "Look", EYES_POINT, LIMB, 2, WHOLE_CASE, target=(eyes[0] + 3.0, eyes[1], 1.0)
+        ),
     )
     wishes.insert(
         5, BalanceConstraint(ADAPTED_MOTION_ID, "Balance", BodyPoint(BodyPart.PELVIS), ROOT_CHAIN, 0, WHOLE_CASE)

@@ -36,7 +36,7 @@ from studio.library.catalogue import Catalogue
 from studio.library.clip_labels import Kind, Limb
 from studio.library.indexing import bundled_library
 from studio.library.library import Library
-from studio.library.searching import Result, StrikeQuery, place_before, search_strikes
+from studio.library.searching import Result, StrikeQuery, position_ahead_of, search_strikes
 
 DEFAULT_EXPORT = ExportOptions()
 
@@ -246,7 +246,7 @@ class Scene:
         frame = composite.timing.first + adapted.frame_at(time)
         pose = replace(composite.motion, channels=composite.motion.channels[frame : frame + 1])
         body = adapted.performance.adapted.morphology
-        asked = StrikeQuery(pose, body, place_before(pose, body, target), limbs=limbs, kinds=kinds)
+        asked = StrikeQuery(pose, body, position_ahead_of(pose, body, target), limbs=limbs, kinds=kinds)
         return search_strikes(_library(library), asked, count)
 
     def save(self, path: Path | str) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import platformdirs
 
 from studio.cli.ranges import LONGEST_SECONDS, key_press, number, size, whole
-from studio.core.plausible import FRAME_RATE, PLACE_RANGE
+from studio.core.plausible import FRAME_RATE_RANGE, PLACE_RANGE
 from studio.io.export_choices import REST_POSES, ROOTS
 from studio.io.joint_names import joint_namings
 from studio.library.clip_labels import Kind, Limb
@@ -25,7 +25,7 @@ MOST_FRAMES_READ = 100_000_000
 
 metres = number(-PLACE_RANGE.most, PLACE_RANGE.most, "a number of metres")
 seconds = number(0.0, LONGEST_SECONDS, "a number of seconds")
-frame_rate = number(FRAME_RATE.least, FRAME_RATE.most, "a number of frames per second")
+frame_rate = number(FRAME_RATE_RANGE.least, FRAME_RATE_RANGE.most, "a number of frames per second")
 weight = number(0.0, 1e6, "a weight")
 port = whole(1, 65_535, "a port")
 

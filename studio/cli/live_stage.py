@@ -10,7 +10,7 @@ import numpy as np
 
 from studio.cli.printing import STOPPED, print_json, print_table
 from studio.core.constraints.base import Constraint
-from studio.core.curves.activation import FULLY_ACTIVE
+from studio.core.curves.activation import LEAST_FULL_ACTIVATION
 from studio.core.errors import StudioError
 from studio.core.names import counted_noun
 from studio.core.stage.project import Project
@@ -134,7 +134,7 @@ def _note(stage: LiveStage, parts: dict[str, PerformerTally]) -> None:
             state = stage.running[key].state
             part.states[state] = part.states.get(state, 0) + 1
         for (name, constraint, share), miss in zip(stage.active_constraints(key), result.residuals[:, 0], strict=True):
-            if name and share >= FULLY_ACTIVE and np.isfinite(miss):
+            if name and share >= LEAST_FULL_ACTIVATION and np.isfinite(miss):
                 part.held.setdefault(name, ConstraintTally(constraint)).add(float(miss))
 
 

@@ -10,7 +10,7 @@ from studio.cli.printing import print_json, print_table
 from studio.core.errors import StudioError
 from studio.io.importing import GUESS_ALL
 from studio.jobs.adaptation import chosen_characters, ready_capture
-from studio.library.searching import Result, StrikeQuery, place_before, search_strikes
+from studio.library.searching import Result, StrikeQuery, position_ahead_of, search_strikes
 
 
 def run(arguments: Namespace) -> int:
@@ -38,7 +38,7 @@ def asked_by(arguments: Namespace) -> StrikeQuery:
     return StrikeQuery(
         pose,
         body,
-        place_before(pose, body, arguments.target),
+        position_ahead_of(pose, body, arguments.target),
         limbs=[LIMB_WORDS[name] for name in arguments.limb],
         kinds=[STRIKE_KINDS[name] for name in arguments.kind],
         tags=arguments.tag,

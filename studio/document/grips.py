@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from studio.core.constraints.base import Constraint
-from studio.core.stage.held_grips import SAME_STAGE_TIME, gripped_prop
+from studio.core.stage.held_grips import STAGE_TIME_TOLERANCE_SECONDS, gripped_prop
 from studio.core.stage.prop import Carried, Prop
 from studio.document.edited_project import EditedProject
 
@@ -27,7 +27,7 @@ def remove_grips(document: EditedProject, prop_id: str, hold: Carried, text: str
             for time, open_end in ((hold.begin, -math.inf), (hold.end, math.inf))
         )
         for key, each in document.project.constraints_of(clip.motion_id).items():
-            during = first - SAME_STAGE_TIME <= each.activation.full <= last + SAME_STAGE_TIME
+            during = first - STAGE_TIME_TOLERANCE_SECONDS <= each.activation.full <= last + STAGE_TIME_TOLERANCE_SECONDS
             if during and is_grip(each, prop_id, hold.performer_id):
                 document.remove("constraints", key, text)
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.compact_array import CompactArray, PoseArray, single
+from studio.core.compact_array import CompactArray, PoseArray, compact_array
 
 PAGED_BYTES = 8 << 20
 """Bytes from which an array is kept in a file: the rotations of a minute and a half at 120 Hz."""
@@ -65,10 +65,10 @@ class FileRows:
 def paged_rows(numbers: PoseArray) -> CompactArray:
     """Array stored in 32 bits: a long one in a file, or in memory where no file can be written."""
     if isinstance(numbers, CompactArray) or numbers.nbytes < 2 * PAGED_BYTES or len(_OPEN) >= MOST_PAGE_FILES:
-        return single(numbers)
+        return compact_array(numbers)
     if not hasattr(os, "preadv"):  # Windows
-        return single(numbers)
+        return compact_array(numbers)
     try:
         return CompactArray(FileRows(PageFile(numbers), numbers.shape))
     except OSError:
-        return single(numbers)
+        return compact_array(numbers)

@@ -11,7 +11,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.pose_sampling import poses_at
 from studio.core.captures.annotations import Annotations
 from studio.core.errors import StudioError
-from studio.core.plausible import FRAME_RATE
+from studio.core.plausible import FRAME_RATE_RANGE
 from studio.core.rigs.root_motion import in_place, with_root_joint
 from studio.core.rigs.zero_pose import t_pose, with_zero_pose
 from studio.core.rotations import IDENTITY_QUATERNION, from_matrix, multiply
@@ -67,8 +67,10 @@ class ExportOptions:
         if self.root == "floor" and suffix in ROOTLESS:
             raise StudioError(f"{path.name} has no root joint: its hips travel. Choose in-place or none.")
         rate = self.frame_rate
-        if rate is not None and not FRAME_RATE.least <= rate <= FRAME_RATE.most:
-            raise StudioError(f"A frame rate is from {FRAME_RATE.least:g} to {FRAME_RATE.most:g} fps, not {rate:g}.")
+        if rate is not None and not FRAME_RATE_RANGE.least <= rate <= FRAME_RATE_RANGE.most:
+            raise StudioError(
+                f"A frame rate is from {FRAME_RATE_RANGE.least:g} to {FRAME_RATE_RANGE.most:g} fps, not {rate:g}."
+            )
         if not all(math.isfinite(end) for end in (self.begin, self.end) if end is not None):
             raise StudioError("A range runs from a second to a later one; each is a finite number.")
         if self.begin is not None and self.end is not None and self.begin > self.end:

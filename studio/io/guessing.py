@@ -11,7 +11,7 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
-from studio.core.plausible import UNIT
+from studio.core.plausible import UNIT_RANGE
 from studio.core.runs import runs_of
 from studio.io.numbers import number
 
@@ -86,8 +86,8 @@ def leg_and_trunk(positions: FloatArray, body_map: BodyMap | None) -> tuple[floa
 def find_unit(
     leg: float | None, said: Scale | None = None, chosen: str | None = None, trunk: float | None = None
 ) -> tuple[Scale, Guess | None]:
-    """Unit of a file: ``chosen`` by the user, else ``said`` by the file or its format if it is in the range of ``UNIT``
-    and fits its legs.
+    """Unit of a file: ``chosen`` by the user, else ``said`` by the file or its format if it is in the range of
+    ``UNIT_RANGE`` and fits its legs.
 
     ``leg`` is their length in file units, None without a known body, ``trunk`` that from hips to shoulders. The guess
     is None if nothing was guessed.
@@ -95,7 +95,7 @@ def find_unit(
     if chosen is not None:
         return parse_unit(chosen, leg), None
     fits = said is None or leg is None or _SAID_LEG[0] <= leg * said.metres <= _SAID_LEG[1]
-    if said is not None and fits and UNIT.least <= said.metres <= UNIT.most:
+    if said is not None and fits and UNIT_RANGE.least <= said.metres <= UNIT_RANGE.most:
         return said, None
     if leg is None:
         reason = "Without a human body nothing tells the unit; most files are in cm."
@@ -160,8 +160,8 @@ def parse_unit(text: str, leg: float | None) -> Scale:
     if name == "unknown" and leg:
         return Scale(name, _USUAL_LEG / leg)
     metres = number(text, f"The unit (one of {', '.join(METRES_PER_UNIT)}, or metres a unit)")
-    if not UNIT.least <= metres <= UNIT.most:
-        raise StudioError(f"A unit is {UNIT.least:g} to {UNIT.most:g} m long, not {text[:40]} m.")
+    if not UNIT_RANGE.least <= metres <= UNIT_RANGE.most:
+        raise StudioError(f"A unit is {UNIT_RANGE.least:g} to {UNIT_RANGE.most:g} m long, not {text[:40]} m.")
     return Scale(text, metres)
 
 

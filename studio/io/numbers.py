@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.threads import in_threads
+from studio.core.threads import run_in_threads
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+", re.ASCII)
@@ -101,7 +101,7 @@ def count_per_line(lines: list[bytes]) -> NDArray[np.int64]:
     def count(start: int) -> None:
         count_words(_as_bytes(b"\n".join(lines[start : start + step])), counts[start : start + step])
 
-    for _ in in_threads(count, range(0, len(lines), step)):
+    for _ in run_in_threads(count, range(0, len(lines), step)):
         pass
     return counts
 
@@ -122,7 +122,7 @@ def table(
         end = min(start + step, len(lines))
         _read(lines[start:end], values[ends[start] : ends[end]], name, first_line + start)
 
-    for done in in_threads(read, range(0, len(lines), step)):
+    for done in run_in_threads(read, range(0, len(lines), step)):
         progress(done)
     return values
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from studio.core.captures.annotations import Annotations
 from studio.core.errors import StudioError
-from studio.core.plausible import BONE_RANGE, TRAVEL
+from studio.core.plausible import BONE_RANGE, TRAVEL_RANGE
 from studio.io import plug_ins
 from studio.io.referenced_files import SNIFFED, refuse_archive, refuse_devices, refuse_stand_in
 
@@ -283,7 +283,7 @@ def _check_size(capture: "Capture", path: Path) -> None:
     try:
         BONE_RANGE.check(capture.skeleton.offsets[1:])
         BONE_RANGE.check(capture.poses.local_translations[:, 1:])
-        TRAVEL.check(capture.poses.local_translations[:, 0])
+        TRAVEL_RANGE.check(capture.poses.local_translations[:, 0])
     except ValueError as error:
         raise StudioError(f"{path.name}: {error} Export it in its right unit, or say which that is.") from error
 

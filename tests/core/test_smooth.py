@@ -21,7 +21,7 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowTracked
-from studio.core.constraints.look_at import EYES, LookAtConstraint
+from studio.core.constraints.look_at import EYES_POINT, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
@@ -199,9 +199,9 @@ class Wishes:
             chain = Chain(limb=0.0, clavicle=0.0, trunk=1.0, root=1.0)
             return BalanceConstraint("motion", kind, BodyPoint(BodyPart.PELVIS), chain, priority, ALWAYS)
         if kind == "look":
-            ahead = body_point_positions(EYES, before) + before.rotations[:, 0] @ np.array([2.0, 0.0, 0.0])
+            ahead = body_point_positions(EYES_POINT, before) + before.rotations[:, 0] @ np.array([2.0, 0.0, 0.0])
             target = self.sway(number, ahead, 0.6, 2.0)
-            return LookAtConstraint("motion", kind, EYES, Chain(0, 0, 1, 1), priority, ALWAYS, target=target)
+            return LookAtConstraint("motion", kind, EYES_POINT, Chain(0, 0, 1, 1), priority, ALWAYS, target=target)
         point, chain = self.point_and_chain(kind)
         shift = self.random.normal(size=3)
         shift *= FURTHEST[kind] * self.random.uniform(0.2, 1.0) / np.linalg.norm(shift)

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
-from studio.core.mesh.rig import NO_SEGMENT
+from studio.core.mesh.rig import UNMOVED_JOINT
 from studio.core.mesh.skin import skin_vertices
 from studio.core.normalized.normalize import normalize_capture
 from studio.core.rigs.zero_pose import with_zero_pose
@@ -197,7 +197,7 @@ def test_characters_of_others_go_out_on_their_own_joints(captures, tmp_path, nam
     )  # fmt: skip
     apart = np.linalg.norm(carried(skin_of(take), positions[13], rotations[13]) - shown, axis=1)
     assert np.median(apart) < TENTH_OF_A_MILLIMETRE
-    still = np.flatnonzero(rig.segments == NO_SEGMENT)
+    still = np.flatnonzero(rig.segments == UNMOVED_JOINT)
     at_rest, _ = rig.file.to_file(rig.positions, rig.rotations)
     assert np.abs(positions[:, still] - at_rest[still]).max(initial=0.0) < 1e-9
     write_take(take, tmp_path / "out.fbx")

@@ -15,7 +15,7 @@ from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.names import free_name, readable_name
 from studio.core.stage.clip import Clip
-from studio.core.stage.holding import HAND_REACH_SECONDS, THIN, grip_constraints, reaching_time
+from studio.core.stage.holding import HAND_REACH_SECONDS, THIN_PROP_BREADTH, grip_constraints, reaching_time
 from studio.core.stage.mirrored_props import constraint_as_played
 from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape, quarter_turns
@@ -136,7 +136,7 @@ def _as_broad(prop: Prop, holder: PosedPerformer) -> Prop:
     layout = holder.motion.morphology.layout
     gap = float(np.linalg.norm(holder.points[layout.wrist_point(0)] - holder.points[layout.wrist_point(1)]))
     length, _, height = prop.size
-    return replace(prop, size=(length, round(max(gap - 2 * HAND_THICKNESS, THIN), 2), height))
+    return replace(prop, size=(length, round(max(gap - 2 * HAND_THICKNESS, THIN_PROP_BREADTH), 2), height))
 
 
 def ask_mesh(bench: Workbench) -> None:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.hand_end import SHORTEST_HAND
+from studio.core.body.hand_end import SHORTEST_HAND_METRES
 from studio.core.markers.functional import cluster_axes
 from studio.core.markers.joint_centres import thorax_frame
 from studio.core.markers.measures import frame_of, has_pelvis, pelvis_frame
@@ -133,7 +133,7 @@ def hand_axes(joints: Tracks, tracks: Tracks, side: str, forearm: FloatArray) ->
     """
     wrist = joints[f"{side}_wrist"]
     reach = tracks.get(f"{side}_hand", wrist) - wrist
-    if np.median(np.linalg.norm(reach, axis=-1)) < SHORTEST_HAND:
+    if np.median(np.linalg.norm(reach, axis=-1)) < SHORTEST_HAND_METRES:
         return forearm
     return frame_of((1.0 if side == "left" else -1.0) * reach, forearm[..., 0])
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.plausible import FRAME_RATE
+from studio.core.plausible import FRAME_RATE_RANGE
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -123,7 +123,7 @@ class Trial:
         if len(self.points) == 0 or not (np.isfinite(self.frame_rate) and self.frame_rate > 0.0):
             raise StudioError(f"'{self.name}' needs a frame at least and a usable frame rate.")
         try:
-            FRAME_RATE.check(self.frame_rate)
+            FRAME_RATE_RANGE.check(self.frame_rate)
         except ValueError as error:
             raise StudioError(f"'{self.name}': {error}") from error
         if self.unit not in METRES:

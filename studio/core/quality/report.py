@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.constraints.base import Constraint
-from studio.core.curves.activation import FULLY_ACTIVE
+from studio.core.curves.activation import LEAST_FULL_ACTIVATION
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.quality.metrics import body_heights, knee_speeds, mass_margins, skate_distances
@@ -134,7 +134,7 @@ def blocking_constraints(
 
 def fully_active(constraints: Sequence[Constraint], times: FloatArray) -> Mask:
     """(C, F) True where the activation of a constraint is 1, with or without contacts."""
-    active = [each.activation.at(times) >= FULLY_ACTIVE for each in constraints]
+    active = [each.activation.at(times) >= LEAST_FULL_ACTIVATION for each in constraints]
     return np.array(active, dtype=np.bool_).reshape(-1, len(times))
 
 

@@ -10,7 +10,7 @@ from studio.core.body.humanoid import BodyMap
 from studio.core.body.morphology import Morphology
 from studio.core.body.skeleton import Skeleton
 from studio.core.mesh.hand_shapes import FINGER_BENDS, GRIPS
-from studio.core.mesh.rig import NO_SEGMENT, Rig, rig_body_map
+from studio.core.mesh.rig import UNMOVED_JOINT, Rig, rig_body_map
 from studio.core.mesh.skin import SkinnedMesh, bound_pose, segment_forms
 from studio.core.project_cache import project_cache
 from studio.core.rigs.character_skeleton import t_pose_rotations
@@ -126,7 +126,7 @@ def bound_joints(mesh: SkinnedMesh, build: Morphology, body: Morphology) -> tupl
     positions = np.einsum("jab,jb->ja", forms[of_joint], rig.positions) + shifts[of_joint]
     left, _, right = np.linalg.svd(forms[of_joint])
     turns = left @ right
-    is_still = rig.segments == NO_SEGMENT
+    is_still = rig.segments == UNMOVED_JOINT
     positions[is_still] = rig.positions[is_still]
     turns[is_still] = np.eye(3)
     return positions, turns @ rig.rotations

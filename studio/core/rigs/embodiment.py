@@ -14,7 +14,7 @@ from studio.core.body.standing import standing_points
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactPoint
 from studio.core.mesh.appearance import Appearance
-from studio.core.mesh.skin import INFLUENCES, SkinnedMesh
+from studio.core.mesh.skin import VERTEX_INFLUENCES, SkinnedMesh
 from studio.core.normalized.alignment import find_alignments
 from studio.core.normalized.landmarks import find_landmarks
 from studio.core.normalized.measure import measure_actor
@@ -64,7 +64,7 @@ def segment_weights(joints: IntArray, weights: FloatArray, segments: IntArray, c
 
 def strongest_influences(weights: FloatArray) -> tuple[IntArray, FloatArray]:
     """(V, 4) segments and weights of the strongest influences, heaviest first, summing to 1."""
-    segments = np.argsort(-weights, axis=1, kind="stable")[:, :INFLUENCES]
+    segments = np.argsort(-weights, axis=1, kind="stable")[:, :VERTEX_INFLUENCES]
     chosen = np.take_along_axis(weights, segments, axis=1).astype(np.float64)
     chosen[chosen < _LEAST_WEIGHT * chosen[:, :1]] = 0.0
     return segments, chosen / chosen.sum(axis=1, keepdims=True)

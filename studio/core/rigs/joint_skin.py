@@ -10,7 +10,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.mesh.appearance import Appearance
 from studio.core.mesh.character import Character
-from studio.core.mesh.skin import INFLUENCES, bound_pose, fit_skin
+from studio.core.mesh.skin import VERTEX_INFLUENCES, bound_pose, fit_skin
 from studio.core.rigs.character_skeleton import joint_points, joint_segments, t_pose_rotations
 from studio.core.rotations import IDENTITY_QUATERNION, frame_along
 
@@ -128,9 +128,9 @@ def bone_skin(skeleton: Skeleton) -> JointSkin:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     count = 3 * len(corners)
-    joints = np.zeros((count, INFLUENCES), dtype=np.int32)
+    joints = np.zeros((count, VERTEX_INFLUENCES), dtype=np.int32)
     joints[:, 0] = np.repeat([joint for joint, _ in bones], 3 * 8)
-    weights = np.zeros((count, INFLUENCES))
+    weights = np.zeros((count, VERTEX_INFLUENCES))
     weights[:, 0] = 1.0
     triangles = np.arange(count, dtype=np.int32).reshape(-1, 3)
     return JointSkin(

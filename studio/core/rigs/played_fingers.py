@@ -29,7 +29,7 @@ from studio.core.rigs.finger_rest import (
 )
 from studio.core.rotations import IDENTITY_QUATERNION, from_matrix, inverse, multiply, slerp
 from studio.core.stage.clip import Clip
-from studio.core.stage.holding import CLOSING, grips_on_props
+from studio.core.stage.holding import GRIP_CHANGE_SECONDS, grips_on_props
 from studio.core.stage.project import Performer, Project
 
 FloatArray = NDArray[np.float64]
@@ -70,7 +70,7 @@ def fingers_of_row(
     """Fingers in ``frames`` (N,) of a row of ``clips`` of these ``captures``.
 
     Each clip has the grip that it asks for, else that of a held prop (its weights and grips (N,) are ``held``), else
-    the fingers of its capture. From one clip to the next they change within ``CLOSING`` seconds.
+    the fingers of its capture. From one clip to the next they change within ``GRIP_CHANGE_SECONDS`` seconds.
     """
     rotations = np.tile(IDENTITY_QUATERNION, (len(frames), *FINGER_CELLS, 1))
     captured, own, asked, grips = (np.zeros(len(frames)) for _ in range(4))
@@ -103,7 +103,7 @@ def fingers_of_row(
 
 def weighted_pieces(composite: Composite, frames: NDArray[np.int64]) -> Iterator[tuple[PlayedPiece, FloatArray]]:
     """Pieces that shape the hands, each with its weights (N,) in ``frames`` (N,) of the row, whose sum is 1."""
-    closing = CLOSING * composite.timing.frame_rate
+    closing = GRIP_CHANGE_SECONDS * composite.timing.frame_rate
     begins = np.array([each.first for each in composite.played], dtype=np.float64)
     if composite.played[0].piece.origin[0] < 0:  # a clip that takes over without warning was not seen coming
         begins[1] += closing / 2.0

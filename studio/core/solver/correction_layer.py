@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.body.morphology import AnimatedMorphology, at_frames
-from studio.core.curves.activation import FULLY_ACTIVE
+from studio.core.curves.activation import LEAST_FULL_ACTIVATION
 from studio.core.kernels import layout as at
 from studio.core.kernels.limbs.legs import required_root_lowering
 from studio.core.kernels.solve_clip import place_frames
@@ -102,7 +102,7 @@ def with_corrections_above(adapted: AdaptedMotion, standing: GroundedMotion, req
         return moved
     targets = targets_of(standing, request.constraints, window, request.tracks)
     measured = full_residuals(request.constraints, targets, moved)
-    full = np.array([each.activation.at(times) >= FULLY_ACTIVE for each in request.constraints])
+    full = np.array([each.activation.at(times) >= LEAST_FULL_ACTIVATION for each in request.constraints])
     acting = np.any([each.fractions(times) > 0.0 for each in above], axis=0)
     measurable = full & acting & np.isfinite(adapted.residuals)
     return replace(moved, residuals=np.where(measurable, measured, adapted.residuals))

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from studio.core.rotations import from_matrix
-from studio.core.stage.saved_camera import CAMERA_ASPECT, FARTHEST_SEEN, NEAREST_SEEN, VIEW_ANGLE, SavedCamera
+from studio.core.stage.saved_camera import CAMERA_ASPECT, CAMERA_FAR_METRES, CAMERA_NEAR_METRES, VIEW_ANGLE, SavedCamera
 from studio.io.fbx.binary import element
 from studio.io.fbx.document import WHOLE_SCENE, FbxDocument, animated, choice, number, properties, row
 from studio.io.fbx.euler import euler_curves
@@ -91,8 +91,8 @@ def _put_camera(document: FbxDocument, camera: SavedCamera) -> None:
         number("FilmHeight", FILM_HEIGHT),
         number("FilmAspectRatio", CAMERA_ASPECT),
         number("OrthoZoom", width / ORTHOGRAPHIC_WIDTH),
-        number("NearPlane", CENTIMETRES_PER_METRE * NEAREST_SEEN),
-        number("FarPlane", CENTIMETRES_PER_METRE * FARTHEST_SEEN),
+        number("NearPlane", CENTIMETRES_PER_METRE * CAMERA_NEAR_METRES),
+        number("FarPlane", CENTIMETRES_PER_METRE * CAMERA_FAR_METRES),
         number("FocusDistance", CENTIMETRES_PER_METRE * placement.distance),
     ]
     about = [

@@ -19,7 +19,7 @@ from studio.core.captures.reference_pose import stance_deviations
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Appearance, Material
 from studio.core.mesh.character import Character
-from studio.core.mesh.rig import NO_SEGMENT, Rig, RigFile
+from studio.core.mesh.rig import UNMOVED_JOINT, Rig, RigFile
 from studio.core.rigs.embodiment import (
     bound_mesh,
     measured_body,
@@ -337,7 +337,7 @@ def _rig(
         toe = len(spine) + 13 + 4 * side
         if is_rolled:
             own[own == toe] = toe - 1
-    own[list(body.skeleton.path(0, spine[0]))[:-1]] = NO_SEGMENT
+    own[list(body.skeleton.path(0, spine[0]))[:-1]] = UNMOVED_JOINT
     place = np.argsort(order)
     strongest = np.argsort(-weights, axis=1, kind="stable")[:, :MOST_INFLUENCES]
     kept = np.take_along_axis(weights, strongest, axis=1)

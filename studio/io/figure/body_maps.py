@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.body_matching import LOOSE_VARIATION, MOST_VARIATION, BodyMatch, BodySearch
+from studio.core.body.body_matching import MOST_BONE_VARIATION, MOST_LOOSE_BONE_VARIATION, BodyMatch, BodySearch
 from studio.core.body.humanoid import LIMB_PARTS, BodyMap, BodyPart, is_spine, part_named
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
@@ -86,7 +86,7 @@ def _best_match(skeleton: Skeleton, positions: FloatArray, fixed: dict[BodyPart,
     if all(limbs.values()):
         known = {part: joints[0] for part, joints in limbs.items() if joints}
         return "the joints chosen", BodySearch(skeleton, positions).match_around_limbs(known, every)
-    for most in (MOST_VARIATION, LOOSE_VARIATION):
+    for most in (MOST_BONE_VARIATION, MOST_LOOSE_BONE_VARIATION):
         search = BodySearch(skeleton, positions, most)
         tries = [(family.name, search.best_match(_candidates(family, by_name) | fixed)) for family in naming_families()]
         tries.append(("names of several families", search.best_match(every)))
@@ -99,7 +99,7 @@ def _best_match(skeleton: Skeleton, positions: FloatArray, fixed: dict[BodyPart,
 def find_preset(skeleton: Skeleton, positions: FloatArray, family: NamingFamily) -> BodyMap:
     """The body whose joints have the names of ``family``. Raises StudioError with the limbs that have none."""
     candidates = _candidates(family, _joints_by_name(skeleton, positions))
-    match = BodySearch(skeleton, positions, LOOSE_VARIATION).best_match(candidates)
+    match = BodySearch(skeleton, positions, MOST_LOOSE_BONE_VARIATION).best_match(candidates)
     if match.body_map is None:
         raise StudioError(
             f"The names of {family.name} show no {' and no '.join(match.missing)}. Choose another preset or joints."

@@ -14,7 +14,7 @@ from studio import __version__
 from studio.core.mesh.appearance import EMISSIVE_MAP, METALLIC_ROUGHNESS_MAP, NORMAL_MAP, OCCLUSION_MAP, Material
 from studio.core.rigs.joint_skin import JointSkin
 from studio.core.rotations import from_matrix
-from studio.core.stage.saved_camera import CAMERA_ASPECT, FARTHEST_SEEN, NEAREST_SEEN, VIEW_ANGLE, SavedCamera
+from studio.core.stage.saved_camera import CAMERA_ASPECT, CAMERA_FAR_METRES, CAMERA_NEAR_METRES, VIEW_ANGLE, SavedCamera
 from studio.io.atomic_write import write_pieces
 from studio.io.export import Take, plain_material, skin_of
 from studio.io.gltf.buffers import TRIANGLES, VERTICES, Buffers
@@ -178,12 +178,12 @@ class GltfScene:
             lens: dict[str, Any] = {
                 "xmag": CAMERA_ASPECT * tall,
                 "ymag": tall,
-                "znear": NEAREST_SEEN,
-                "zfar": FARTHEST_SEEN,
+                "znear": CAMERA_NEAR_METRES,
+                "zfar": CAMERA_FAR_METRES,
             }
             record = {"name": camera.name, "type": "orthographic", "orthographic": lens}
         else:
-            lens = {"yfov": VIEW_ANGLE, "aspectRatio": CAMERA_ASPECT, "znear": NEAREST_SEEN}
+            lens = {"yfov": VIEW_ANGLE, "aspectRatio": CAMERA_ASPECT, "znear": CAMERA_NEAR_METRES}
             record = {"name": camera.name, "type": "perspective", "perspective": lens}
         node = {
             "name": camera.name,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from studio.core.errors import StudioError
 from studio.core.names import readable_name
 from studio.core.stage.beats import beats_of
-from studio.core.stage.sound_track import LOUDEST_PEAK, MOST_SOUND_SECONDS, PEAK_RATE, SoundTrack
+from studio.core.stage.sound_track import LONGEST_SOUND_SECONDS, LOUDEST_PEAK, PEAK_RATE, SoundTrack
 from studio.io.child_process import child_process, wait_for
 from studio.io.media.sound_output import HEARD_CHANNELS, HEARD_RATE
 
@@ -54,7 +54,7 @@ def _decode(path: Path, decoded: IO[bytes], form: Sequence[str], alive: Callable
     """Write the sound of a file as bare samples. Raises StudioError where there is none."""
     if not path.is_file():
         raise StudioError(f"{path.name} is not there any more. Choose another file.")
-    command = [get_ffmpeg_exe(), "-v", "error", "-nostdin", "-t", str(MOST_SOUND_SECONDS), "-i", str(path), "-vn"]
+    command = [get_ffmpeg_exe(), "-v", "error", "-nostdin", "-t", str(LONGEST_SOUND_SECONDS), "-i", str(path), "-vn"]
     with child_process([*command, *form, "-"], subprocess.DEVNULL, decoded, subprocess.DEVNULL) as process:
         wait_for(process, alive)
     size = os.fstat(decoded.fileno()).st_size

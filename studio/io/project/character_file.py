@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Morphology, Proportions
 from studio.core.errors import StudioError
-from studio.core.mannequin.tailoring import tailored
+from studio.core.mannequin.tailoring import tailored_character
 from studio.core.mesh.appearance import Appearance, Material
 from studio.core.mesh.character import Character
 from studio.core.mesh.hand_shapes import HandShapes
@@ -137,7 +137,7 @@ def bundled_characters() -> Mapping[str, Character]:
 
 def actor_character(name: str, body: Morphology, colour: str = "#7FB4E6") -> Character:
     """A measured actor as a character of the same measures, in the skin of a bundled body of no marked build."""
-    return tailored(name, colour, body, [bundled_characters()[pattern] for pattern in ("tall_man", "child")])
+    return tailored_character(name, colour, body, [bundled_characters()[pattern] for pattern in ("tall_man", "child")])
 
 
 def mesh_bytes(mesh: SkinnedMesh) -> bytes:

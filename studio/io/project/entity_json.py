@@ -23,7 +23,7 @@ from studio.core.errors import StudioError
 from studio.core.grounds import GROUND_KINDS
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.character import Character
-from studio.core.stage.project import CLASSES, COLLECTIONS, Entity, Project
+from studio.core.stage.project import COLLECTION_CLASSES, COLLECTIONS, Entity, Project
 from studio.core.stage.prop import Carried, InHand, Prop
 from studio.io.json_text import json_of
 from studio.io.project.value_json import Array, Json, MemberCodec, UnknownKind, from_json, to_json, unknown_fields
@@ -274,7 +274,7 @@ def _class_of(collection: str, record: Json) -> Any:
         return known.value if known else None
     if collection == "grounds":
         return GROUND_KINDS.get(str(record.get("kind", Ground.kind)))
-    return CLASSES[collection]
+    return COLLECTION_CLASSES[collection]
 
 
 def _with_unknown(record: dict[str, Json], unknown: dict[str, Json]) -> dict[str, Json]:

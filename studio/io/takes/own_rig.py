@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
-from studio.core.mesh.rig import NO_SEGMENT, rig_body_map
+from studio.core.mesh.rig import UNMOVED_JOINT, rig_body_map
 from studio.core.mesh.skin import bound_pose, fit_skin
 from studio.core.rigs.driven_fingers import below_hands, bound_joints, finger_drive, still_skeleton
 from studio.core.rigs.joint_skin import FloatArray, JointSkin
@@ -44,7 +44,7 @@ def on_own_rig(take: Take, suffix: str, placement: Placement) -> Take:
     positions, rotations = bound_joints(mesh, character.build, body)
     if suffix in _Y_UP:
         rotations = rotations @ _WORLD_TO_FILE
-    moving = rig.segments != NO_SEGMENT
+    moving = rig.segments != UNMOVED_JOINT
     segments = rig.segments[moving]
     proximal = np.array(body.layout.proximal_points())
     then, axes = bound_pose(mesh, body)

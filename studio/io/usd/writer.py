@@ -17,7 +17,7 @@ from studio.core.errors import StudioError
 from studio.core.names import readable_name
 from studio.core.rigs.joint_skin import JointSkin
 from studio.core.rotations import to_matrix
-from studio.core.stage.saved_camera import CAMERA_ASPECT, FARTHEST_SEEN, NEAREST_SEEN, VIEW_ANGLE, SavedCamera
+from studio.core.stage.saved_camera import CAMERA_ASPECT, CAMERA_FAR_METRES, CAMERA_NEAR_METRES, VIEW_ANGLE, SavedCamera
 from studio.io.atomic_write import atomic_replacements
 from studio.io.export import Take, plain_material, skin_of
 from studio.io.interrupts import deferred_interrupt
@@ -183,7 +183,7 @@ def _put_camera(stage: Any, camera: SavedCamera, path: str) -> None:
     made.CreateVerticalApertureAttr(tall)
     made.CreateHorizontalApertureAttr(CAMERA_ASPECT * tall)
     made.CreateFocusDistanceAttr(placement.distance)
-    made.CreateClippingRangeAttr(Gf.Vec2f(NEAREST_SEEN, FARTHEST_SEEN))
+    made.CreateClippingRangeAttr(Gf.Vec2f(CAMERA_NEAR_METRES, CAMERA_FAR_METRES))
 
 
 def _joint_paths(skeleton: Skeleton) -> list[str]:
