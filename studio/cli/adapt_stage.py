@@ -27,13 +27,13 @@ from studio.jobs.bundled_scenes import open_project
 from studio.jobs.performances import stage_performances
 from studio.startup.kernel_warm_up import compile_first
 
-OF_CAPTURES = ("capture", "character", "constraints", "ground", "place")
+CAPTURE_ARGUMENTS = ("capture", "character", "constraints", "ground", "place")
 """Arguments that a project provides itself."""
 
 
 def run_stage(arguments: Namespace) -> int:
     """Adapt, export and report; returns 1 if a performer failed, while the others are written."""
-    given = [name for name in OF_CAPTURES if getattr(arguments, name)]
+    given = [name for name in CAPTURE_ARGUMENTS if getattr(arguments, name)]
     if given:
         what = "another motion" if given[0] == "capture" else f"--{given[0]}"
         raise StudioError(f"--stage adapts a project, which has all of its own: leave out {what}.")

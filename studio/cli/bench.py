@@ -22,7 +22,7 @@ from studio.io.json_text import JsonObject
 from studio.jobs.adaptation import ReadyCapture, chosen_characters, ready_capture
 from studio.resources_folder import example_captures_folder
 
-USUAL_EXAMPLE = "reach_grasp.bvh"
+BENCH_EXAMPLE_FILE = "reach_grasp.bvh"
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,9 @@ def run(arguments: Namespace) -> int:
 
 def bundled_capture() -> Path:
     """Path of the example to measure on: a body that stands and reaches, or the first one there is."""
-    files = sorted(example_captures_folder().glob("*.bvh"), key=lambda file: (file.name != USUAL_EXAMPLE, file.name))
+    files = sorted(
+        example_captures_folder().glob("*.bvh"), key=lambda file: (file.name != BENCH_EXAMPLE_FILE, file.name)
+    )
     if not files:
         raise StudioError("No example capture is bundled. Name one: `bench CAPTURE`.")
     return files[0]

@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-LONG_ENOUGH = 0.02
+LEAST_BENCH_SECONDS = 0.02
 """Minimum seconds of work between two readings of the clock."""
 
 
@@ -36,7 +36,7 @@ def time_jobs(jobs: Sequence[BenchJob], rounds: int) -> list[JobTiming]:
     repeats = []
     for job in jobs:
         job.work()
-        repeats.append(max(1, round(LONG_ENOUGH / max(_seconds(job, 1), 1e-7))))
+        repeats.append(max(1, round(LEAST_BENCH_SECONDS / max(_seconds(job, 1), 1e-7))))
     taken: list[list[float]] = [[] for _ in jobs]
     for _ in range(rounds):
         for job, times, times_over in zip(jobs, taken, repeats, strict=True):

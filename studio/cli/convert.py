@@ -17,7 +17,7 @@ from studio.io.export import Take, format_for, take_of_capture, take_of_standing
 from studio.io.importing import ImportOptions, known_of_motion, load_character, read_capture, read_file
 from studio.io.project.character_file import actor_character
 from studio.io.registry import ReadCharacter, format_of, known_formats
-from studio.jobs.adaptation import ADAPTED_MOTION_ID, cleaning_records, ready_read
+from studio.jobs.adaptation import ADAPTED_MOTION_ID, cleaning_records, ready_from_read
 from studio.startup.kernel_warm_up import print_wait_reason
 
 
@@ -121,6 +121,6 @@ def _character_of(source: Path, options: ImportOptions) -> ReadCharacter:
     read = read_file(source, options)
     if isinstance(read, ReadCharacter):
         return read
-    ready = ready_read(read, source)
+    ready = ready_from_read(read, source)
     capture = ready.capture
     return ReadCharacter(actor_character(capture.name, ready.actor.morphology), capture.guesses, capture.repairs)

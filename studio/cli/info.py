@@ -49,7 +49,7 @@ _NOTHING: JsonObject = {
 def run(arguments: Namespace) -> int:
     """Describe every file; returns 1 if any cannot be read."""
     options = import_options(arguments)
-    records = [described(path, options) for path in arguments.files]
+    records = [file_record(path, options) for path in arguments.files]
     failed = [record for record in records if not record["ok"]]
     if arguments.json:
         print_json(records)
@@ -60,7 +60,7 @@ def run(arguments: Namespace) -> int:
     return 1 if failed else 0
 
 
-def described(path: Path, options: ImportOptions) -> JsonObject:
+def file_record(path: Path, options: ImportOptions) -> JsonObject:
     """Record of one file with the keys of ``_NOTHING``; for a file that fails, the reason is under ``error``."""
     record = {"file": str(path), **_NOTHING}
     try:

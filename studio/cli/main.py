@@ -12,7 +12,7 @@ from io import TextIOWrapper
 from typing import TYPE_CHECKING
 
 from studio import __version__
-from studio.cli.printing import STOPPED
+from studio.cli.printing import INTERRUPTED_EXIT_CODE
 from studio.core.errors import Stopped, StudioError
 from studio.io import plug_ins
 from studio.io.registry import known_formats
@@ -34,11 +34,11 @@ VERBS = {
     "bench": "benchmark the solver on this machine",
     "script": "run a Python script that uses studio.api",
 }
-WORK_FAILED, NOBODY_READS = 1, 141
+WORK_FAILED, PIPE_CLOSED = 1, 141
 """Exit codes: the work failed; the reader of a pipe has closed it."""
-NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+DISK_FULL_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """Errors of a full disk: writers of files report them themselves, so they are of the standard output."""
-LONGEST_SHOWN = 300
+MOST_PATH_CHARACTERS = 300
 """Characters of a path that a message shows."""
 
 
@@ -56,15 +56,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return _run(given)
         except KeyboardInterrupt:
             report(Stopped("Stopped. No file was left incomplete."), "--json" in given)
-            return STOPPED
+            return INTERRUPTED_EXIT_CODE
         finally:
             if sys.stdout is not None:
                 sys.stdout.flush()
     except BrokenPipeError:
         _discard_output()
-        return NOBODY_READS
+        return PIPE_CLOSED
     except OSError as error:
-        if error.errno not in NO_ROOM:
+        if error.errno not in DISK_FULL_ERRORS:
             raise
         _discard_output()
         report(
@@ -83,7 +83,7 @@ def _run(given: Sequence[str]) -> int:
     plug_ins.load_registered()
     added = {offer.name: offer for offer in plug_ins.plug_in_entries(plug_ins.VERBS_GROUP) if offer.name not in VERBS}
     verb = next((word for word in given if word in VERBS or word in added), None)
-    files = [word for word in given if word.lower().endswith(opened())] if verb is None else []
+    files = [word for word in given if word.lower().endswith(window_suffixes())] if verb is None else []
     try:
         plug_in = added[verb].load(plug_ins.verb_of) if verb in added else None
         parser = make_parser(verb, {name: plug_in if name == verb else offer for name, offer in added.items()})
@@ -105,12 +105,12 @@ def _run(given: Sequence[str]) -> int:
         return run_example()
     except StudioError as error:
         report(error, wants_json)
-        return STOPPED if isinstance(error, Stopped) else WORK_FAILED
+        return INTERRUPTED_EXIT_CODE if isinstance(error, Stopped) else WORK_FAILED
     except OSError as error:
         if not isinstance(error.filename, str | bytes):
             raise
         name = os.fsdecode(error.filename)
-        shown = name if len(name) <= LONGEST_SHOWN else f"{name[:LONGEST_SHOWN]}…"
+        shown = name if len(name) <= MOST_PATH_CHARACTERS else f"{name[:MOST_PATH_CHARACTERS]}…"
         report(StudioError(f"'{shown}' cannot be used: {error.strerror}. Choose another name or folder."), wants_json)
         return WORK_FAILED
 
@@ -142,7 +142,7 @@ def make_parser(verb: str | None, added: Mapping[str, plug_ins.Verb | plug_ins.P
     return parser
 
 
-def opened() -> tuple[str, ...]:
+def window_suffixes() -> tuple[str, ...]:
     """Suffixes of the files that the window opens when they are named without a verb."""
     return (".studio", *known_formats().suffixes("capture_reader", "character_reader"))
 

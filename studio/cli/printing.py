@@ -3,7 +3,7 @@
 import json
 from collections.abc import Sequence
 
-STOPPED = 130
+INTERRUPTED_EXIT_CODE = 130
 """Exit code of a verb that Ctrl-C ends, as of any tool that a signal ends."""
 
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from math import isfinite
 
 
-def number(least: float, most: float, meaning: str) -> Callable[[str], float]:
+def number_parser(least: float, most: float, meaning: str) -> Callable[[str], float]:
     """Parser of a number from ``least`` to ``most``; ``meaning`` names it in the ArgumentTypeError that it raises."""
 
     def parsed(text: str) -> float:
@@ -14,7 +14,7 @@ def number(least: float, most: float, meaning: str) -> Callable[[str], float]:
     return parsed
 
 
-def whole(least: int, most: int, meaning: str) -> Callable[[str], int]:
+def whole_parser(least: int, most: int, meaning: str) -> Callable[[str], int]:
     """Parser of a whole number from ``least`` to ``most``; ``meaning`` names it in the ArgumentTypeError that it
     raises.
     """
@@ -25,7 +25,7 @@ def whole(least: int, most: int, meaning: str) -> Callable[[str], int]:
     return parsed
 
 
-def size(least: int, most: int) -> Callable[[str], tuple[int, int]]:
+def size_parser(least: int, most: int) -> Callable[[str], tuple[int, int]]:
     """Parser of width and height in pixels, as ``1280x720``. It raises ArgumentTypeError."""
 
     def parsed(text: str) -> tuple[int, int]:

@@ -15,7 +15,7 @@ from studio.library.searching import Result, StrikeQuery, position_ahead_of, sea
 
 def run(arguments: Namespace) -> int:
     """Search and print the results."""
-    found = search_strikes(library_with_clips(arguments), asked_by(arguments), arguments.count)
+    found = search_strikes(library_with_clips(arguments), query_of_arguments(arguments), arguments.count)
     if arguments.json:
         print_json({"ok": True, "results": [result_record(each) for each in found]})
         return 0
@@ -24,7 +24,7 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
-def asked_by(arguments: Namespace) -> StrikeQuery:
+def query_of_arguments(arguments: Namespace) -> StrikeQuery:
     """Query of the library from the arguments. Raises StudioError for a frame beyond the end."""
     ready = ready_capture(arguments.capture, GUESS_ALL)
     motion, frame = ready.motion, arguments.frame

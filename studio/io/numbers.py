@@ -37,12 +37,12 @@ def number(text: str, where: str) -> float:
     return value
 
 
-def parted(line: str) -> str:
+def separated_numbers(line: str) -> str:
     """Line with a blank before every signed number that directly follows another one."""
     return _GLUED.sub(" ", line)
 
 
-def parted_after_decimals(line: str) -> str:
+def separated_decimals(line: str) -> str:
     """Line with a blank after every number, if all have as many decimals as the last one; else unchanged."""
     words = re.findall(rf"[+-]?\d*\.\d{{{len(line.rstrip().rpartition('.')[2])}}}", line, re.ASCII)
     return " ".join(words) if "".join(words) == "".join(line.split()) else line

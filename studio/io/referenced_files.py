@@ -10,9 +10,9 @@ from urllib.parse import unquote
 
 from studio.core.errors import StudioError
 
-LARGEST_REFERENCED_FILE = 500_000_000
+LARGEST_REFERENCED_BYTES = 500_000_000
 """Bytes of one file; more is refused unread."""
-SNIFFED = 4096
+SNIFFED_BYTES = 4096
 """Bytes that tell what a file is."""
 
 
@@ -77,7 +77,7 @@ def refuse_devices(path: Path) -> None:
         raise StudioError(f"{path.name} could not be read: it is not an ordinary file. Choose another.")
 
 
-def read_bytes(path: Path, largest: int = LARGEST_REFERENCED_FILE) -> bytes:
+def read_bytes(path: Path, largest: int = LARGEST_REFERENCED_BYTES) -> bytes:
     """Content of an ordinary file. Raises StudioError if it is none, is too large or cannot be read."""
     refuse_devices(path)
     try:
@@ -107,7 +107,7 @@ def content_of(uri: str, beside: Path, where: str) -> bytes:
             raise StudioError(f"{where}: its base64 data are damaged. Export the file again.") from error
     path = path_beside(uri, beside, where)
     content = read_bytes(path)
-    refuse_stand_in(path.name, content[:SNIFFED])
+    refuse_stand_in(path.name, content[:SNIFFED_BYTES])
     return content
 
 

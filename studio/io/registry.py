@@ -16,7 +16,7 @@ from studio.core.captures.annotations import Annotations
 from studio.core.errors import StudioError
 from studio.core.plausible import BONE_RANGE, TRAVEL_RANGE
 from studio.io import plug_ins
-from studio.io.referenced_files import SNIFFED, refuse_archive, refuse_devices, refuse_stand_in
+from studio.io.referenced_files import SNIFFED_BYTES, refuse_archive, refuse_devices, refuse_stand_in
 
 if TYPE_CHECKING:
     from studio.core.captures.capture import Capture, Guess
@@ -372,7 +372,7 @@ def _head_and_digest(path: Path) -> tuple[bytes, str]:
     refuse_devices(path)
     try:
         with path.open("rb") as file:
-            head = file.read(SNIFFED)
+            head = file.read(SNIFFED_BYTES)
             file.seek(0)
             return head, hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.io.referenced_files import LARGEST_REFERENCED_FILE
+from studio.io.referenced_files import LARGEST_REFERENCED_BYTES
 from studio.io.registry import Progress, known_formats
 
-MOST_FILES = 2000
+MOST_SEARCHED_FILES = 2000
 """Files of one search; the folders that are known are the user's own, and may hold anything."""
 
 
@@ -43,7 +43,7 @@ def find_source(capture: Capture, known: Path | None, folders: Iterable[Path], p
     then other captures. Raises SourceMissing if there is neither.
     """
     name, digest = capture.source, capture.digest
-    files = list(dict.fromkeys(_files(folders)))[:MOST_FILES]
+    files = list(dict.fromkeys(_files(folders)))[:MOST_SEARCHED_FILES]
     called = [
         *([known] if known is not None and known.is_file() else ()),
         *(each for each in files if each.name == name),
@@ -52,7 +52,7 @@ def find_source(capture: Capture, known: Path | None, folders: Iterable[Path], p
     for place, path in enumerate(dict.fromkeys([*called, *alike]) if digest else ()):
         progress(place / (len(called) + len(files)), f"Looking for {name}")
         try:
-            if path.stat().st_size <= LARGEST_REFERENCED_FILE and digest_of(path) == digest:
+            if path.stat().st_size <= LARGEST_REFERENCED_BYTES and digest_of(path) == digest:
                 return SourceFile(path, digest)
         except (OSError, StudioError):
             continue  # what cannot be read is not what is looked for

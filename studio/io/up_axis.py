@@ -76,7 +76,7 @@ class BodyPoints:
         return max(float(np.nanmean(bones)), 1e-9)
 
 
-def axis_called(text: str) -> str:
+def parse_axis(text: str) -> str:
     """Name in ``FILE_AXES``, or unit direction ``x y z``, given by a user. Raises StudioError."""
     name = text.strip().upper().removeprefix("+")
     if name in FILE_AXES:
@@ -97,7 +97,7 @@ def turn_to_world(up_axis: str) -> FloatArray:
 
     Raises StudioError.
     """
-    name = axis_called(up_axis)
+    name = parse_axis(up_axis)
     if name in FILE_AXES:
         return FILE_AXES[name]
     direction = normalized(np.array([float(word) for word in name.split()]))
@@ -201,7 +201,7 @@ def _tilted(body: BodyPoints, along: FloatArray, straight: NDArray[np.bool_]) ->
     return up if leans > _LEAST_TILT and agrees < _AGREED else None
 
 
-def stated_axis(name: str) -> dict[str, float]:
+def stated_axis_prior(name: str) -> dict[str, float]:
     """``usual`` axes of a file that gives its up axis."""
     return {name: _SAID}
 

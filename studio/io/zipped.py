@@ -18,7 +18,7 @@ from studio.io.registry import Progress
 _PIECE = 1 << 20
 _ALIGNMENT, _HEADER = 64, 30
 _FIELD, _UNREAD = struct.Struct("<HH"), 0x1986
-LONGEST_REASON = 200
+MOST_REASON_CHARACTERS = 200
 """Characters of what zipfile says; it quotes what may be all the rest of the file."""
 _DAMAGE = (
     *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, EOFError, OSError),
@@ -68,11 +68,11 @@ def unzipped_members(content: bytes, most: int, names: Sequence[str] = ()) -> di
                 raise UnpacksTooFarError(f"would unpack to more than {most // 1_000_000} MB")
             return {entry.filename: archive.read(entry) for entry in entries if not entry.is_dir()}
     except _DAMAGE as error:
-        reason = str(error.args[0] if error.args else error)[:LONGEST_REASON]
+        reason = str(error.args[0] if error.args else error)[:MOST_REASON_CHARACTERS]
         raise ValueError(reason or "it is not an archive") from error
 
 
-def npy(array: NDArray[Any]) -> bytes:
+def npy_file(array: NDArray[Any]) -> bytes:
     """An array as a ``.npy`` file."""
     stream = BytesIO()
     np.lib.format.write_array(stream, array, version=(1, 0), allow_pickle=False)

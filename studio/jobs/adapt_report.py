@@ -26,7 +26,7 @@ from studio.core.quality.report import (
     BLOCKED_BY_SMOOTHING,
     BLOCKED_BY_TOLERANCE,
     BLOCKED_BY_TOUCHES,
-    MET_BY_UNIT,
+    MET_TOLERANCE_BY_UNIT,
     QualityReport,
     fully_active,
     report_of,
@@ -40,9 +40,9 @@ from studio.io.json_text import JsonObject
 
 FloatArray = NDArray[np.float64]
 
-REACHED_MM, REACHED_DEG = 1000.0 * MET_BY_UNIT["m"], math.degrees(MET_BY_UNIT["rad"])
+MET_MILLIMETRES, MET_DEGREES = 1000.0 * MET_TOLERANCE_BY_UNIT["m"], math.degrees(MET_TOLERANCE_BY_UNIT["rad"])
 """Millimetres and degrees within which a target counts as met."""
-OTHERS = {
+BLOCKER_NAMES = {
     BLOCKED_BY_NOTHING: None,
     BLOCKED_BY_CONTACTS: "contacts",
     BLOCKED_BY_LIMITS: "joint limits",
@@ -157,7 +157,7 @@ def constraint_records(
         constraint = request.constraints[row]
         factor = math.degrees(1.0) if constraint.unit == "rad" else 1000.0
         misses, kept_by = report.misses[row], [_winner(int(code), request.constraints) for code in report.winners[row]]
-        missed = asked & ~(misses <= MET_BY_UNIT[constraint.unit])
+        missed = asked & ~(misses <= MET_TOLERANCE_BY_UNIT[constraint.unit])
         worst = np.nanmax(misses[asked], initial=-math.inf)
         record: JsonObject = {"name": constraint.name, "kind": constraint.kind}
         record |= residual_record(constraint, float(worst) if math.isfinite(worst) else None)
@@ -173,7 +173,7 @@ def constraint_records(
 
 
 def _winner(code: int, constraints: Sequence[Constraint]) -> str | None:
-    return constraints[code].name if code >= 0 else OTHERS[code]
+    return constraints[code].name if code >= 0 else BLOCKER_NAMES[code]
 
 
 def _numbers(values: FloatArray) -> list[float | None]:
@@ -193,5 +193,5 @@ def residual_record(constraint: Constraint, residual: float | None) -> JsonObjec
     return {
         "residual_mm": None if is_angle else shown,
         "residual_deg": shown if is_angle else None,
-        "reached": None if shown is None else shown <= (REACHED_DEG if is_angle else REACHED_MM),
+        "reached": None if shown is None else shown <= (MET_DEGREES if is_angle else MET_MILLIMETRES),
     }

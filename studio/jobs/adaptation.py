@@ -63,10 +63,10 @@ def make_folder(folder: Path) -> None:
 
 def ready_capture(path: Path, options: ImportOptions, *, all_frames: bool = False) -> ReadyCapture:
     """Read a humanoid capture and normalise it; ``all_frames`` counts a calibration pose at its start as motion."""
-    return ready_read(read_capture(path, options), path, all_frames=all_frames)
+    return ready_from_read(read_capture(path, options), path, all_frames=all_frames)
 
 
-def ready_read(read: ReadCapture, path: Path, *, all_frames: bool = False) -> ReadyCapture:
+def ready_from_read(read: ReadCapture, path: Path, *, all_frames: bool = False) -> ReadyCapture:
     """Normalise the humanoid capture that was read from ``path``."""
     capture = read.capture
     if capture.body_map is None:
@@ -79,16 +79,16 @@ def ready_read(read: ReadCapture, path: Path, *, all_frames: bool = False) -> Re
         reason = reasons.get("body map", "")
         raise StudioError(f"{path.name} cannot be adapted. {reason} Say which joints play them with --body-map.")
     capture = capture.with_first_frame(0) if all_frames else capture
-    return made_ready(capture, known_of_motion(capture, read.annotations, ADAPTED_MOTION_ID))
+    return ready_from_capture(capture, known_of_motion(capture, read.annotations, ADAPTED_MOTION_ID))
 
 
-def made_ready(capture: Capture, annotations: Annotations | None = None) -> ReadyCapture:
+def ready_from_capture(capture: Capture, annotations: Annotations | None = None) -> ReadyCapture:
     """Normalise a capture; without ``annotations`` its contacts are detected."""
     annotations = annotations or Annotations(detected_contacts(capture, ADAPTED_MOTION_ID))
     return ReadyCapture(capture, *normalize_capture(capture), annotations)
 
 
-def on_its_steps(ready: ReadyCapture) -> tuple[ReadyCapture, Steps]:
+def ready_on_steps(ready: ReadyCapture) -> tuple[ReadyCapture, Steps]:
     """Capture with its contacts on the steps on which it was recorded, and these. Raises StudioError without any."""
     steps = captured_steps(ready.capture)
     if steps is None:

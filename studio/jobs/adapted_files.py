@@ -23,8 +23,8 @@ from studio.jobs.adaptation import (
     chosen_characters,
     cleaning_records,
     make_folder,
-    on_its_steps,
     ready_capture,
+    ready_on_steps,
 )
 from studio.jobs.run_tracks import with_tracks
 
@@ -131,7 +131,7 @@ def adapt_file(path: Path, settings: AdaptSettings, cast: Cast, folder: Path) ->
     own = None if settings.constraints is None else read_constraints(settings.constraints, ADAPTED_MOTION_ID)
     ready = ready_capture(path, settings.reading, all_frames=settings.all_frames)
     if settings.on_steps:
-        ready, steps = on_its_steps(ready)
+        ready, steps = ready_on_steps(ready)
         cast = replace(cast, ground=steps)
     given = own or ConstraintFile(ready.annotations.constraints, None)
     if settings.constraints is not None:

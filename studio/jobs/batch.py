@@ -11,8 +11,8 @@ from studio.io.json_text import JsonObject
 from studio.jobs.adaptation import make_folder
 from studio.jobs.adapted_files import AdaptSettings
 from studio.jobs.batch_cluster import run_in_cluster
-from studio.jobs.batch_jobs import REPORTS, BatchJob, find_jobs, finished_jobs
-from studio.jobs.batch_summary import PAGE, TABLE, write_summary
+from studio.jobs.batch_jobs import REPORTS_FOLDER, BatchJob, find_jobs, finished_record
+from studio.jobs.batch_summary import SUMMARY_PAGE_FILE, SUMMARY_TABLE_FILE, write_summary
 from studio.jobs.batch_workers import run_in_workers
 
 
@@ -74,12 +74,12 @@ class BatchResult:
     @property
     def table(self) -> Path:
         """Summary as a table for other programs."""
-        return self.out / TABLE
+        return self.out / SUMMARY_TABLE_FILE
 
     @property
     def page(self) -> Path:
         """Summary as a page with plots."""
-        return self.out / PAGE
+        return self.out / SUMMARY_PAGE_FILE
 
 
 def run_batch(
@@ -94,8 +94,8 @@ def run_batch(
     settings.adapt.cast()  # what is missing is told before any work
     jobs = find_jobs(settings.source, settings.out, settings.adapt)
     _refuse_others_folder(settings)
-    make_folder(settings.out / REPORTS)
-    records = {job.name: record for job in jobs if (record := finished_jobs(job)) is not None}
+    make_folder(settings.out / REPORTS_FOLDER)
+    records = {job.name: record for job in jobs if (record := finished_record(job)) is not None}
     unchanged = len(records)
     try:
         for number, name in enumerate(records, 1):
@@ -125,7 +125,7 @@ def _run(
 def _refuse_others_folder(settings: BatchSettings) -> None:
     """Raise StudioError if the folder holds files that no batch has written, as one might be replaced."""
     out = settings.out
-    if out.is_dir() and any(out.iterdir()) and not (out / REPORTS).is_dir() and not settings.overwrite:
+    if out.is_dir() and any(out.iterdir()) and not (out / REPORTS_FOLDER).is_dir() and not settings.overwrite:
         raise StudioError(
             f"'{out}' holds files that no batch has written. Choose another folder, or have those of its names replaced"
             " with --overwrite."

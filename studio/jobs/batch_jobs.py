@@ -14,7 +14,7 @@ from studio.io.referenced_files import read_bytes
 from studio.io.registry import known_formats
 from studio.jobs.adapted_files import AdaptSettings, adapt_file
 
-REPORTS = "reports"
+REPORTS_FOLDER = "reports"
 """Subfolder of the batch's folder with a report for each capture."""
 
 
@@ -54,14 +54,14 @@ def find_jobs(source: Path, out: Path, settings: AdaptSettings) -> list[BatchJob
     for path in captures:
         name = path.relative_to(source)
         folder = out / (name if stems[path.with_suffix("")] > 1 else name.parent)
-        content, report = read_bytes(path), out / REPORTS / f"{name}.json"
+        content, report = read_bytes(path), out / REPORTS_FOLDER / f"{name}.json"
         digest = hashlib.sha256(asked + content).hexdigest()
         places = path.resolve(), folder.resolve(), report.resolve()
         jobs.append(BatchJob(name.as_posix(), *places, len(content), digest, settings))
     return jobs
 
 
-def finished_jobs(job: BatchJob) -> JsonObject | None:
+def finished_record(job: BatchJob) -> JsonObject | None:
     """Record of an earlier run with the same inputs, whose files are unchanged; None if there is none."""
     try:
         record: JsonObject = json.loads(job.report.read_bytes())

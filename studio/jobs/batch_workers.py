@@ -24,7 +24,7 @@ from studio.startup.process import prepare_process
 
 POLL_SECONDS = 0.2
 """Seconds between two calls of ``waited``."""
-ATTEMPTS = 2
+MOST_WORKER_DEATHS = 2
 """Number of workers that may die of a job before it counts as failed."""
 WORKER_STOP_SECONDS = 5.0
 """Seconds that a stopped worker has to remove half-written files."""
@@ -115,7 +115,7 @@ def run_in_workers(jobs: Sequence[BatchJob], count: int | None, waited: Callable
                     worker.end()
                     workers[workers.index(worker)] = worker = Worker(context)
                     deaths[job.name] += 1
-                    if deaths[job.name] < ATTEMPTS:
+                    if deaths[job.name] < MOST_WORKER_DEATHS:
                         waiting.appendleft(job)
                     else:
                         record = death_record(job)

@@ -10,7 +10,7 @@ from pkgutil import walk_packages
 from types import CodeType
 from typing import Any
 
-LINKING = 0.41
+LINKING_TIME_RATIO = 0.41
 """Time of linking and optimising a large kernel with all below it, in units of the time of translating them."""
 
 
@@ -31,21 +31,21 @@ def kernels_below(kernels: Iterable[Any]) -> dict[int, Any]:
         kernel = waiting.pop()
         if id(kernel) not in found:
             found[id(kernel)] = kernel
-            waiting += called_by(kernel.py_func)
+            waiting += called_kernels(kernel.py_func)
     return found
 
 
 @cache
-def called_by(function: Any) -> list[Any]:
+def called_kernels(function: Any) -> list[Any]:
     """Kernels called by a function, by their names."""
     known = function.__globals__
-    return [known[name] for name in names_in(function.__code__) if hasattr(known.get(name), "py_func")]
+    return [known[name] for name in names_looked_up(function.__code__) if hasattr(known.get(name), "py_func")]
 
 
-def names_in(code: CodeType) -> set[str]:
+def names_looked_up(code: CodeType) -> set[str]:
     """Names that code, and the functions within it, look up."""
     within = (each for each in code.co_consts if isinstance(each, CodeType))
-    return {*code.co_names}.union(*map(names_in, within))
+    return {*code.co_names}.union(*map(names_looked_up, within))
 
 
 class CompileWork:
@@ -62,13 +62,13 @@ class CompileWork:
         Linking happens in one step; its speed is taken to be that of translating.
         """
         done = kernels_below(each for each in self._kernels.values() if each.signatures)
-        share = bytes_of(done) / bytes_of(self._kernels)
+        share = bytecode_size(done) / bytecode_size(self._kernels)
         if share < 1.0 or not self._translated_after:
             self._translated_after = spent
         linked = (spent - self._translated_after) / max(self._translated_after, 1e-9)
         return (share + min(linked, self._linking)) / (1.0 + self._linking)
 
 
-def bytes_of(kernels: dict[int, Any]) -> int:
+def bytecode_size(kernels: dict[int, Any]) -> int:
     """Bytes of bytecode of some kernels."""
     return sum(len(kernel.py_func.__code__.co_code) for kernel in kernels.values())

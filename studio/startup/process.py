@@ -19,18 +19,18 @@ from pathlib import Path
 import platformdirs
 
 from studio.core.errors import StudioError
-from studio.startup.system_libraries import DRAWING, WINDOW_LIBRARIES, missing_libraries, sentence_about
+from studio.startup.system_libraries import DRAWING_LIBRARIES, WINDOW_LIBRARIES, missing_libraries, sentence_about
 
-LARGEST_KEPT, MOST_KEPT = 32 << 20, 256 << 20
+LARGEST_KEPT_BYTES, MOST_KEPT_BYTES = 32 << 20, 256 << 20
 """Bytes of the largest block of memory that is kept when it is freed, and of all freed memory kept."""
-ARENAS = 2
+MEMORY_ARENAS = 2
 """Number of heaps (glibc arenas) that threads share: each keeps its freed memory; glibc's default is eight per core."""
-COLLECTED_AFTER = (50_000, 20, 20)
+COLLECTION_THRESHOLDS = (50_000, 20, 20)
 """Thresholds of garbage collection (``gc.set_threshold``), the first in objects made between two collections."""
 _TRIM_THRESHOLD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -3, -8
 MOST_CACHES = 16
 """Caches of compiled kernels that are kept, of 9 MB each: one for each checkout, machine and version in use."""
-KERNELS = Path(__file__).resolve().parents[1] / "core" / "kernels"
+KERNELS_FOLDER = Path(__file__).resolve().parents[1] / "core" / "kernels"
 
 
 def prepare_process() -> None:
@@ -49,7 +49,7 @@ def prepare_process() -> None:
     os.environ.setdefault("ALLOW_PLOTTING", "true")  # else pyvista opens a window to see whether it can
     keep_freed_memory()
     # Hardly one of the many objects that imports make is ever lost: looking among them costs a tenth of a start.
-    gc.set_threshold(*COLLECTED_AFTER)
+    gc.set_threshold(*COLLECTION_THRESHOLDS)
 
 
 def name_kernel_cache() -> None:
@@ -69,9 +69,9 @@ def keep_freed_memory() -> None:
     again for the next; clearing the new pages would cost more than retargeting the clip.
     """
     if (mallopt := _of_glibc("mallopt")) is not None:
-        mallopt(_MMAP_THRESHOLD, LARGEST_KEPT)
-        mallopt(_TRIM_THRESHOLD, MOST_KEPT)
-        mallopt(_ARENA_MAX, ARENAS)
+        mallopt(_MMAP_THRESHOLD, LARGEST_KEPT_BYTES)
+        mallopt(_TRIM_THRESHOLD, MOST_KEPT_BYTES)
+        mallopt(_ARENA_MAX, MEMORY_ARENAS)
 
 
 def give_back_freed_memory() -> None:
@@ -136,8 +136,8 @@ def kernel_cache_folder() -> Path:
     """
     cache = Path(platformdirs.user_cache_dir("morpho-studio", appauthor=False))
     maker = platform.python_version(), version("numba"), version("llvmlite"), processor()
-    where = hashlib.sha256("\0".join((str(KERNELS), *maker)).encode()).hexdigest()[:6]
-    return cache / "kernels" / f"{content_digest(sorted(KERNELS.rglob('*.py')))}-{where}"
+    where = hashlib.sha256("\0".join((str(KERNELS_FOLDER), *maker)).encode()).hexdigest()[:6]
+    return cache / "kernels" / f"{content_digest(sorted(KERNELS_FOLDER.rglob('*.py')))}-{where}"
 
 
 def processor() -> str:
@@ -170,7 +170,7 @@ def check_libraries(window: bool = False) -> None:
     Must run before Qt and VTK are loaded, which would end the process.
     """
     lacking = (
-        missing_libraries({**DRAWING, **WINDOW_LIBRARIES} if window else DRAWING)
+        missing_libraries({**DRAWING_LIBRARIES, **WINDOW_LIBRARIES} if window else DRAWING_LIBRARIES)
         if sys.platform.startswith("linux")
         else {}
     )

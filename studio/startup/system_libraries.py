@@ -11,7 +11,7 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-DRAWING = {
+DRAWING_LIBRARIES = {
     "libEGL.so.1": "libegl1",
     "libGL.so.1": "libgl1",
     "libglib-2.0.so.0": "libglib2.0-0",
@@ -33,10 +33,10 @@ WINDOW_LIBRARIES = {
     "libxcb-xkb.so.1": "libxcb-xkb1",
     "libX11-xcb.so.1": "libx11-xcb1",
 }
-"""Libraries that a window needs in addition to ``DRAWING``, with their Debian packages."""
-LIKED = {"libXcursor.so.1": "libxcursor1"}
+"""Libraries that a window needs in addition to ``DRAWING_LIBRARIES``, with their Debian packages."""
+OPTIONAL_LIBRARIES = {"libXcursor.so.1": "libxcursor1"}
 """Optional libraries of a window, with their Debian packages."""
-FONTS, FONT_PACKAGE = Path("/usr/share/fonts"), "fonts-dejavu-core"
+FONTS_FOLDER, FONT_PACKAGE = Path("/usr/share/fonts"), "fonts-dejavu-core"
 
 
 def missing_libraries(libraries: Mapping[str, str]) -> dict[str, str]:
@@ -46,8 +46,12 @@ def missing_libraries(libraries: Mapping[str, str]) -> dict[str, str]:
 
 def missing_packages() -> list[str]:
     """Debian packages missing for pictures and a window."""
-    fonts = [] if FONTS.is_dir() and any(FONTS.rglob("*.[to]tf")) else [FONT_PACKAGE]
-    return list(dict.fromkeys([*missing_libraries({**DRAWING, **WINDOW_LIBRARIES, **LIKED}).values(), *fonts]))
+    fonts = [] if FONTS_FOLDER.is_dir() and any(FONTS_FOLDER.rglob("*.[to]tf")) else [FONT_PACKAGE]
+    return list(
+        dict.fromkeys(
+            [*missing_libraries({**DRAWING_LIBRARIES, **WINDOW_LIBRARIES, **OPTIONAL_LIBRARIES}).values(), *fonts]
+        )
+    )
 
 
 def sentence_about(libraries: Mapping[str, str]) -> str:

@@ -44,7 +44,7 @@ from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow
 from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.io.importing import GUESS_ALL, load_capture
 from studio.io.project.character_file import bundled_characters
-from studio.jobs.adaptation import ReadyCapture, made_ready, ready_capture
+from studio.jobs.adaptation import ReadyCapture, ready_capture, ready_from_capture
 from studio.resources_folder import example_captures_folder
 from tests.core.motions import ALWAYS, RATE, local_rotations, random_rotations, target, walk
 from tests.core.scenes import Scene
@@ -571,7 +571,8 @@ def test_who_heads_elsewhere_does_the_same(stem: str, name: str) -> None:
     capture = load_capture(example_captures_folder() / f"{stem}.bvh")
     turn = Rotation.from_euler("z", 2.4)
     here, there = (
-        _adapted(made_ready(each), name) for each in (capture, _elsewhere(capture, turn, np.array([30.0, -20.0, 0.0])))
+        _adapted(ready_from_capture(each), name)
+        for each in (capture, _elsewhere(capture, turn, np.array([30.0, -20.0, 0.0])))
     )
     back = turn.inv().apply((there - there[0, 0]).reshape(-1, 3)).reshape(there.shape)
     assert np.abs(back - (here - here[0, 0])).max() < 1e-4

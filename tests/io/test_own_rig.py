@@ -20,7 +20,7 @@ from studio.core.solver.request import AdaptRequest
 from studio.core.stage.placement import Placement
 from studio.io.export import skin_of, take_of_adapted, take_of_standing, write_take
 from studio.io.export_options import ExportOptions
-from studio.io.figure.body import NO_RIG
+from studio.io.figure.body import NO_RIG_MESSAGE
 from studio.io.importing import load_capture, load_character
 from studio.io.project.character_file import bundled_characters, read_character, write_character
 from studio.io.project.project_file import new_document_id, read_project, write_project
@@ -341,6 +341,6 @@ def test_joints_that_cannot_be_kept_are_told_and_exported_as_the_studio_has_them
     made.root["skins"][0].pop("inverseBindMatrices")
     (tmp_path / "hero.glb").write_bytes(made.glb())
     read = load_character(tmp_path / "hero.glb")
-    assert NO_RIG in read.repairs
+    assert NO_RIG_MESSAGE in read.repairs
     take = ExportOptions().applied_to(take_on(read.character, make_capture()), tmp_path / "out.fbx")
     assert "LeftForeArm" in take.skeleton.names

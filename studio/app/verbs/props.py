@@ -31,7 +31,7 @@ from studio.engine.prop_places import (
     takes_lower,
     wrists_from,
 )
-from studio.io.meshes.mesh_file import SUFFIXES, MeshFile, read_mesh
+from studio.io.meshes.mesh_file import MESH_SUFFIXES, MeshFile, read_mesh
 from studio.panels.message_strip import Lifetime
 
 NEW_PROP_DISTANCE = 0.6
@@ -141,7 +141,7 @@ def _as_broad(prop: Prop, holder: PosedPerformer) -> Prop:
 
 def ask_mesh(bench: Workbench) -> None:
     """Ask for the file of a mesh for a new prop."""
-    kinds = f"Meshes ({' '.join(f'*{suffix}' for suffix in SUFFIXES)})"
+    kinds = f"Meshes ({' '.join(f'*{suffix}' for suffix in MESH_SUFFIXES)})"
     ask_file(bench, "Load mesh for a prop", kinds, lambda path: add_mesh(bench, path))
 
 

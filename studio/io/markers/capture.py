@@ -19,14 +19,14 @@ from studio.core.markers.force_plates import plate_loads, plates_height
 from studio.core.markers.label_words import side_and_part
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.measures import has_pelvis, pelvis_frame
-from studio.core.markers.proposing import PROPOSED
-from studio.core.markers.roles import ROLE, SIDE_WORDS
+from studio.core.markers.proposing import PROPOSED_MAP_NAME
+from studio.core.markers.roles import ROLES_BY_ID, SIDE_WORDS
 from studio.core.markers.sides import exchanged_places
 from studio.core.markers.solve import SolvedBody, solve_body
 from studio.core.markers.take import MarkerTake, TrackedBody, track_body
 from studio.core.markers.trial import (
     MARKER_KIND,
-    METRES,
+    TRIAL_UNIT_METRES,
     VIRTUAL_KIND,
     Trial,
     label_without_subject,
@@ -39,7 +39,7 @@ from studio.io.capture_guesses import reference_by_option
 from studio.io.guessing import guess_floor
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress
-from studio.io.up_axis import C3D_UP_PRIOR, FILE_AXES, BodyPoints, axis_called, guess_up_axis, turn_to_world
+from studio.io.up_axis import C3D_UP_PRIOR, FILE_AXES, BodyPoints, guess_up_axis, parse_axis, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
@@ -87,8 +87,8 @@ def _there(take: MarkerTake) -> MarkerMap:
 def _in_unit(take: MarkerTake, options: ImportOptions) -> tuple[MarkerTake, list[Guess]]:
     if options.unit is None:
         return take, []
-    if options.unit not in METRES:
-        raise StudioError(f"'{options.unit}' is not a unit of a marker file. Choose {', '.join(METRES)}.")
+    if options.unit not in TRIAL_UNIT_METRES:
+        raise StudioError(f"'{options.unit}' is not a unit of a marker file. Choose {', '.join(TRIAL_UNIT_METRES)}.")
     return replace(take, trial=replace(take.trial, unit=options.unit)), []
 
 
@@ -165,7 +165,7 @@ def _limb_length(joints: Mapping[str, FloatArray]) -> float:
 
 def _up_axis(followed: TrackedBody, options: ImportOptions, guesses: list[Guess]) -> str:
     if options.up_axis is not None:
-        return axis_called(options.up_axis)
+        return parse_axis(options.up_axis)
     joints, first = _with_a_trunk(followed), followed.first_frame
     if "left_hip" in joints and "left_shoulder" in joints:
         guess = guess_up_axis(_points(joints, first), C3D_UP_PRIOR)
@@ -249,7 +249,7 @@ def _body_guesses(
             "marker map",
             take.marker_map.name,
             f"{counted_noun(len(used.labels), 'marker')} at {counted_noun(len(used.markers), 'place')}.",
-            Confidence.LIKELY if take.marker_map.name == PROPOSED else Confidence.SURE,
+            Confidence.LIKELY if take.marker_map.name == PROPOSED_MAP_NAME else Confidence.SURE,
         ),
         Guess(
             "measures",
@@ -352,7 +352,7 @@ def _not_shown(take: MarkerTake, used: MarkerMap, resting: Sequence[str]) -> Gue
             )
             continue
         places = [f"{side}_{joint}" for joint in _PLACES[part] for side in SIDE_WORDS]
-        lacking = [ROLE[place].words.partition(",")[0].lower() for place in places if place not in there]
+        lacking = [ROLES_BY_ID[place].words.partition(",")[0].lower() for place in places if place not in there]
         lack = f"The {part} lack markers at {', '.join(lacking)}."
         sentences.append(lack if lacking else f"The {part} cannot be told from the markers at their places.")
     known = used.labels | set(used.centres.values())
@@ -385,7 +385,7 @@ def _cloud(take: MarkerTake, lacking: str, options: ImportOptions, guesses: list
     labels = tuple(seen_labels(trial, take.subject))
     if not labels:
         raise StudioError(f"{trial.source} shows no marker: {_shown(trial)}. Export it with its markers.")
-    up_axis = axis_called(options.up_axis or "Z")
+    up_axis = parse_axis(options.up_axis or "Z")
     points = trial.metres * trial.points[:, [trial.labels.index(label) for label in labels]] @ turn_to_world(up_axis).T
     frames = np.arange(trial.frame_count)
     for place in range(len(labels)):

@@ -44,7 +44,7 @@ def find_map(trial: Trial, subject: str = "") -> MarkerMap:
 
 def _best(maps: Iterable[MarkerMap], labels: Sequence[str]) -> MarkerMap | None:
     """Map with most positions among the labels, fitted to them; None if none can track a limb."""
-    fitting = [fitted(each, labels) for each in maps]
+    fitting = [fitted_map(each, labels) for each in maps]
     able = [each for each in fitting if each.has_legs() or each.has_arms()]
     return max(able, key=lambda each: len(each.markers) + len(each.centres), default=None)
 
@@ -76,7 +76,7 @@ def find_subject(trial: Trial) -> str:
     return next((name for name in names if 2 * subjects.count(name) > subjects.count(most)), most)
 
 
-def fitted(known: MarkerMap, labels: Iterable[str]) -> MarkerMap:
+def fitted_map(known: MarkerMap, labels: Iterable[str]) -> MarkerMap:
     """``known`` restricted to a trial's labels, as written there: ``lasi`` or ``Skeleton_LASI`` for ``LASI``."""
     labels = list(labels)
     named = {label.lower() for own in known.markers.values() for label in own} | {

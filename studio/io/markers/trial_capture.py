@@ -10,14 +10,14 @@ from studio.core.markers.trial import Trial
 from studio.io.importing import ImportOptions
 from studio.io.markers.capture import capture_of_take
 from studio.io.markers.maps import find_subject, unreadable_maps
-from studio.io.markers.unit import in_believable_unit
+from studio.io.markers.unit import with_plausible_unit
 from studio.io.registry import Progress, ReadCapture
 
 _FILE_READ = 0.4
 """The share of the work that is done once the file is read."""
 
 
-def read_of_trial(
+def read_capture_of_trial(
     trial: Trial,
     repairs: Sequence[str],
     annotations: Annotations,
@@ -32,7 +32,7 @@ def read_of_trial(
     def interpret(options: ImportOptions, progress: Progress) -> Capture:
         progress(_FILE_READ, f"Finding the body in {trial.source}")
         subject = find_subject(trial)
-        in_unit, marker_map, guesses = in_believable_unit(trial, options.marker_map, subject, options.unit)
+        in_unit, marker_map, guesses = with_plausible_unit(trial, options.marker_map, subject, options.unit)
         steps = USUAL_STEPS if options.marker_steps is None else options.marker_steps
         take = MarkerTake(in_unit, marker_map, steps, subject)
         told = lambda share, text: progress(_FILE_READ + (1.0 - _FILE_READ) * share, text)  # noqa: E731

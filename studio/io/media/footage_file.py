@@ -20,9 +20,9 @@ Picture = NDArray[np.uint8]
 
 FILM_SUFFIXES = (".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi", ".mpg", ".mpeg", ".wmv", ".gif")
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
-MOST_FOOTAGE_SIDE = 960
+MOST_FOOTAGE_SIDE_PIXELS = 960
 """Pixels of the longer side of a frame; larger ones are scaled."""
-PICTURES_RATE = 30.0
+USUAL_PICTURES_RATE = 30.0
 """Frames a second of numbered pictures, until the user says another rate."""
 _NUMBER = re.compile(r"(\d+)$")
 
@@ -38,8 +38,8 @@ def read_footage(path: Path) -> Footage:
         files = sequence_of(path)
         if not files:
             raise StudioError(f"{path.name} is not there any more. Choose another file.")
-        next(footage_frames(files[0], PICTURES_RATE, 0))
-        return Footage(_name_of(files[0]), str(files[0]), len(files), PICTURES_RATE, PICTURES_RATE)
+        next(footage_frames(files[0], USUAL_PICTURES_RATE, 0))
+        return Footage(_name_of(files[0]), str(files[0]), len(files), USUAL_PICTURES_RATE, USUAL_PICTURES_RATE)
     if not path.is_file():
         raise StudioError(f"{path.name} is not there any more. Choose another file.")
     try:
@@ -70,7 +70,7 @@ def sequence_of(path: Path) -> tuple[Path, ...]:
 
 
 def footage_frames(path: Path, file_rate: float, first: int) -> Generator[Picture, None, None]:
-    """Frames of a film or of numbered pictures from ``first`` on, no side longer than ``MOST_FOOTAGE_SIDE``.
+    """Frames of a film or of numbered pictures from ``first`` on, no side longer than ``MOST_FOOTAGE_SIDE_PIXELS``.
 
     Raises StudioError where one cannot be read; a film just ends there.
     """
@@ -83,17 +83,17 @@ def _picture_frames(files: tuple[Path, ...]) -> Generator[Picture, None, None]:
     for file in files:
         try:
             with Image.open(file) as image:
-                image.draft("RGB", (MOST_FOOTAGE_SIDE, MOST_FOOTAGE_SIDE))
+                image.draft("RGB", (MOST_FOOTAGE_SIDE_PIXELS, MOST_FOOTAGE_SIDE_PIXELS))
                 pixels = image.convert("RGB")
         except (OSError, UnidentifiedImageError, Image.DecompressionBombError) as error:
             raise StudioError(f"The image {file.name} cannot be read. Choose a PNG or JPEG file.") from error
-        pixels.thumbnail((MOST_FOOTAGE_SIDE, MOST_FOOTAGE_SIDE))
+        pixels.thumbnail((MOST_FOOTAGE_SIDE_PIXELS, MOST_FOOTAGE_SIDE_PIXELS))
         yield np.asarray(pixels)
 
 
 def _film_frames(path: Path, file_rate: float, first: int) -> Generator[Picture, None, None]:
     """Frames as ffmpeg writes them one behind the other, each with its size before it (PPM)."""
-    size = f"'min({MOST_FOOTAGE_SIDE},iw)':'min({MOST_FOOTAGE_SIDE},ih)':force_original_aspect_ratio=decrease"
+    size = f"'min({MOST_FOOTAGE_SIDE_PIXELS},iw)':'min({MOST_FOOTAGE_SIDE_PIXELS},ih)':force_original_aspect_ratio=decrease"
     even = f"fps={file_rate:.6f}:start_time=0,scale={size}"
     seek = ["-ss", f"{first / file_rate:.6f}"] if first else []
     command = [get_ffmpeg_exe(), "-v", "error", "-nostdin", *seek, "-i", str(path), "-an", "-vf", even]

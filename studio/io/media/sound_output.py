@@ -20,11 +20,11 @@ FloatArray = NDArray[np.float64]
 HEARD_RATE = 48_000
 """Samples a second of what is heard."""
 HEARD_CHANNELS = 2
-PERIOD_MILLISECONDS, PERIODS = 40, 3
+PERIOD_MILLISECONDS, DEVICE_PERIODS = 40, 3
 """Length and number of the pieces that the device asks for: enough for a busy window, and few for a seek."""
 SETTLING_PIECES = 12
 """Pieces after which the lead of what is asked over what is heard is known."""
-LEAD_SECONDS, MOST_STRETCH = 5.0, 0.005
+LEAD_CORRECTION_SECONDS, MOST_STRETCH = 5.0, 0.005
 """Seconds in which a deviation of the lead is taken back, and how much faster or slower the sound then is at most."""
 LOST_SECONDS = 0.1
 """Deviation of the lead after which the sound jumps: the device has had nothing to play."""
@@ -74,7 +74,7 @@ class StreamClock:
             error = now + float(np.median(self._leads)) - self._heard
         if abs(error) > LOST_SECONDS:
             self._heard, error = self._heard + error, 0.0
-        stretch = 1.0 + min(max(error / LEAD_SECONDS, -MOST_STRETCH), MOST_STRETCH)
+        stretch = 1.0 + min(max(error / LEAD_CORRECTION_SECONDS, -MOST_STRETCH), MOST_STRETCH)
         seconds = self._heard + np.arange(count) * (stretch / HEARD_RATE)
         self._heard += count * stretch / HEARD_RATE
         return np.asarray(seconds)
@@ -150,7 +150,7 @@ class SoundOutput:
                 HEARD_CHANNELS,
                 HEARD_RATE,
                 PERIOD_MILLISECONDS,
-                callback_periods=PERIODS,
+                callback_periods=DEVICE_PERIODS,
                 backends=chosen or [each for each in miniaudio.Backend if each is not miniaudio.Backend.NULL],
                 app_name="Morpho Studio",
             )

@@ -14,10 +14,10 @@ from pathlib import Path
 
 from studio.core.errors import StudioError
 from studio.io.atomic_write import FolderNotWritable, atomic_replacement, remove_leftovers
-from studio.io.referenced_files import SNIFFED, refuse_devices, refuse_stand_in
+from studio.io.referenced_files import SNIFFED_BYTES, refuse_devices, refuse_stand_in
 from studio.io.zipped import UnpacksTooFarError, unzipped_members
 
-SEAL = b"morpho-studio sha256:"
+SEAL_PREFIX = b"morpho-studio sha256:"
 DIGEST_SIZE = 64
 _SIGNATURE = b"PK\x03\x04"
 _LOCAL_HEADER = struct.Struct("<4s5H3I2H")
@@ -62,7 +62,7 @@ def read_archive(path: Path) -> Archive:
     if not archive.sealed and not archive.damaged:
         archive.members |= _repacked(path, content)
     if not archive.members and not archive.damaged:
-        refuse_stand_in(path.name, content[:SNIFFED])
+        refuse_stand_in(path.name, content[:SNIFFED_BYTES])
         raise StudioError(f"'{path.name}' is not a Morpho Studio project: it is not a ZIP archive.")
     return archive
 
@@ -109,7 +109,7 @@ def _write_members(part: Path, members: Mapping[str, bytes], report: Callable[[f
             report(done / total, f"Writing {name.split('/')[0]}")
             archive.writestr(zipfile.ZipInfo(name, _EPOCH), content)
             done += len(content)
-        archive.comment = SEAL + b"0" * DIGEST_SIZE
+        archive.comment = SEAL_PREFIX + b"0" * DIGEST_SIZE
 
 
 def _seal(part: Path) -> None:
@@ -132,7 +132,7 @@ def _verify(part: Path, members: Mapping[str, bytes]) -> None:
 
 def _is_sealed(content: bytes) -> bool:
     digest = content[-DIGEST_SIZE:]
-    if content[-DIGEST_SIZE - len(SEAL) : -DIGEST_SIZE] != SEAL:
+    if content[-DIGEST_SIZE - len(SEAL_PREFIX) : -DIGEST_SIZE] != SEAL_PREFIX:
         return False
     return hashlib.sha256(memoryview(content)[:-DIGEST_SIZE]).hexdigest().encode() == digest
 

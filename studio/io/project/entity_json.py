@@ -33,7 +33,7 @@ ENTITY_SCHEMAS = {
     **dict.fromkeys(COLLECTIONS, 1), "characters": 3, "performers": 2, "constraints": 7, "contacts": 3, "props": 6,
 }  # fmt: skip
 """A higher number tells an older version that it would misread what it knows by that name."""
-MEMBER_NAME = re.compile(r"(captures|characters)/[0-9a-f]{64}\.npy")
+MEMBER_NAME_PATTERN = re.compile(r"(captures|characters)/[0-9a-f]{64}\.npy")
 _HEADER = ("id", "kind", "schema")
 
 Members = dict[str, Array]
@@ -143,12 +143,12 @@ def is_known(collection: str, record: Json) -> bool:
     return schema <= ENTITY_SCHEMAS[collection] and _class_of(collection, record) is not None
 
 
-def line(record: Json) -> str:
+def record_line(record: Json) -> str:
     """One record on one line: sorted keys, no space, no number that is not finite."""
     return json.dumps(record, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
 
 
-def parsed(content: bytes, name: str) -> Json:
+def parse_member(content: bytes, name: str) -> Json:
     """JSON of a member. Raises StudioError naming the member."""
     try:
         return json_of(content, parse_constant=_refuse_constant, parse_float=_finite)
@@ -170,9 +170,11 @@ def project_json(project: Project, members: Members) -> bytes:
         ]
         lists[collection] = [*records, *carried.get("entities", {}).get(collection, ())]
     root: dict[str, Any] = {**carried.get("root", {}), "schema": PROJECT_SCHEMA}
-    blocks = {name: "[\n" + ",\n".join(map(line, items)) + "\n]" if items else "[]" for name, items in lists.items()}
-    blocks |= {name: line(item) for name, item in root.items()}
-    return ("{\n" + ",\n".join(f"{line(name)}:{blocks[name]}" for name in sorted(blocks)) + "\n}\n").encode()
+    blocks = {
+        name: "[\n" + ",\n".join(map(record_line, items)) + "\n]" if items else "[]" for name, items in lists.items()
+    }
+    blocks |= {name: record_line(item) for name, item in root.items()}
+    return ("{\n" + ",\n".join(f"{record_line(name)}:{blocks[name]}" for name in sorted(blocks)) + "\n}\n").encode()
 
 
 @dataclass
@@ -227,7 +229,7 @@ def project_of(record: Json, load: Callable[[str], Array]) -> ReadProject:
 
 def named_members(record: Json) -> set[str]:
     """Every member name in a piece of JSON."""
-    return {match.group() for match in MEMBER_NAME.finditer(json.dumps(record))}
+    return {match.group() for match in MEMBER_NAME_PATTERN.finditer(json.dumps(record))}
 
 
 def _records(record: dict[str, Json], collection: str, losses: list[str]) -> list[dict[str, Json]]:

@@ -33,7 +33,7 @@ def schema_of(record: Json, name: str) -> int:
     return schema
 
 
-def upgraded(
+def upgraded_record(
     record: Json,
     name: str,
     steps: Mapping[int, Callable[[Json], Json]] = UPGRADES,

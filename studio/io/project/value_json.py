@@ -14,7 +14,7 @@ from studio.core.errors import StudioError
 
 Json = Any
 Array = NDArray[Any]
-INLINE_NUMBERS = 64
+MOST_INLINE_NUMBERS = 64
 """Arrays of up to so many numbers stand in the JSON itself."""
 
 
@@ -37,7 +37,7 @@ def to_json(value: Any, members: MemberCodec) -> Json:
     """
     match value:
         case np.ndarray():
-            inline = 0 < value.size <= INLINE_NUMBERS and bool(np.isfinite(value).all())
+            inline = 0 < value.size <= MOST_INLINE_NUMBERS and bool(np.isfinite(value).all())
             return value.tolist() if inline else {"member": members.store(value)}
         case Enum():
             return value.value

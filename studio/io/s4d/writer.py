@@ -22,12 +22,17 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import from_matrix
 from studio.io.project.constraint_file import constraint_record
 from studio.io.registry import Progress
-from studio.io.zipped import npy, write_zip
+from studio.io.zipped import npy_file, write_zip
 
 FloatArray = NDArray[np.float64]
 
 S4D_FORMAT, S4D_VERSION = "S4D", 1
-RECORD, CHANNELS, ROTATIONS, TRANSLATIONS = "s4d.json", "channels.npy", "rotations.npy", "translations.npy"
+RECORD_MEMBER, CHANNELS_MEMBER, ROTATIONS_MEMBER, TRANSLATIONS_MEMBER = (
+    "s4d.json",
+    "channels.npy",
+    "rotations.npy",
+    "translations.npy",
+)
 
 NUMBER_STEP = 2.0**-17
 """Quantum of stored numbers: 8 micrometres, or 0.0004 degrees, so that a ZIP packs float32 well."""
@@ -55,10 +60,10 @@ def write_s4d(path: Path, s4d: S4d, progress: Progress = lambda share, text: Non
     free, moving = pass_through_joints(s4d.actor)
     poses = s4d.actor.pass_through
     members = {
-        RECORD: json.dumps(_record(s4d, free, moving), ensure_ascii=False, allow_nan=False).encode(),
-        CHANNELS: npy(_channels(s4d.motion.channels)),
-        ROTATIONS: npy(_on_grid(poses.local_rotations[:, free])),
-        TRANSLATIONS: npy(_on_grid(poses.local_translations[:, moving])),
+        RECORD_MEMBER: json.dumps(_record(s4d, free, moving), ensure_ascii=False, allow_nan=False).encode(),
+        CHANNELS_MEMBER: npy_file(_channels(s4d.motion.channels)),
+        ROTATIONS_MEMBER: npy_file(_on_grid(poses.local_rotations[:, free])),
+        TRANSLATIONS_MEMBER: npy_file(_on_grid(poses.local_translations[:, moving])),
     }
     write_zip(path, members, 9, progress)
     progress(1.0, f"Wrote {path.name}")

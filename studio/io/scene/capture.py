@@ -13,7 +13,7 @@ from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix, normalized, sign_continuous, to_matrix
 from studio.io.bvh.capture import capture_of
-from studio.io.guessing import Scale, stated_unit
+from studio.io.guessing import Scale, unit_of_metres
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
 from studio.io.scene.proper_rotations import proper_rotations
@@ -37,8 +37,8 @@ class SceneJoints:
     local_rotations: FloatArray
     local_translations: FloatArray
     frame_time: float | None
-    said_unit: Scale
-    said_axis: str
+    stated_unit: Scale
+    stated_up_axis: str
     repairs: tuple[str, ...]
     frame_time_digit: float = _DIGIT
 
@@ -126,7 +126,7 @@ def _rigid(
         poses.local_rotations,
         poses.local_translations,
         1.0 / rate,
-        stated_unit(metres),
+        unit_of_metres(metres),
         str(about["up_axis"]),
         (*repairs, *mirrored),
     )

@@ -38,7 +38,7 @@ _AXES = {
 }
 """Rotation of a file's axes to the studio's, as programs with Z up import it and what the studio writes of its kind."""
 _PICTURE_FOLDERS = ("textures", "Textures", "tex", "images")
-MOST_SHARES = 8
+MOST_SCENE_INFLUENCES = 8
 """Joints that a vertex hangs from."""
 CHARACTER_ADVICE = "Export the character as GLB from the program that made it."
 
@@ -161,8 +161,8 @@ def _shares(carrier: int, part: Arrays) -> tuple[IntArray, FloatArray]:
     order = np.lexsort((-weight, vertex))
     vertex, joint, weight = vertex[order].astype(np.int64), joint[order].astype(np.int64), weight[order]
     place = np.arange(len(vertex)) - np.searchsorted(vertex, vertex)
-    joints, weights = np.zeros((count, MOST_SHARES), np.int64), np.zeros((count, MOST_SHARES))
-    kept = place < MOST_SHARES
+    joints, weights = np.zeros((count, MOST_SCENE_INFLUENCES), np.int64), np.zeros((count, MOST_SCENE_INFLUENCES))
+    kept = place < MOST_SCENE_INFLUENCES
     joints[vertex[kept], place[kept]], weights[vertex[kept], place[kept]] = joint[kept], weight[kept]
     bare = weights[:, 0] == 0.0
     if bare.any() and not bare.all():

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-MOST_VALUES = 1 << 27
+MOST_FRAME_VALUES = 1 << 27
 """Numbers of all frames and joints together."""
-MEMORY = 3 << 30
+SPARE_MEMORY_BYTES = 3 << 30
 """Bytes of addresses beside twenty times the file: what Python and NumPy reserve, and half a gigabyte."""
 
 
@@ -37,4 +37,4 @@ def _limit_memory(size: int) -> None:
     except ImportError:  # Windows has no such limit; time is limited there as here
         return
     with suppress(ValueError, OSError):  # macOS has the name, but keeps no such limit
-        resource.setrlimit(resource.RLIMIT_AS, (MEMORY + 20 * size,) * 2)
+        resource.setrlimit(resource.RLIMIT_AS, (SPARE_MEMORY_BYTES + 20 * size,) * 2)

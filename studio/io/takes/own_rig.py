@@ -27,7 +27,7 @@ def has_own_rig(take: Take) -> bool:
     return take.adapted is not None and take.character is not None and take.character.skin.rig is not None
 
 
-def on_own_rig(take: Take, suffix: str, placement: Placement) -> Take:
+def take_on_own_rig(take: Take, suffix: str, placement: Placement) -> Take:
     """Take on the character's own joints, with its skin bound to them.
 
     Every joint moves with its segment of the body, so that its skin deforms as that of the file would. Fingers rotate

@@ -11,7 +11,7 @@ from studio.core.errors import StudioError
 from studio.core.markers.subjects import with_subjects
 from studio.core.markers.trial import MARKER_KIND, Trial
 from studio.core.names import counted_noun, readable_name
-from studio.io.markers.unit import named_unit
+from studio.io.markers.unit import unit_by_spelling
 from studio.io.numbers import count_per_line, lines_of, number, table
 from studio.io.referenced_files import read_bytes
 
@@ -176,7 +176,7 @@ def _frame_rate(name: str, said: dict[str, str], times: FloatArray, repairs: lis
 
 
 def _unit(name: str, said: str, repairs: list[str]) -> str:
-    unit = named_unit(said)
+    unit = unit_by_spelling(said)
     if unit is None:
         repairs.append(f"{name}, line 3: Units is '{said[:20]}', which is not a known unit; taken as mm.")
     return unit or "mm"

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.io.scene.child_run import MOST_VALUES, run_child
+from studio.io.scene.child_run import MOST_FRAME_VALUES, run_child
 from studio.io.usd.child_meshes import meshes_of
 
 FloatArray = NDArray[np.float64]
@@ -42,7 +42,7 @@ def main(source: str, target: str, what: str) -> None:
     paths = _joints(skeleton)
     if not 0 < len(paths) <= MOST_USD_JOINTS:
         sys.exit(f"its skeleton holds {len(paths)} joints, no number that a body has")
-    if len(moments) * len(paths) * 10 > MOST_VALUES:
+    if len(moments) * len(paths) * 10 > MOST_FRAME_VALUES:
         sys.exit(f"it says that it has {len(moments)} frames")
     about = {
         "names": _names(skeleton, paths),
@@ -108,7 +108,7 @@ def _span(stage: Any, animation: Any) -> list[float]:
         return []
     step = stage.GetTimeCodesPerSecond() / _rate(stage)
     count = int((times[-1] - times[0]) / step + 1e-3) + 1
-    return [times[0] + step * frame for frame in range(min(count, MOST_VALUES))]
+    return [times[0] + step * frame for frame in range(min(count, MOST_FRAME_VALUES))]
 
 
 def _rest(skeleton: Any, paths: list[str], parents: list[int]) -> FloatArray:

@@ -28,9 +28,9 @@ from studio.io.zipped import write_zip
 
 FloatArray = NDArray[np.float64]
 
-FOCAL_LENGTH = 50.0
+USD_FOCAL_LENGTH = 50.0
 """Of every camera; only its ratio to the aperture is seen."""
-PACKED = ".usdz"
+PACKED_SUFFIX = ".usdz"
 _TOLD, _SAVED = 64, 8192
 """Frames between two reports of progress, and those that go to the disk at once: USD holds Python's lock for them."""
 
@@ -95,7 +95,7 @@ def _write(path: Path, fill: Callable[[Any], dict[str, bytes]], progress: Progre
                 (Path(folder) / name).write_bytes(content)
             progress(0.9, f"Writing {path.name}")
             written = _written(layer, stage, path.suffix.lower(), pictures, progress)
-            beside = () if written.suffix == PACKED else tuple(pictures)
+            beside = () if written.suffix == PACKED_SUFFIX else tuple(pictures)
             with atomic_replacements(path, *(path.with_name(name) for name in beside)) as parts:
                 for part, name in zip(parts, (written.name, *beside), strict=True):
                     shutil.copyfile(Path(folder) / name, part)
@@ -106,8 +106,8 @@ def _write(path: Path, fill: Callable[[Any], dict[str, bytes]], progress: Progre
 
 def _written(layer: Path, stage: Any, suffix: str, pictures: Iterable[str], progress: Progress) -> Path:
     """The file of the layer, or one beside it: as text, or with its pictures in a package."""
-    if suffix == PACKED:
-        package = layer.with_suffix(PACKED)
+    if suffix == PACKED_SUFFIX:
+        package = layer.with_suffix(PACKED_SUFFIX)
         files = {name: layer.with_name(name).read_bytes() for name in (layer.name, *pictures)}
         write_zip(package, files, None, lambda share, text: progress(0.9 + 0.1 * share, text))
         return package
@@ -177,9 +177,9 @@ def _put_camera(stage: Any, camera: SavedCamera, path: str) -> None:
     matrix = np.eye(4)
     matrix[:3, :3], matrix[3, :3] = placement.axes, placement.eye  # USD's matrices act on rows
     made.AddTransformOp().Set(Gf.Matrix4d(matrix.tolist()))
-    tall = 20.0 * placement.half_height if placement.parallel else 2.0 * FOCAL_LENGTH * np.tan(VIEW_ANGLE / 2)
+    tall = 20.0 * placement.half_height if placement.parallel else 2.0 * USD_FOCAL_LENGTH * np.tan(VIEW_ANGLE / 2)
     made.CreateProjectionAttr(UsdGeom.Tokens.orthographic if placement.parallel else UsdGeom.Tokens.perspective)
-    made.CreateFocalLengthAttr(FOCAL_LENGTH)
+    made.CreateFocalLengthAttr(USD_FOCAL_LENGTH)
     made.CreateVerticalApertureAttr(tall)
     made.CreateHorizontalApertureAttr(CAMERA_ASPECT * tall)
     made.CreateFocusDistanceAttr(placement.distance)
