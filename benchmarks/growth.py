@@ -34,8 +34,10 @@ ASIDE = 0.05
 """Metres from where a point is to where it is wanted."""
 
 _POINTS = (
-    (BodyPart.RIGHT_FOREARM, LIMB_AND_TRUNK_CHAIN), (BodyPart.LEFT_FOREARM, LIMB_AND_TRUNK_CHAIN), (BodyPart.HEAD, LIMB_AND_TRUNK_CHAIN),
-    (BodyPart.RIGHT_UPPER_ARM, LIMB_CHAIN), (BodyPart.LEFT_UPPER_ARM, LIMB_CHAIN), (BodyPart.THORAX, LIMB_AND_TRUNK_CHAIN),
+    (BodyPart.RIGHT_FOREARM, LIMB_AND_TRUNK_CHAIN), (BodyPart.LEFT_FOREARM, LIMB_AND_TRUNK_CHAIN),
+    (BodyPart.HEAD, LIMB_AND_TRUNK_CHAIN),
+    (BodyPart.RIGHT_UPPER_ARM, LIMB_CHAIN), (BodyPart.LEFT_UPPER_ARM, LIMB_CHAIN),
+    (BodyPart.THORAX, LIMB_AND_TRUNK_CHAIN),
     (BodyPart.RIGHT_SHANK, LIMB_CHAIN), (BodyPart.LEFT_SHANK, LIMB_CHAIN), (BodyPart.RIGHT_CLAVICLE, Chain(trunk=0.5)),
     (BodyPart.LEFT_CLAVICLE, Chain(trunk=0.5)), (BodyPart.PELVIS, ROOT_CHAIN),
 )  # fmt: skip

@@ -39,10 +39,11 @@ from studio.library.library import Library
 from studio.library.searching import Result, StrikeQuery, position_ahead_of, search_strikes
 
 DEFAULT_EXPORT = ExportOptions()
+"""Export options with which the take's own values are kept."""
 
 
 class Scene:
-    """Captures, characters, performers, constraints and contacts, edited by id."""
+    """Scene with captures, characters, performers, constraints and contacts, which a script edits by id."""
 
     def __init__(self, document: EditedProject | None = None) -> None:
         """Edit ``document``, for example that of an open window, or a new one."""
@@ -50,7 +51,7 @@ class Scene:
 
     @property
     def project(self) -> Project:
-        """All entities at present: an immutable value."""
+        """All entities of the scene at present, as an immutable value."""
         return self.document.project
 
     # Edits

@@ -20,7 +20,7 @@ from studio.startup.kernel_warm_up import compile_first
 
 
 def run(arguments: Namespace) -> int:
-    """Adapt, export and report."""
+    """Adapt, export and report, and return the exit code."""
     if arguments.stage is not None:
         return run_stage(arguments)
     if arguments.one_file:

@@ -1,4 +1,4 @@
-"""Arguments of every verb, for `VERB --help`, without importing what the verbs compute with."""
+"""Arguments of every verb, for ``VERB --help``, without importing the code that the verbs run."""
 
 from argparse import REMAINDER, ArgumentParser, RawDescriptionHelpFormatter
 from collections.abc import Callable
@@ -21,6 +21,7 @@ Targets of constraints are metres in the motion's own space: X forward, Y left, 
 under the root at the motion's first frame. Times are seconds from the first frame of the file. The format of
 FILE.json is told in
 """
+"""Text of the help about the space of targets."""
 MOST_FRAMES_READ = 100_000_000
 
 metres = number_parser(-PLACE_RANGE.most, PLACE_RANGE.most, "a number of metres")

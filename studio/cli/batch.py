@@ -15,7 +15,7 @@ from studio.startup.kernel_warm_up import compile_first
 
 
 def run(arguments: Namespace) -> int:
-    """Run the batch, with one line on standard error a file. Returns 1 if any file failed."""
+    """Run the batch, with one line on standard error for each file, and return 1 if any file failed."""
     settings = BatchSettings(
         arguments.folder,
         arguments.out,

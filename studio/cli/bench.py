@@ -27,7 +27,7 @@ BENCH_EXAMPLE_FILE = "reach_grasp.bvh"
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """Job with the microseconds that the paper took for one unit of it, and our aim."""
+    """Timed job, with the microseconds that the paper took for one unit of it, and our aim."""
 
     job: BenchJob
     paper: float | None = None
@@ -61,8 +61,8 @@ def bundled_capture() -> Path:
 
 
 def frame_cases(ready: ReadyCapture, character: Character) -> list[Case]:
-    """Cases that run for every frame of a clip: whole clips, conversion included, and forward kinematics as the lower
-    bound.
+    """Cases that run for every frame of a clip: whole clips with conversion, and forward kinematics as a
+    lower bound.
     """
     motion, contacts = clip_of(ready)
     body, count = character.morphology, motion.frame_count

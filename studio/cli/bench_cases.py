@@ -30,15 +30,15 @@ from studio.jobs.adaptation import ADAPTED_MOTION_ID, ReadyCapture
 FloatArray = NDArray[np.float64]
 
 MOST_BENCH_FRAMES = 1200
-"""Maximum length in frames of the clips that are adapted."""
+"""Maximum length in frames of the adapted clips."""
 BEYOND_REACH_METRES = 0.1
-"""Residual in metres of a target beyond the arm's reach, in every frame, as the arm alone is solved."""
+"""Residual in metres of a target beyond the arm's reach, in every frame, when the arm alone is solved."""
 NEAR_TARGET_ARM_LENGTHS = 0.8
-"""Distance of a reachable target from the shoulder, in arm lengths."""
+"""Distance from the shoulder of a reachable target, in arm lengths."""
 FAR_TARGET_ARM_LENGTHS = 2.0
-"""Distance from the shoulder in arm lengths that is out of reach even with all joint limits lifted."""
+"""Distance from the shoulder of a target that is out of reach even without joint limits, in arm lengths."""
 ELBOW_OFFSET_METRES = 0.15
-"""Distance in metres from the elbow's position, with its wrist held, to the elbow's target."""
+"""Distance in metres of the elbow's target from the elbow's position while its wrist is held."""
 
 WHOLE_CASE_ACTIVATION = ActivationCurve(-1.0, -1.0, 1e6, 1e6)
 LIMB_CHAIN, LIMB_AND_TRUNK_CHAIN, WHOLE_BODY_CHAIN = Chain(clavicle=0.0), Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)
@@ -49,7 +49,7 @@ BENCH_UPPER_ARMS = BodyPart.LEFT_UPPER_ARM, BodyPart.RIGHT_UPPER_ARM
 
 @dataclass(frozen=True, eq=False)
 class BenchCase:
-    """Row of the table: name, request, microseconds a frame that the paper took, and our aim.
+    """Row of the table: name, request, microseconds per frame that the paper took, and our aim.
 
     ``reachable`` is True if the constraint of highest priority can be met in most frames.
     """
@@ -62,7 +62,7 @@ class BenchCase:
 
     @property
     def highest(self) -> Constraint:
-        """Position constraint of the highest priority, which the others yield to."""
+        """Position constraint of the highest priority."""
         places = [each for each in self.request.constraints if isinstance(each, PositionConstraint)]
         return min(places, key=lambda each: each.priority)
 
@@ -143,18 +143,18 @@ def clip_of(
 
 
 def wrist_constraint(side: int, target: str, chain: Chain, priority: int = 0) -> PositionConstraint:
-    """Position constraint of a wrist on the ``target``, active all the time."""
+    """Position constraint of a wrist at the followed target ``target``, active all the time."""
     return _position(BENCH_FOREARMS[side], target, chain, priority)
 
 
 def positions_before_shoulder(standing: GroundedMotion, side: int, reach: float) -> FloatArray:
-    """Positions (F, 3) ``reach`` arm lengths before, and a little outside and below, a shoulder."""
+    """Positions (F, 3) ``reach`` arm lengths in front of a shoulder, a little outward and below."""
     length = float(standing.morphology.first_frame_body.arm[side].sum())
     return np.asarray(_shoulder(standing, side) + reach * length * _directions(standing, side))
 
 
 def positions_beyond_arm(standing: GroundedMotion, side: int) -> FloatArray:
-    """Positions (F, 3) that the arm alone misses by ``BEYOND_REACH_METRES``, as it is solved."""
+    """Positions (F, 3) that the arm alone misses by ``BEYOND_REACH_METRES``."""
     far = positions_before_shoulder(standing, side, FAR_TARGET_ARM_LENGTHS)
     missed = solve_constraints(
         standing, (wrist_constraint(side, "far", LIMB_CHAIN),), tracks={_follow("far"): _track(far)}
@@ -163,8 +163,9 @@ def positions_beyond_arm(standing: GroundedMotion, side: int) -> FloatArray:
 
 
 def elbow_constraint_aside(solved: AdaptedMotion, side: int) -> tuple[PositionConstraint, Track]:
-    """Position constraint of the elbow at lower priority, and its target: ``ELBOW_OFFSET_METRES`` further from the line
-    shoulder-wrist.
+    """Position constraint of the elbow with lower priority, and its target track.
+
+    The target is ``ELBOW_OFFSET_METRES`` farther from the line from shoulder to wrist.
     """
     layout = solved.morphology.layout
     shoulder, elbow, end = (solved.positions[:, layout.collar_point(side) + k] for k in (1, 2, 3))

@@ -22,7 +22,7 @@ from studio.startup.kernel_warm_up import print_wait_reason
 
 
 def run(arguments: Namespace) -> int:
-    """Read, write, and print what was guessed or repaired."""
+    """Read, write, and print what was guessed or repaired; return the exit code."""
     if _writes_characters(arguments.target):
         refuse_replacing([arguments.target], arguments.source, arguments.overwrite)
         return _convert_character(arguments)
@@ -73,7 +73,7 @@ def _print_changes(guesses: Iterable[str], repairs: Iterable[str]) -> None:
 
 
 def _take_of(source: Path, options: ImportOptions) -> Take:
-    """Motion of a file; a file that can only hold a character gives one frame in which it stands."""
+    """Take of the motion in a file; a file that can only hold a character gives one frame in which it stands."""
     if not format_of(source, "capture_reader", "character_reader").capture_reader:
         still = load_character(source, options)
         standing = take_of_standing(still.character)
@@ -84,7 +84,7 @@ def _take_of(source: Path, options: ImportOptions) -> Take:
 
 
 def _writes_characters(target: Path) -> bool:
-    """True if the file is to hold a character: its suffix is that of a character and of no motion."""
+    """True if the suffix of the file is that of a character format and of no motion format."""
     known = known_formats()
     suffix = target.suffix.lower()
     return suffix in known.suffixes("character_writer") and suffix not in known.suffixes("motion_writer")

@@ -1,4 +1,4 @@
-"""Example for machines without a display: the bundled example is adapted and drawn."""
+"""Example for machines without a display: a bundled capture is adapted and drawn."""
 
 from pathlib import Path
 

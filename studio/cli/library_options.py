@@ -1,4 +1,4 @@
-"""Motion library that a verb works with."""
+"""Choice of the motion library that a verb works with."""
 
 import sys
 from argparse import Namespace
@@ -12,7 +12,9 @@ from studio.startup.progress import progress_line
 
 
 def library_with_clips(arguments: Namespace) -> Library:
-    """Library of ``--library``, with the bundled strikes for ``--bundled``. Raises StudioError if it is empty."""
+    """Library of ``--library``, with the bundled strikes if ``--bundled`` is given. Raises StudioError if
+    it is empty.
+    """
     with Catalogue(arguments.library) as catalogue:
         if arguments.bundled:
             index_folders(catalogue, [bundled_strikes_folder()], progress_line())

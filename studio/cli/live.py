@@ -1,4 +1,4 @@
-"""``live``: play a fighter that keeps striking distance of a tracked head and strikes, or a whole stage."""
+"""``live``: play a fighter that keeps striking distance to a tracked head and strikes, or a whole stage."""
 
 import select
 import sys
@@ -31,7 +31,7 @@ FloatArray = NDArray[np.float64]
 GUARD_EXAMPLE, GUARD_SECONDS = "front_kick.bvh", 1.3
 """Example that begins on guard, and the seconds for which its feet stay in place."""
 SWAY_METRES, SWAY_RATE = 0.5, 0.35
-"""Amplitude (m) and angular frequency (rad/s) of the head's motion when no head is tracked."""
+"""Amplitude (metres) and angular frequency (rad/s) of the head's motion when no head is tracked."""
 
 
 def run(arguments: Namespace) -> int:
@@ -76,7 +76,7 @@ def rehearse(fighter: Fighter) -> None:
 
 
 def guard_of(path: Path | None) -> MotionPiece:
-    """Motion that is played between blows: the first ``GUARD_SECONDS`` of a capture."""
+    """Piece of motion that plays between blows: the first ``GUARD_SECONDS`` of a capture."""
     ready = ready_capture(path or example_captures_folder() / GUARD_EXAMPLE, GUESS_ALL)
     first = ready.capture.first_frame
     last = min(first + round(GUARD_SECONDS * ready.motion.frame_rate), ready.motion.frame_count - 1)
@@ -84,8 +84,8 @@ def guard_of(path: Path | None) -> MotionPiece:
 
 
 def target_of(arguments: Namespace, inbox: Inbox, stature: float, stack: ExitStack) -> Callable[[float], FloatArray]:
-    """Function of seconds that returns the target's position (3,): tracked, replayed, or of a head that sways by
-    itself.
+    """Function that returns the target's position (3,) at a time in seconds: tracked, replayed, or of a
+    swaying head.
     """
     if not arguments.head:
         return lambda now: swaying_head(now, stature)
@@ -111,13 +111,13 @@ def target_of(arguments: Namespace, inbox: Inbox, stature: float, stack: ExitSta
 
 
 def swaying_head(now: float, stature: float) -> FloatArray:
-    """Position (3,) of a head that sways, at the height of the fighter's own chest."""
+    """Position (3,) at second ``now`` of a swaying head at the height of the fighter's own chest."""
     x, y = 1.0 + SWAY_METRES * np.sin(SWAY_RATE * now), SWAY_METRES * np.sin(0.7 * SWAY_RATE * now)
     return np.array([x, y, stature * (0.78 + 0.04 * np.sin(now))])
 
 
 def typed_order(_now: float = 0.0) -> Order | None:
-    """Order typed since the last frame: ``left punch``, ``right kick``; any other line is any strike; None without a
+    """Order typed since the last frame: ``left punch``, ``right kick``; any other line is any strike. None without a
     line.
     """
     if not sys.stdin.isatty() or not select.select([sys.stdin], [], [], 0.0)[0]:

@@ -26,7 +26,9 @@ LIVE_STAGE_STEP_SECONDS = 1.0 / 60.0
 
 @dataclass
 class ConstraintTally:
-    """Number of steps in which a constraint was fully active, number in which it was met, and its worst residual."""
+    """Counts of a constraint: steps in which it was fully active (``asked``) and met (``held``), and its worst
+    residual.
+    """
 
     constraint: Constraint
     asked: int = 0
@@ -34,7 +36,7 @@ class ConstraintTally:
     worst: float = 0.0
 
     def add(self, miss: float) -> None:
-        """Count one step in which it was fully active, with its residual ``miss`` (metres or radians)."""
+        """Count one step in which the constraint was fully active, with its residual ``miss`` (metres or radians)."""
         factor, met = (math.degrees(1.0), MET_DEGREES) if self.constraint.unit == "rad" else (1000.0, MET_MILLIMETRES)
         self.asked, self.held = self.asked + 1, self.held + (factor * miss <= met)
         self.worst = max(self.worst, miss)
@@ -49,7 +51,7 @@ class ConstraintTally:
 
 @dataclass
 class PerformerTally:
-    """Results of one performer: steps, takeovers, steps in each state, and constraints."""
+    """Results of one performer: steps, takeovers, steps in each state, and counts of its constraints."""
 
     name: str
     steps: int = 0
@@ -89,7 +91,7 @@ def run_live_stage(arguments: Namespace) -> int:
 def live_stage_report(project: Project, seconds: float, presses: Iterable[tuple[float, str]] = ()) -> JsonObject:
     """Report of a stage played live for ``seconds`` of its own time, as fast as it can be solved.
 
-    Ctrl-C ends it early, with the report of the steps until then.
+    ``presses`` are pressed keys with their times. Ctrl-C ends it early, with the report of the steps until then.
     """
     stage, waiting = LiveStage(project, prepared_capture), list(presses)
     parts = {key: PerformerTally(each.name) for key, each in project.performers.items() if each.visible and each.clips}

@@ -35,18 +35,20 @@ VERBS = {
     "script": "run a Python script that uses studio.api",
 }
 WORK_FAILED, PIPE_CLOSED = 1, 141
-"""Exit codes: the work failed; the reader of a pipe has closed it."""
+"""Exit codes: the work failed; the reader of the output pipe has closed it."""
 DISK_FULL_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-"""Errors of a full disk: writers of files report them themselves, so they are of the standard output."""
+"""Error numbers of a full disk. Writers of files report it themselves, so these errors come from the
+standard output.
+"""
 MOST_PATH_CHARACTERS = 300
-"""Characters of a path that a message shows."""
+"""Maximum number of characters of a path in a message."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one verb, or open the window if none is named.
 
     Returns the exit code: 0 done, 1 the work failed, 130 stopped with Ctrl-C, 141 closed output pipe (``info FILE |
-    head``); wrong usage ends the process with 2, as argparse does.
+    head``). Wrong usage ends the process with 2, as in argparse.
     """
     given = sys.argv[1:] if arguments is None else arguments
     if isinstance(sys.stdout, TextIOWrapper):  # names of files may have bytes that are no UTF-8
@@ -74,7 +76,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _discard_output() -> None:
-    """Let what is left of the output go nowhere as Python ends."""
+    """Discard the buffered output that Python would write at its end."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
@@ -118,7 +120,7 @@ def _run(given: Sequence[str]) -> int:
 def make_parser(verb: str | None, added: Mapping[str, plug_ins.Verb | plug_ins.PlugInEntry | None]) -> ArgumentParser:
     """Parser with the names of all verbs, and the options of ``verb``.
 
-    ``added`` are the verbs of installed packages; only the one asked for is loaded.
+    ``added`` are the verbs of installed packages; only the one that is named is loaded.
     """
     parser = ArgumentParser(
         prog="morpho-studio",
@@ -156,9 +158,9 @@ def report(error: StudioError, as_json: bool) -> None:
 
 
 def open_window(files: Sequence[str] | None = None) -> int:
-    """Start the window with ``files``, by default those of the process's own command line.
+    """Start the window with ``files``, by default those of the process's own command line, and return the exit code.
 
-    It is found by its entry point, so that this module imports no window toolkit.
+    The window is found by its entry point, so that this module imports no window toolkit.
     """
     prepare_process()
     check_libraries(window=True)

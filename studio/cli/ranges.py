@@ -1,4 +1,4 @@
-"""Numbers of the command line: each is finite and within the range of its meaning."""
+"""Parsers for numbers of the command line: each number is finite and within a range."""
 
 from argparse import ArgumentTypeError
 from collections.abc import Callable
@@ -6,7 +6,9 @@ from math import isfinite
 
 
 def number_parser(least: float, most: float, meaning: str) -> Callable[[str], float]:
-    """Parser of a number from ``least`` to ``most``; ``meaning`` names it in the ArgumentTypeError that it raises."""
+    """Parser of a number from ``least`` to ``most``; ``meaning`` names it in the ArgumentTypeError that the parser
+    raises.
+    """
 
     def parsed(text: str) -> float:
         return _within(text, _value(text, float), least, most, meaning)
@@ -15,7 +17,7 @@ def number_parser(least: float, most: float, meaning: str) -> Callable[[str], fl
 
 
 def whole_parser(least: int, most: int, meaning: str) -> Callable[[str], int]:
-    """Parser of a whole number from ``least`` to ``most``; ``meaning`` names it in the ArgumentTypeError that it
+    """Parser of an integer from ``least`` to ``most``; ``meaning`` names it in the ArgumentTypeError that the parser
     raises.
     """
 
@@ -26,7 +28,7 @@ def whole_parser(least: int, most: int, meaning: str) -> Callable[[str], int]:
 
 
 def size_parser(least: int, most: int) -> Callable[[str], tuple[int, int]]:
-    """Parser of width and height in pixels, as ``1280x720``. It raises ArgumentTypeError."""
+    """Parser of width and height in pixels, written ``1280x720``; it raises ArgumentTypeError."""
 
     def parsed(text: str) -> tuple[int, int]:
         sides = [_value(side, int) for side in text.split("x")]
@@ -47,7 +49,7 @@ def key_press(text: str) -> tuple[float, str]:
 
 
 LONGEST_SECONDS = 86_400.0
-"""Maximum seconds of a motion or a session."""
+"""Maximum length of a motion or a session in seconds."""
 
 
 def _value(text: str, kind: Callable[[str], float]) -> float:

@@ -29,7 +29,7 @@ Pixels = NDArray[np.uint8]
 
 
 def run(arguments: Namespace) -> int:
-    """Stage, adapt and draw."""
+    """Stage, adapt and draw, and return the exit code."""
     suffix = arguments.out.suffix.lower()
     if suffix not in (".png", ".mp4", ""):
         sentence = "has no image format. Use .png or .mp4, or a new folder for an image sequence."
@@ -101,7 +101,7 @@ def renderer(kind: str) -> Callable[..., Any]:
 
 
 def with_progress(frames: Iterator[Pixels], count: int, progress: Progress, name: str) -> Iterator[Pixels]:
-    """The same frames; reports the progress after each."""
+    """The ``frames`` unchanged; progress is reported after each."""
     for done, frame in enumerate(frames, 1):
         yield frame
         progress(done / count, name)

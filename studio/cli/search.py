@@ -1,4 +1,4 @@
-"""``search``: find the clips of the motion library that hit a place best, for a character in a pose, with reasons."""
+"""``search``: find the clips of the motion library that hit a target best, for a character in a pose, with reasons."""
 
 from argparse import Namespace
 from dataclasses import replace

@@ -240,7 +240,10 @@ def guess_floor(skeleton: Skeleton, positions: FloatArray, body_map: BodyMap, fr
         reason = f"The lowest joints of the feet come to {height:.3f} m, which fits a floor at zero."
         height = 0.0
     elif toes and not -_CALIBRATED <= height < 0.0:
-        reason = f"The lowest joints of the feet come to {height:.3f} m; the sole is usually {SOLE_THICKNESS_METRES} m below."
+        reason = (
+            f"The lowest joints of the feet come to {height:.3f} m; "
+            f"the sole is usually {SOLE_THICKNESS_METRES} m below."
+        )
         height -= SOLE_THICKNESS_METRES
     if len(levels) > 1:
         over = ", ".join(f"{level - levels[0]:.2f}" for level in levels[1 : _SHOWN + 1])

@@ -14,6 +14,7 @@ from studio.io.json_text import JsonObject
 Row = JsonObject
 
 SUMMARY_TABLE_FILE, SUMMARY_PAGE_FILE = "summary.csv", "summary.html"
+"""Names of the files of the table and of the page."""
 SUMMARY_COLUMNS = (
     *("capture", "character", "file", "frames", "frame_rate", "slide_mm", "skate_mm", "float_mm", "penetration_mm"),
     *("residual_mm", "residual_deg", "targets", "reached", "microseconds_per_frame", "seconds", "error"),
@@ -25,17 +26,18 @@ SUMMARY_PLOTS = (
     ("Worst residual of a direction", "°", "residual_deg"),
     ("Time of the solver a frame", "µs", "microseconds_per_frame"),
 )
+"""Plots of the page: title, unit, and column of the table."""
 CHART_COLOURS = ("#4f8fba", "#d98e3f", "#6a9f58", "#b65c7a", "#8a77b5", "#55a9a4", "#a68a5b", "#888888")
 CHART_WIDTH, CHART_HEIGHT, CHART_LEFT, CHART_BOTTOM = 900, 220, 60, 30
 LEAST_AXIS_TOP = 0.1
-"""Minimum top value of an axis: less than that of a millimetre is too small to matter."""
+"""Least top value of an axis, in the unit of the plot; smaller differences do not matter."""
 SUMMARY_STYLE = (
     "body{font:14px sans-serif;margin:2em;color:#222}table{border-collapse:collapse}td{padding:2px 12px 2px 0}"
 )
 
 
 def summary_rows(records: Sequence[JsonObject]) -> list[Row]:
-    """Row for each capture and character; one with the error for a capture that failed."""
+    """Row for each capture and character; a capture that failed has one row with the error."""
     return [row for record in records for row in _rows(record)]
 
 
@@ -89,7 +91,7 @@ def _page(records: Sequence[JsonObject], rows: Sequence[Row]) -> str:
 
 
 def _plot(title: str, unit: str, column: str, rows: Sequence[Row], colours: dict[str, str]) -> str:
-    """Plot with one dot a row, the captures side by side; empty if no row has a value."""
+    """HTML of a plot with one dot for each row, the captures side by side; empty if no row has a value."""
     captures = {name: place for place, name in enumerate(dict.fromkeys(row["capture"] for row in rows))}
     values = [(row, float(row[column])) for row in rows if row[column] is not None]
     if not values:

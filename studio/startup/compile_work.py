@@ -1,6 +1,6 @@
-"""Estimated work of compiling kernels, in bytes of bytecode that are to be translated and linked.
+"""Estimated work of compiling kernels, in bytes of bytecode to be translated and linked.
 
-Over all 575 kernels the fraction of the bytes that are translated and the fraction of the time differ by at most 5 %.
+Over all 575 kernels the fraction of translated bytes and the fraction of the time differ by at most 5 %.
 """
 
 from collections.abc import Iterable
@@ -11,7 +11,7 @@ from types import CodeType
 from typing import Any
 
 LINKING_TIME_RATIO = 0.41
-"""Time of linking and optimising a large kernel with all below it, in units of the time of translating them."""
+"""Time of linking and optimising a large kernel with all its callees, relative to the time of translating them."""
 
 
 def all_kernels() -> list[Any]:
@@ -24,7 +24,7 @@ def all_kernels() -> list[Any]:
 
 
 def kernels_below(kernels: Iterable[Any]) -> dict[int, Any]:
-    """Some kernels and all their callees, by ``id``."""
+    """The ``kernels`` and all their callees, by ``id``."""
     found: dict[int, Any] = {}
     waiting = [*kernels]
     while waiting:
@@ -37,13 +37,13 @@ def kernels_below(kernels: Iterable[Any]) -> dict[int, Any]:
 
 @cache
 def called_kernels(function: Any) -> list[Any]:
-    """Kernels called by a function, by their names."""
+    """Kernels that a function calls, found by their names."""
     known = function.__globals__
     return [known[name] for name in names_looked_up(function.__code__) if hasattr(known.get(name), "py_func")]
 
 
 def names_looked_up(code: CodeType) -> set[str]:
-    """Names that code, and the functions within it, look up."""
+    """Names that a code object, and the functions within it, look up."""
     within = (each for each in code.co_consts if isinstance(each, CodeType))
     return {*code.co_names}.union(*map(names_looked_up, within))
 
@@ -52,7 +52,9 @@ class CompileWork:
     """Work of compiling some kernels in this process, and its progress."""
 
     def __init__(self, kernels: Iterable[Any], linking: float = 0.0) -> None:
-        """``linking``: time after all is translated, relative to the time until then."""
+        """Start with the ``kernels`` to compile; ``linking`` is the time after all are translated, relative to the time
+        until then.
+        """
         self._kernels, self._linking = kernels_below(kernels), linking
         self._translated_after = 0.0
 
@@ -70,5 +72,5 @@ class CompileWork:
 
 
 def bytecode_size(kernels: dict[int, Any]) -> int:
-    """Bytes of bytecode of some kernels."""
+    """Number of bytes of bytecode of some kernels."""
     return sum(len(kernel.py_func.__code__.co_code) for kernel in kernels.values())

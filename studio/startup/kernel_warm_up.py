@@ -26,24 +26,26 @@ if TYPE_CHECKING:
     from studio.startup.compile_work import CompileWork
 
 CHILDREN_POLL_SECONDS, PROGRESS_LINE_SECONDS = 0.1, 0.5
-"""Seconds between two polls of the processes, and between two progress lines that they write."""
+"""Seconds between two polls of the child processes, and between two progress lines that they write."""
 LONGEST_HELD_SECONDS = 10.0
-"""Seconds after which the kernels are fetched although the warm-up is still held."""
+"""Seconds after which the kernels are loaded although the warm-up is still held."""
 PICTURE_FUNCTIONS = ("first_picture.run",)
+"""Functions of this package that compile the kernels for drawing a body."""
 WARM_STANDING, WARM_REST, WARM_CONSTRAINTS = "first_run.run_standing", "first_run.run_rest", "first_run.run_constraints"
 SOLVER_FUNCTIONS = ((WARM_STANDING, WARM_REST), (WARM_CONSTRAINTS,))
-"""Functions that each process runs in turn."""
+"""Functions of this package that each child process runs in turn."""
 COMPILED_FRACTION = 0.98
 """Progress (0 to 1) at which all kernels are compiled; the rest is loading them from their cache."""
 CHILD_COMMAND = (sys.executable, "-m", "studio.startup.kernel_warm_up")
+"""Command that starts a child process, without its functions."""
 COMPLETE_MARK_FILE, READING_KERNEL_PATTERN = "complete", "encode_channels.encode_frames-*.nbc"
-"""Name of the file that marks a complete cache, and pattern of a kernel that is cached once a capture was read."""
+"""Name of the file that marks a complete cache, and pattern of a kernel that is cached once a capture has been read."""
 
 
 class WarmUp:
-    """Warm-up on a thread that starts at once.
+    """Warm-up of the kernels on a thread that starts at once.
 
-    A caller that needs a kernel sooner waits for that one only. It must be stopped before the process ends.
+    A caller that needs some kernels sooner waits for those only. The warm-up must be stopped before the process ends.
     """
 
     def __init__(self, held: bool = False) -> None:
@@ -63,7 +65,7 @@ class WarmUp:
 
     @property
     def running(self) -> bool:
-        """True while the warm-up has something left to do."""
+        """True until the warm-up has finished or was stopped."""
         return self._thread.is_alive()
 
     @property
@@ -81,7 +83,7 @@ class WarmUp:
         self._wait_for(self._ready)
 
     def join_grounded(self) -> None:
-        """Wait until bodies can be grounded. Raises as ``join``."""
+        """Wait until bodies can be grounded. Raises CancelledError if the warm-up was stopped."""
         self._wait_for(self._grounded)
 
     def join_picture(self) -> None:
@@ -89,25 +91,27 @@ class WarmUp:
         self._drawable.wait()
 
     def release(self) -> None:
-        """Let this process load the kernels, if it was held until now."""
+        """Let this process load the kernels if it was held."""
         self._let_go.set()
 
     def stop(self, patience: float | None = None) -> None:
-        """Stop the thread and the child processes; wait ``patience`` seconds for a kernel compiled here."""
+        """Stop the thread and the child processes; wait ``patience`` seconds for a kernel that this process
+        compiles.
+        """
         self._stopped.set()
         self._end_waiting()
         self.release()
         self._thread.join(patience)
 
     def follow(self, report: Callable[[float, str], None]) -> None:
-        """Report progress until the work is done: a job for ``TaskRunner``."""
+        """Report progress until the work is done; runs as a job of ``TaskRunner``."""
         while self.running:
             report(self.fraction, self.words)
             time.sleep(CHILDREN_POLL_SECONDS)
 
     @property
     def fraction(self) -> float:
-        """Progress from 0 to 1: that of the process which is farthest from its end."""
+        """Progress from 0 to 1 of the process that is farthest from its end."""
         return COMPILED_FRACTION * min(self._shares.values()) if self.cold else 0.5 * self.grounded
 
     @property
@@ -156,7 +160,7 @@ class WarmUp:
 
     @contextmanager
     def _processes(self, *parts: Sequence[str]) -> Iterator[dict[Sequence[str], "Popen[bytes]"]]:
-        """Child processes that compile, by their functions.
+        """Context with child processes that compile, by their functions.
 
         They have the priority of this process, which waits for them, so that they get half of two processors that
         others keep busy.
@@ -187,7 +191,7 @@ class WarmUp:
 
 
 def compile_first() -> None:
-    """Compile all kernels if there are none yet, with the reason and the progress on standard error."""
+    """Compile all kernels if there are none yet; the reason and the progress are printed on standard error."""
     if not is_cold():
         return
     tell, warming = progress_line(), WarmUp()
@@ -199,7 +203,7 @@ def compile_first() -> None:
 
 
 def print_wait_reason() -> None:
-    """Report on standard error that the kernels for reading captures are being compiled, if they are not cached yet."""
+    """Print on standard error that the kernels for reading captures are being compiled, if they are not cached yet."""
     if is_cold(READING_KERNEL_PATTERN):
         print("What reads motions is compiled, once on this machine: some ten seconds.", file=sys.stderr)
 
@@ -222,7 +226,7 @@ def run(function: str) -> None:
 
 
 def main() -> None:
-    """Run some functions in turn, and report the progress to the parent process."""
+    """Run the functions named by the arguments in turn, and report the progress to the parent process."""
     gc.set_threshold(*COLLECTION_THRESHOLDS)
     functions = sys.argv[1:]
     if functions[0] not in PICTURE_FUNCTIONS:
@@ -233,7 +237,7 @@ def main() -> None:
 
 
 def _work_of(functions: Sequence[str]) -> "CompileWork":
-    """Kernels to compile: those of the solver for ``WARM_CONSTRAINTS``, all others for the other functions."""
+    """Work of compiling the kernels of the solver for ``WARM_CONSTRAINTS``, or all others for the other functions."""
     from studio.core.kernels.solve_clip import solve_frames
     from studio.startup.compile_work import LINKING_TIME_RATIO, CompileWork, all_kernels, kernels_below
 

@@ -1,4 +1,4 @@
-"""System libraries that Qt and VTK load at run time, and the missing ones among them.
+"""System libraries that Qt and VTK load at run time, and a check for missing ones.
 
 Both end the process if one is missing, so they are checked before. ``python system_libraries.py`` prints the missing
 Debian packages; it runs before anything is installed, and so imports only the standard library.
@@ -20,7 +20,9 @@ DRAWING_LIBRARIES = {
     "libfontconfig.so.1": "libfontconfig1",
     "libxkbcommon.so.0": "libxkbcommon0",
 }
-"""Debian's packages by library: what pictures are drawn with. Debian 13 takes ``libglib2.0-0`` for its own name."""
+"""Libraries needed to draw pictures, with their Debian packages. Debian 13 accepts ``libglib2.0-0`` for its
+own name.
+"""
 WINDOW_LIBRARIES = {
     "libxkbcommon-x11.so.0": "libxkbcommon-x11-0",
     "libxcb-cursor.so.0": "libxcb-cursor0",
@@ -45,7 +47,7 @@ def missing_libraries(libraries: Mapping[str, str]) -> dict[str, str]:
 
 
 def missing_packages() -> list[str]:
-    """Debian packages missing for pictures and a window."""
+    """Debian packages that are missing for pictures and a window."""
     fonts = [] if FONTS_FOLDER.is_dir() and any(FONTS_FOLDER.rglob("*.[to]tf")) else [FONT_PACKAGE]
     return list(
         dict.fromkeys(
@@ -55,12 +57,12 @@ def missing_packages() -> list[str]:
 
 
 def sentence_about(libraries: Mapping[str, str]) -> str:
-    """Sentence on missing libraries, with the one command that installs everything for pictures and a window."""
+    """Sentence about missing libraries, with the command that installs everything for pictures and a window."""
     return f"System libraries are missing: {', '.join(libraries)}. {installation_advice(missing_packages())}"
 
 
 def installation_advice(packages: list[str]) -> str:
-    """Sentence with the command that installs packages, for root or another user, whichever runs this process."""
+    """Sentence with the command that installs packages, as root or as the user of this process."""
     if shutil.which("apt-get") is None:
         return f"Install what your system has for Debian's packages {' '.join(packages)}."
     line = f"apt-get update && apt-get install -y {' '.join(packages)}"

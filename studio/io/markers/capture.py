@@ -1,4 +1,4 @@
-"""Conversion of a marker take to a capture: the body, axes and floor are guessed as for other files, and listed."""
+"""Conversion of a marker take to a capture; body, axes and floor are guessed as for other files, and listed."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -64,7 +64,7 @@ def capture_of_take(
     repairs: Sequence[str] = (),
     progress: Progress = lambda share, text: None,
 ) -> Capture:
-    """Body solved from the take, or its markers alone if they do not make one; raises StudioError."""
+    """Capture of the body solved from the take, or of its markers alone if they make no body. Raises StudioError."""
     progress(0.0, f"Cleaning the markers of {take.trial.name}")
     take, guesses = _in_unit(take, options)
     there = _there(take)
@@ -80,7 +80,7 @@ def capture_of_take(
 
 
 def _there(take: MarkerTake) -> MarkerMap:
-    """Map restricted to markers of this trial."""
+    """Marker map restricted to markers of this trial."""
     return take.marker_map.restricted_to(seen_labels(take.trial, take.subject, (MARKER_KIND, VIRTUAL_KIND)).values())
 
 
@@ -136,7 +136,7 @@ def _body(take: MarkerTake, followed: TrackedBody, options: ImportOptions, guess
 
 
 def _from_the_start(poses: PoseSequence, first: int) -> PoseSequence:
-    """Poses with ``first`` still frames before them, in which the body is not seen."""
+    """Poses preceded by ``first`` still frames, in which the body is not seen."""
     before = ((first, 0), (0, 0), (0, 0))
     return PoseSequence(
         np.pad(poses.local_rotations, before, mode="edge"), np.pad(poses.local_translations, before, mode="edge")
@@ -185,7 +185,7 @@ def _up_axis(followed: TrackedBody, options: ImportOptions, guesses: list[Guess]
 
 
 def _with_a_trunk(followed: TrackedBody) -> Mapping[str, FloatArray]:
-    """Joint centres by name; shoulders without markers stand over their hips as the pelvis does."""
+    """Joint centres by name; shoulders without markers are placed above their hips, upright as the pelvis."""
     joints = followed.joints
     if "left_hip" not in joints or "left_shoulder" in joints or not has_pelvis(followed.tracks):
         return joints
@@ -216,7 +216,9 @@ def _stature(take: MarkerTake) -> float | None:
 def _floor(
     solved: SolvedBody, positions: FloatArray, options: ImportOptions, frame_rate: float
 ) -> tuple[float, list[Guess]]:
-    """Height of the ground under standing feet; zero, the level of a laboratory's calibration, if that is near."""
+    """Height of the ground under standing feet, with guesses; zero, the level of a laboratory's calibration, if that is
+    near.
+    """
     if options.floor is not None:
         return options.floor, []
     guess = guess_floor(solved.skeleton, positions, solved.body_map, frame_rate)
@@ -230,7 +232,7 @@ def _floor(
 
 
 def _reference(solved: SolvedBody, options: ImportOptions) -> FloatArray:
-    """Zero pose, since the body was solved with a T-pose there."""
+    """Zero pose, because bodies are solved with a T-pose there."""
     return reference_by_option(solved.skeleton, solved.poses, solved.body_map, options.reference or "zero")
 
 
@@ -240,7 +242,9 @@ def _body_guesses(
     solved: SolvedBody,
     off: Mapping[str, FloatArray],
 ) -> list[Guess]:
-    """Guesses about the body; ``off`` (N,) are metres from each joint to its centre, where that is seen."""
+    """Guesses about the body; ``off`` (N,) are distances in metres from each joint to its centre in frames that show
+    it.
+    """
     used = _there(take)
     first = followed.first_frame
     every = np.concatenate(list(off.values()))
@@ -290,7 +294,7 @@ def _body_guesses(
 
 
 def _far_off(off: Mapping[str, FloatArray]) -> str:
-    """Joints that are farther from their centres than skin moves, if there are any."""
+    """Clause about joints that are farther from their centres than skin moves; empty if there are none."""
     far = [joint.replace("_", " ") for joint, own in off.items() if len(own) and float(np.median(own)) > _SKIN]
     return f" {', '.join(far).capitalize()} lie farther off most of the time." if far else ""
 
@@ -320,7 +324,7 @@ def _side_guesses(take: MarkerTake) -> list[Guess]:
 
 
 def _end_guesses(take: MarkerTake) -> list[Guess]:
-    """Places of one side that carry each other's names, or labels that the map has put right."""
+    """Guesses about roles of one side that carry each other's names, and labels that the map has corrected."""
     ends = exchanged_ends(take.trial, take.marker_map, take.subject)
     limbs = exchanged_on_limbs(take.trial, take.marker_map, take.subject)
     if there := sorted({*ends, *limbs}):
@@ -380,7 +384,7 @@ def _shown(trial: Trial) -> str:
 
 
 def _cloud(take: MarkerTake, lacking: str, options: ImportOptions, guesses: list[Guess]) -> Capture:
-    """Every marker as a joint of its own under one root, until its label is known."""
+    """Capture with every marker as a joint of its own under one root, until the labels are known."""
     trial = take.trial
     labels = tuple(seen_labels(trial, take.subject))
     if not labels:

@@ -1,4 +1,4 @@
-"""Trial of optical markers, of any format, as a capture that can be interpreted again with other options."""
+"""Interpretation of a marker trial, of any format, as a capture that can be interpreted again with other options."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ from studio.io.markers.unit import with_plausible_unit
 from studio.io.registry import Progress, ReadCapture
 
 _FILE_READ = 0.4
-"""The share of the work that is done once the file is read."""
+"""Fraction of the work that is done after the file has been read."""
 
 
 def read_capture_of_trial(
@@ -24,7 +24,8 @@ def read_capture_of_trial(
     options: ImportOptions,
     progress: Progress,
 ) -> ReadCapture:
-    """Body solved from ``trial``, or its markers alone if their labels are unknown; raises StudioError.
+    """Capture of the body solved from ``trial``, or of its markers alone if their labels are unknown. Raises
+    StudioError.
 
     ``repairs`` are those made while reading the file.
     """

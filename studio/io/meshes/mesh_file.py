@@ -21,24 +21,26 @@ _READERS: dict[str, Callable[[bytes], tuple[Points, Triangles]]] = {
 }
 MESH_SUFFIXES = tuple(_READERS)
 LARGEST_MESH_BYTES = 200_000_000
-"""Bytes."""
+"""Maximum size of a mesh file in bytes."""
 Y_UP_SUFFIXES = (".obj",)
-"""Formats whose programs mostly write Y up."""
+"""Suffixes of formats whose programs mostly write Y up."""
 UNITS_BY_LONGEST_SIDE = ((12.0, 1.0, "metres"), (1500.0, 0.01, "centimetres"), (np.inf, 0.001, "millimetres"))
-"""Longest side up to which a number is taken for metres, centimetres, millimetres."""
+"""Longest side of a mesh up to which its numbers are taken for metres, centimetres and millimetres; with the unit in
+metres.
+"""
 _TO_Z_UP = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 
 @dataclass(frozen=True)
 class MeshFile:
-    """Mesh, and the guesses about it in words."""
+    """Mesh of a file, and the guesses about it in words."""
 
     mesh: TriangleMesh
     guesses: str
 
 
 def read_mesh(path: Path) -> MeshFile:
-    """The triangles of a file. Unit and up axis are guessed by size and format; raises StudioError naming the file."""
+    """Mesh in a file; unit and up axis are guessed by size and format. Raises StudioError, which names the file."""
     suffix = path.suffix.lower()
     if suffix not in MESH_SUFFIXES:
         raise StudioError(f"{path}: a mesh is read from {', '.join(MESH_SUFFIXES)}, not from '{suffix}'.")
@@ -57,7 +59,7 @@ def read_mesh(path: Path) -> MeshFile:
 
 
 def read_mesh_beside(name: str, beside: Path, where: str) -> MeshFile:
-    """``read_mesh`` of a file that another one names, in its folder; errors begin with ``where``."""
+    """Mesh in a file that another file names, in the folder of that file; errors begin with ``where``."""
     path = path_beside(name, beside, where)
     try:
         return read_mesh(path)

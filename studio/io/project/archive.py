@@ -1,4 +1,5 @@
-"""ZIP of stored members that is always whole: written beside, verified, renamed; any damage is detected.
+"""ZIP archive of stored members that is always whole: written beside the old one, verified and renamed; damage is
+detected.
 
 Members carry their CRC-32; the archive's comment is a seal, the SHA-256 of all bytes before it.
 """
@@ -32,7 +33,7 @@ Stamp = tuple[int, int, int]
 
 @dataclass
 class Archive:
-    """Members that could be read, names of damaged ones, and a flag for an unbroken seal."""
+    """Content of an archive: members that could be read, names of damaged ones, and whether the seal is unbroken."""
 
     members: dict[str, bytes] = field(default_factory=dict)
     damaged: list[str] = field(default_factory=list)
@@ -40,7 +41,7 @@ class Archive:
 
 
 def stamp(path: Path) -> Stamp | None:
-    """Stamp that changes with every write of the file: node, size and time; None without a file."""
+    """Stamp of a file that changes with every write: node, size and time; None without a file."""
     try:
         status = path.stat()
     except FileNotFoundError:
@@ -49,7 +50,7 @@ def stamp(path: Path) -> Stamp | None:
 
 
 def read_archive(path: Path) -> Archive:
-    """All intact members. Raises StudioError when the file cannot be read or is no archive at all."""
+    """Archive with all intact members. Raises StudioError if the file cannot be read or is no archive."""
     refuse_devices(path)
     try:
         content = path.read_bytes()
@@ -68,7 +69,7 @@ def read_archive(path: Path) -> Archive:
 
 
 def read_member(path: Path, name: str, most_bytes: int) -> bytes | None:
-    """Member of an archive, read without the others; None if it is missing, damaged or larger than ``most_bytes``."""
+    """Content of a member, read without the others; None if it is missing, damaged or larger than ``most_bytes``."""
     try:
         refuse_devices(path)
         with zipfile.ZipFile(path) as archive:
@@ -82,9 +83,10 @@ def write_archive(
     members: Mapping[str, bytes],
     report: Callable[[float, str], None] = lambda _share, _text: None,
 ) -> Stamp:
-    """Replace ``path`` by an archive of ``members``, or leave it untouched.
+    """Replace ``path`` by an archive of ``members``, or leave it unchanged; return its stamp.
 
-    ``report`` is called with the finished fraction and may raise to cancel. Raises FolderNotWritable, StudioError.
+    ``report`` is called with the finished fraction and may raise an exception to cancel. Raises FolderNotWritable or
+    StudioError.
     """
     path = path.resolve()
     remove_leftovers(path)

@@ -1,4 +1,4 @@
-"""Entities and whole projects as canonical JSON: sorted keys, one entity a line, arrays by their hash."""
+"""Entities and whole projects as canonical JSON: sorted keys, one entity per line, arrays by their hash."""
 
 import hashlib
 import io
@@ -32,7 +32,7 @@ PROJECT_SCHEMA = 2
 ENTITY_SCHEMAS = {
     **dict.fromkeys(COLLECTIONS, 1), "characters": 3, "performers": 2, "constraints": 7, "contacts": 3, "props": 6,
 }  # fmt: skip
-"""A higher number tells an older version that it would misread what it knows by that name."""
+"""Current schema of each collection; an older version refuses a higher number, whose known fields it would misread."""
 MEMBER_NAME_PATTERN = re.compile(r"(captures|characters)/[0-9a-f]{64}\.npy")
 _HEADER = ("id", "kind", "schema")
 
@@ -42,12 +42,12 @@ _names: dict[int, tuple[weakref.ref[Array], str]] = {}
 
 
 def npy_bytes(array: Array) -> bytes:
-    """Array as an ``.npy`` file; equal numbers always give equal bytes."""
+    """Bytes of an ``.npy`` file with an array; equal numbers always give equal bytes."""
     return b"".join(npy_parts(array))  # lets go of Python's lock
 
 
 def npy_parts(array: Array) -> tuple[bytes, memoryview]:
-    """Header and content of an ``.npy`` file."""
+    """Header and content of an ``.npy`` file with an array."""
     little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<")).reshape(array.shape)
     stream = io.BytesIO()
     np.lib.format.write_array_header_1_0(stream, np.lib.format.header_data_from_array_1_0(little))
@@ -55,7 +55,7 @@ def npy_parts(array: Array) -> tuple[bytes, memoryview]:
 
 
 def member_name(array: Array, folder: str) -> str:
-    """``folder/<sha256>.npy``; cached for read-only arrays."""
+    """Name ``folder/<sha256>.npy`` of an array's member; cached for read-only arrays."""
     known = _names.get(id(array))
     if known is None or known[0]() is not array:
         digest = sha256_of(*npy_parts(array))
@@ -76,7 +76,7 @@ def sha256_of(*parts: bytes | memoryview) -> str:
 
 
 def entity_record(collection: str, entity_id: str, entity: Entity, members: Members) -> dict[str, Json]:
-    """Entity as JSON; its arrays are added to ``members`` under their names."""
+    """JSON record of an entity; its arrays are added to ``members`` under their names."""
     folder = "captures" if collection == "captures" else "characters"
 
     def store(array: Array) -> str:
@@ -89,8 +89,9 @@ def entity_record(collection: str, entity_id: str, entity: Entity, members: Memb
 
 
 def _schema_of(collection: str, entity: Entity) -> int:
-    """Lowest schema that can hold an entity, so that a contact with the ground, a constant body or keys without
-    tangents are written as in earlier versions.
+    """Lowest schema that can hold an entity.
+
+    A contact with the ground, a constant body or keys without tangents are so written as in earlier versions.
     """
     if isinstance(entity, Prop) and any(isinstance(hold, Carried) and hold.steady for hold in entity.holds):
         return ENTITY_SCHEMAS[collection]
@@ -129,7 +130,7 @@ def _has_curves(entity: Entity) -> bool:
 
 
 def entity_of(collection: str, record: Json, load: Callable[[str], Array]) -> Entity:
-    """Entity of a record. Raises ValueError naming the wrong field."""
+    """Entity in a record. Raises ValueError, which names the wrong field."""
     try:
         entity: Entity = from_json(record, _class_of(collection, record), MemberCodec(_no_member, load))
     except (TypeError, ArithmeticError, LookupError) as error:
@@ -144,12 +145,12 @@ def is_known(collection: str, record: Json) -> bool:
 
 
 def record_line(record: Json) -> str:
-    """One record on one line: sorted keys, no space, no number that is not finite."""
+    """JSON of one record on one line: sorted keys, no spaces, no number that is not finite."""
     return json.dumps(record, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
 
 
 def parse_member(content: bytes, name: str) -> Json:
-    """JSON of a member. Raises StudioError naming the member."""
+    """JSON value of a member. Raises StudioError, which names the member."""
     try:
         return json_of(content, parse_constant=_refuse_constant, parse_float=_finite)
     except ValueError as error:
@@ -157,7 +158,7 @@ def parse_member(content: bytes, name: str) -> Json:
 
 
 def project_json(project: Project, members: Members) -> bytes:
-    """The whole project, canonical: equal projects give equal bytes."""
+    """Canonical JSON of a project: equal projects give equal bytes."""
     carried = project.carried
     lists = {}
     for collection in COLLECTIONS:
@@ -179,7 +180,9 @@ def project_json(project: Project, members: Members) -> bytes:
 
 @dataclass
 class ReadProject:
-    """Project from JSON, sentences about unreadable parts, and parts that are preserved without being understood."""
+    """Project read from JSON, with sentences about lost parts (``losses``) and about parts kept without being
+    understood.
+    """
 
     project: Project
     losses: list[str] = field(default_factory=list)
@@ -187,9 +190,9 @@ class ReadProject:
 
 
 def project_of(record: Json, load: Callable[[str], Array]) -> ReadProject:
-    """Project of a record; unreadable entities are left out and listed.
+    """Project in a record; unreadable entities are left out and listed.
 
-    ``load`` gives the array of a member and raises ValueError if it is missing or damaged.
+    ``load`` returns the array of a member and raises ValueError if it is missing or damaged.
     """
     if not isinstance(record, dict):
         raise StudioError("'project.json' in the project file is not a record.")
@@ -228,7 +231,7 @@ def project_of(record: Json, load: Callable[[str], Array]) -> ReadProject:
 
 
 def named_members(record: Json) -> set[str]:
-    """Every member name in a piece of JSON."""
+    """Names of all members that a JSON value refers to."""
     return {match.group() for match in MEMBER_NAME_PATTERN.finditer(json.dumps(record))}
 
 
@@ -248,7 +251,7 @@ def _records(record: dict[str, Json], collection: str, losses: list[str]) -> lis
 def _part_with_dangling(
     entities: dict[str, dict[str, Entity]], foreign: dict[str, list[Json]], record: Json, losses: list[str]
 ) -> None:
-    """Move entities that refer to unknown ones to these; those that refer to lost ones are lost."""
+    """Move entities that refer to unknown entities to ``foreign``; those that refer to lost ones are lost."""
     carried = {(name, item["id"]) for name, items in foreign.items() for item in items}
     while True:
         project = Project(**entities)  # type: ignore[arg-type]
@@ -280,7 +283,9 @@ def _class_of(collection: str, record: Json) -> Any:
 
 
 def _with_unknown(record: dict[str, Json], unknown: dict[str, Json]) -> dict[str, Json]:
-    """Record with the unknown fields of the file merged back, so that saving keeps them; list items match by place."""
+    """Record with the unknown fields of the file merged back, so that saving keeps them; list items are matched by
+    position.
+    """
     merged = dict(record)
     for key, item in unknown.items():
         inner = merged.get(key)

@@ -50,12 +50,12 @@ _PLAIN_ID = re.compile("[0-9A-Za-z]{1,64}")
 
 
 class ChangedOnDisk(StudioError):  # noqa: N818 - it names what is the matter
-    """File that another program has written since it was opened here."""
+    """Error: another program has written the file since it was opened."""
 
 
 @dataclass(frozen=True)
 class OpenedProject:
-    """Project as read; with ``problems`` it is incomplete, and the file must not be replaced."""
+    """Project as it was read; with ``problems`` it is incomplete, and the file must not be replaced."""
 
     project: Project
     path: Path
@@ -66,11 +66,11 @@ class OpenedProject:
     versions: tuple[str, ...] = ()
     """Earlier versions in the file, newest first: member names for ``read_project(path, version)``."""
     remarks: tuple[str, ...] = ()
-    """Sentences about what is whole and as it was saved, but does not go together."""
+    """Sentences about parts that are intact but inconsistent with each other."""
 
 
 def new_document_id() -> str:
-    """Id of a document, kept by its file under any name."""
+    """New id of a document, which its file keeps under any name."""
     return uuid.uuid4().hex
 
 
@@ -94,10 +94,10 @@ def write_project(
     expected: Stamp | None = None,
     report: Callable[[float, str], None] = lambda _share, _text: None,
 ) -> Stamp:
-    """Save ``project``; either the whole new file is there afterwards or the old one, untouched.
+    """Save ``project``, and return the stamp of the file; the file is either replaced as a whole or left unchanged.
 
-    ``expected`` is the stamp of the file as it was opened; ChangedOnDisk is raised when it has another now.
-    Raises FolderNotWritable where another folder is needed, StudioError for anything else in the way.
+    ``expected`` is the stamp of the file as it was opened; ChangedOnDisk is raised if it has changed. Raises
+    FolderNotWritable if another folder is needed, and StudioError for any other obstacle.
     """
     if expected is not None and stamp(path) not in (expected, None):
         raise ChangedOnDisk(
@@ -116,9 +116,9 @@ def write_project(
 
 
 def read_project(path: Path, version: str = PROJECT_FILE) -> OpenedProject:
-    """The project of a file, or an earlier ``version`` of it, as far as its hashes are right.
+    """Project in a file, or in an earlier ``version`` of it, as far as its hashes are right.
 
-    What is damaged is left out and listed. Raises StudioError when nothing can be opened.
+    Damaged parts are left out and listed. Raises StudioError if nothing can be opened.
     """
     archive = read_archive(path)
     problems = [f"'{name}' in '{path.name}' is damaged." for name in dict.fromkeys(archive.damaged)]
@@ -150,7 +150,7 @@ def read_project(path: Path, version: str = PROJECT_FILE) -> OpenedProject:
 
 
 def read_thumbnail(path: Path) -> bytes | None:
-    """PNG of the stage as it was when the project was saved; None without one that can be read."""
+    """PNG of the stage when the project was saved; None if there is none that can be read."""
     return read_member(path, THUMBNAIL_FILE, _MOST_THUMBNAIL_BYTES)
 
 

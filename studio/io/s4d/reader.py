@@ -46,6 +46,8 @@ _LARGEST = 1e6
 
 @dataclass(frozen=True)
 class _Provenance:
+    """Part of the record about the source file."""
+
     source: str
     unit: str
     up_axis: str
@@ -55,7 +57,7 @@ class _Provenance:
 
 @dataclass(frozen=True, eq=False)
 class _Actor:
-    """Record called ``actor``; shapes are checked when its parts are made."""
+    """Part of the record about the actor; shapes are checked when the skeleton and rig are made."""
 
     joints: tuple[str, ...]
     parents: tuple[int, ...]
@@ -72,6 +74,8 @@ class _Actor:
 
 @dataclass(frozen=True, eq=False)
 class _Record:
+    """Record of an S4D file."""
+
     name: str
     frame_rate: float
     first_frame: int
@@ -84,9 +88,9 @@ class _Record:
 
 
 def read_s4d(path: Path, motion_id: str = "") -> S4d:
-    """Content of the file at ``path``; contacts and constraints get the id ``motion_id``.
+    """Content of the S4D file at ``path``; contacts and constraints get the id ``motion_id``.
 
-    Raises StudioError naming the file, the member and what to do.
+    Raises StudioError, which names the file, the member and what to do.
     """
     size, members = _members(path)
     record = _record(members[RECORD_MEMBER], path)

@@ -1,4 +1,4 @@
-"""Run of a child process that reads a scene: limited memory, one line on standard error for an error."""
+"""Run of a child process that reads a scene, with limited memory; an error is one line on standard error."""
 
 import os
 import sys
@@ -8,9 +8,9 @@ from contextlib import suppress
 from pathlib import Path
 
 MOST_FRAME_VALUES = 1 << 27
-"""Numbers of all frames and joints together."""
+"""Maximum number of numbers of all frames and joints together."""
 SPARE_MEMORY_BYTES = 3 << 30
-"""Bytes of addresses beside twenty times the file: what Python and NumPy reserve, and half a gigabyte."""
+"""Bytes of address space in addition to twenty times the file: for Python and NumPy, and half a gigabyte."""
 
 
 def run_child(main: Callable[[str, str, str], None]) -> None:

@@ -1,4 +1,4 @@
-"""TRC file as a capture."""
+"""Interpretation of a TRC file as a capture."""
 
 from pathlib import Path
 
@@ -10,6 +10,8 @@ from studio.io.trc.reader import read_trc
 
 
 def load_trc(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
-    """Body solved from the markers of the TRC file at ``path``, or the markers alone if their labels are unknown."""
+    """Capture of the body solved from the markers of the TRC file at ``path``, or of its markers alone if their labels
+    are unknown.
+    """
     file = read_trc(path, lambda share: progress(0.4 * share, f"Reading {path.name}"))
     return read_capture_of_trial(file.trial, file.repairs, Annotations(), options, progress)

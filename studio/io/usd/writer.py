@@ -1,4 +1,4 @@
-"""A take as USD: a UsdSkel skeleton with its animation and skin, Z up and in metres as the studio has them.
+"""Writer of a take as USD: a UsdSkel skeleton with its animation and skin, Z up and in metres as in the studio.
 
 The package usd-core is an extra of the studio (``pip install morpho-studio[usd]``), imported only here.
 """
@@ -29,17 +29,17 @@ from studio.io.zipped import write_zip
 FloatArray = NDArray[np.float64]
 
 USD_FOCAL_LENGTH = 50.0
-"""Of every camera; only its ratio to the aperture is seen."""
+"""Focal length of every camera; only its ratio to the aperture matters."""
 PACKED_SUFFIX = ".usdz"
 _TOLD, _SAVED = 64, 8192
 """Frames between two reports of progress, and those that go to the disk at once: USD holds Python's lock for them."""
 
 
 def write_take(path: Path, take: Take, progress: Progress) -> None:
-    """Write skeleton, animation and the character's skin, or a figure of bones where there is none.
+    """Write skeleton, animation and the character's skin, or a figure of bones if it has none.
 
-    One time sample a frame. Textures become pictures beside the file, named after it, or go into it where it is a
-    ``.usdz``. Raises StudioError when the package is missing or something cannot be written.
+    The file has one time sample per frame. Textures become pictures beside the file, named after it, or are packed into
+    a ``.usdz``. Raises StudioError if the package is missing or the file cannot be written.
     """
 
     def fill(stage: Any) -> dict[str, bytes]:
@@ -54,7 +54,10 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
 
 
 def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
-    """Write all performers and props of a stage on one clock at their positions, below one prim. As ``write_take``."""
+    """Write all performers and props of a stage with common frames at their positions, below one prim.
+
+    Units, axes and textures are those of ``write_take``. Raises StudioError if the file cannot be written.
+    """
 
     def fill(made: Any) -> dict[str, bytes]:
         from pxr import UsdGeom
@@ -79,7 +82,7 @@ def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
 
 
 def _write(path: Path, fill: Callable[[Any], dict[str, bytes]], progress: Progress) -> None:
-    """Write what ``fill`` puts on a stage, with the pictures that it returns by name."""
+    """Write the stage that ``fill`` sets up, with the pictures that it returns by name."""
     try:
         with deferred_interrupt():
             from pxr import Tf, Usd, UsdGeom, UsdShade, UsdSkel  # noqa: F401 - all that is imported on the way
@@ -105,7 +108,7 @@ def _write(path: Path, fill: Callable[[Any], dict[str, bytes]], progress: Progre
 
 
 def _written(layer: Path, stage: Any, suffix: str, pictures: Iterable[str], progress: Progress) -> Path:
-    """The file of the layer, or one beside it: as text, or with its pictures in a package."""
+    """Path of the written layer, or of a file beside it: as text, or with its pictures in a package."""
     if suffix == PACKED_SUFFIX:
         package = layer.with_suffix(PACKED_SUFFIX)
         files = {name: layer.with_name(name).read_bytes() for name in (layer.name, *pictures)}
@@ -119,7 +122,7 @@ def _written(layer: Path, stage: Any, suffix: str, pictures: Iterable[str], prog
 
 
 def _set_up(stage: Any, frame_rate: float, frame_count: int) -> None:
-    """Axes, unit and frames."""
+    """Set axes, unit and frames of the stage."""
     from pxr import UsdGeom
 
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
@@ -131,7 +134,7 @@ def _set_up(stage: Any, frame_rate: float, frame_count: int) -> None:
 
 
 def _put_take(stage: Any, take: Take, path: str, stem: str, progress: Any) -> dict[str, bytes]:
-    """Put the take on the stage; returns the pictures of its textures by the names they have there."""
+    """Put the take on the stage, and return the pictures of its textures by their names there."""
     from pxr import Sdf, UsdGeom, UsdSkel, Vt
 
     skin = skin_of(take)
@@ -197,7 +200,9 @@ def _joint_paths(skeleton: Skeleton) -> list[str]:
 def _skeleton(
     stage: Any, root: Any, skeleton: Skeleton, skin: JointSkin, joints: list[str], turns: FloatArray | None
 ) -> Any:
-    """Rest: the zero pose, in the parents' axes. Bind: where the skin's joints stood, in the world."""
+    """Skeleton with its rest transforms (the zero pose, in the parents' axes) and bind transforms (of the skin, in the
+    world).
+    """
     from pxr import UsdSkel, Vt
 
     made = UsdSkel.Skeleton.Define(stage, root.GetPath().AppendChild("Skeleton"))
@@ -253,7 +258,7 @@ def _mesh(stage: Any, root: Any, skeleton: Any, skin: JointSkin) -> Any:
 
 
 def _set_surface(mesh: Any, vertices: FloatArray, normals: FloatArray, triangles: NDArray[Any]) -> None:
-    """Points, faces and normals of a mesh."""
+    """Set points, faces and normals of a mesh."""
     from pxr import UsdGeom, Vt
 
     points = vertices.astype(np.float32)
