@@ -4,6 +4,7 @@ The values are for the left side in degrees; the right side is the mirror image.
 at the middle of its range: ``bone`` and ``hinge`` are the unit z and x axes, in the parent segment (arms in the thorax
 as the clavicle carries it along; thorax and pelvis x forward, y left, z up). Twist is measured from the shortest arc,
 after the swing.
+
 =========  ==============================================  =====================================================
 joint      range                                           source
 =========  ==============================================  =====================================================
@@ -22,6 +23,7 @@ wrist      80 every way (flexion 76, extension 75; the     Boone and Azen 1979
 ankle      plantar flexion 56, inversion 37, eversion 21,  Boone and Azen 1979; dorsiflexion under load: Bennell
            dorsiflexion 45 under load                      and others 1998
 =========  ==============================================  =====================================================
+
 D. C. Boone, S. P. Azen: Normal range of motion of joints in male subjects, J. Bone Joint Surg. 61-A (1979); American
 Academy of Orthopaedic Surgeons: Joint Motion (1965); I. A. Kapandji: The Physiology of the Joints (1982); K. Bennell
 and others: Intra-rater and inter-rater reliability of a weight-bearing lunge, Aust. J. Physiother. 44 (1998). Swing and

@@ -261,7 +261,7 @@ def _motion_header(name: str, body: list[bytes], motion_line: int) -> tuple[_Hea
 
 
 def _frame_time(name: str, header: _Header, repairs: list[str]) -> tuple[float | None, float]:
-    """Seconds per frame, and the value of its last digit; 0 for a fraction (``1/60``)."""
+    """Seconds per frame, and the value in seconds of its last digit; 1e-9 for a fraction (``1/60``)."""
     text = header.frame_time
     if not text:
         repairs.append(f"{name}, line {header.frame_time_line or header.line}: the file has no Frame Time.")
