@@ -333,7 +333,7 @@ def test_a_sole_is_nudged_on_to_one_tread_wherever_6_cm_suffice(seed: int, rise:
 
 
 def test_steps_without_rise_nudge_nobody() -> None:
-    assert not Steps(0.0, 0.0).nudges(np.random.default_rng(0).uniform(-1, 1, (9, 3, 2))).any()
+    assert not Steps(0.0, 0.0).foothold_offsets(np.random.default_rng(0).uniform(-1, 1, (9, 3, 2))).any()
 
 
 def test_kinds_are_named_apart_and_differ_by_value() -> None:
