@@ -177,6 +177,8 @@ REST_SPEED = 0.15
 """Speed in metres per second below which toes near the ground stand while the heel does, though they sink further
 before they roll off.
 """
+SLIDING_SPEED = 0.2
+"""Speed in metres per second below which a foot that slides over the ground rests at one of its positions."""
 PIVOT_SPEED, PIVOT_METRES = 0.2, 0.04
 """Speed in metres per second of ball and heel relative to each other while a foot pivots on one of them; and distance
 in metres that the other one travels farther meanwhile.
@@ -275,10 +277,12 @@ def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) 
         over_lows = heights - lows[side]
         stands[0] &= over_lows[:, 0] < over_lows[:, 1:].max(axis=1) + HEIGHT_MARGIN  # else the foot is on tiptoe
         rests = stands[0] & near[1] & (speeds[1:] < REST_SPEED).all(axis=0)
+        shortest = round(SHORTEST_CONTACT_SECONDS * frame_rate)
+        rests &= ~_hanging(rests, stands[0], stands[1] | stands[2], heights[:, 0], shortest)
         heel, toe = _without_pivots(stands[0], stands[1] | stands[2] | rests, tracks[:, side], frame_rate)
         middle = tracks[:, side, :2].mean(axis=1)  # of heel and ball: a foot that turns on the spot goes nowhere
         for kind, standing in (("heel", heel), ("toe", toe)):
-            spans = _without_flicker(standing, middle, round(SHORTEST_CONTACT_SECONDS * frame_rate))
+            spans = _without_flicker(standing, middle, shortest)
             found[ContactPoint(f"{name}_{kind}")] = [(a + first_frame, b + first_frame) for a, b in spans]
     return found
 
@@ -329,6 +333,28 @@ def _stands(
     return standing
 
 
+def _hanging(
+    rests: NDArray[np.bool_],
+    heel: NDArray[np.bool_],
+    toe: NDArray[np.bool_],
+    heel_height: FloatArray,
+    shortest: int,
+) -> NDArray[np.bool_]:
+    """Mask (F,) of resting toes, ``rests`` (F,), that hang for ``shortest`` frames after ``heel`` landed.
+
+    They land later, ``toe`` (F,), faster than at rest, while the heel is no higher. Toes that sink as their heel rises
+    stood before.
+    """
+    hanging = np.zeros(len(rests), dtype=bool)
+    for first, last in spans_of(heel):
+        lands = np.flatnonzero(toe[first : last + 1] & ~rests[first : last + 1])
+        for begin, end in spans_of(rests[first : last + 1] & ~toe[first : last + 1]):
+            after = lands[lands > end]
+            if end - begin >= shortest and len(after) and heel_height[first + after[0]] <= heel_height[first + end]:
+                hanging[first + begin : first + end + 1] = True
+    return hanging
+
+
 def _without_pivots(
     heel: NDArray[np.bool_], toe: NDArray[np.bool_], sole: FloatArray, frame_rate: float
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -343,6 +369,29 @@ def _without_pivots(
         if abs(ball_travel - heel_travel) > PIVOT_METRES:
             (toe if ball_travel > heel_travel else heel)[first : last + 1] = False
     return heel, toe
+
+
+def parted_at_slides(
+    spans: list[Span], own: FloatArray, middle: FloatArray, lies: NDArray[np.bool_], frame_rate: float
+) -> list[Span]:
+    """Contacts of a point of a foot, split where the foot slides from one position of rest to another.
+
+    ``own`` and ``middle`` (F, 3) are the point and the middle of its foot: a foot that turns moves one of them alone. A
+    foot whose leg ``lies`` (F,) may be dragged.
+    """
+    standing = contact_mask(spans, len(own))
+    rests = point_speeds(middle, standing, frame_rate) < SLIDING_SPEED
+    for first, last in spans:
+        parts = [(first + a, first + b) for a, b in spans_of(rests[first : last + 1])]
+        parts = [(a, b) for a, b in parts if b - a >= SHORTEST_CONTACT_SECONDS * frame_rate]
+        places = np.array([[track[a : b + 1].mean(axis=0) for track in (own, middle)] for a, b in parts])
+        if len(parts) < 2 or np.linalg.norm(np.ptp(places, axis=0), axis=1).min() < GREATEST_WANDER_METRES:
+            continue
+        ways = np.linalg.norm(np.diff(places, axis=0), axis=2).min(axis=1)
+        for (_, leaves), (arrives, _), way in zip(parts, parts[1:], ways, strict=False):
+            if way > PIVOT_METRES and not lies[leaves:arrives].any():
+                standing[leaves + 1 : arrives] = False
+    return spans_of(standing)
 
 
 def joined_over_still_gaps(spans: list[Span], middle: FloatArray) -> list[Span]:
